@@ -1,0 +1,128 @@
+//! Reading a request body: its media type, its size, its JSON, and a pointer to what is wrong in it.
+
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::header;
+use bytes::Bytes;
+use http_body_util::BodyExt;
+use serde::de::DeserializeOwned;
+use serde_json::error::Category;
+use serde_path_to_error::{Path, Segment};
+
+use super::App;
+use super::problem::{Kind, Problem};
+
+/// Reads the JSON body of a request.
+pub async fn read_json(app: &App, request: Request) -> Result<Bytes, Problem> {
+    check_media_type(&request)?;
+    let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
+    let announced = request
+        .headers()
+        .get(header::CONTENT_LENGTH)
+        .and_then(|length| length.to_str().ok()?.parse::<usize>().ok());
+    if announced > Some(limit) {
+        return Err(too_large(limit));
+    }
+    collect(app, request.into_body(), limit, announced.unwrap_or(0)).await
+}
+
+fn check_media_type(request: &Request) -> Result<(), Problem> {
+    let given = request.headers().get(header::CONTENT_TYPE);
+    let given = given.and_then(|value| value.to_str().ok()).unwrap_or("");
+    let essence = given.split(';').next().unwrap_or("").trim();
+    if essence.eq_ignore_ascii_case("application/json") {
+        return Ok(());
+    }
+    let detail = match given {
+        "" => "the Content-Type header is missing; jobs are sent as application/json".to_owned(),
+        _ => format!("Content-Type is {given:?}; jobs are sent as application/json"),
+    };
+    Err(Problem::new(Kind::UnsupportedMediaType, detail))
+}
+
+async fn collect(
+    app: &App,
+    mut body: Body,
+    limit: usize,
+    announced: usize,
+) -> Result<Bytes, Problem> {
+    let mut collected = Vec::with_capacity(announced);
+    loop {
+        let frame = tokio::time::timeout(app.config.body_timeout, body.frame())
+            .await
+            .map_err(|_| {
+                let seconds = app.config.body_timeout.as_secs_f64();
+                let detail = format!("no byte of the body came for {seconds} seconds");
+                Problem::new(Kind::BodyTimeout, detail)
+            })?;
+        let Some(frame) = frame else {
+            return Ok(collected.into());
+        };
+        let frame = frame.map_err(|reason| {
+            let detail = format!("the body could not be read: {reason}");
+            Problem::new(Kind::InvalidRequest, detail)
+        })?;
+        // Trailers carry nothing that is needed here.
+        if let Ok(data) = frame.into_data() {
+            if data.len() > limit - collected.len() {
+                return Err(too_large(limit));
+            }
+            collected.extend_from_slice(&data);
+        }
+    }
+}
+
+fn too_large(limit: usize) -> Problem {
+    let detail = format!("the body is larger than {limit} bytes, the limit of this server");
+    Problem::new(Kind::BodyTooLarge, detail)
+}
+
+/// Parses JSON. A body that is wrong is read a second time, to find out where.
+pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
+    serde_json::from_slice(body).map_err(|error| {
+        let mut reader = serde_json::Deserializer::from_slice(body);
+        match serde_path_to_error::deserialize::<_, T>(&mut reader) {
+            Err(located) => {
+                let pointer = pointer(located.path());
+                describe(&located.into_inner(), pointer)
+            }
+            // Whatever follows a complete value.
+            Ok(_) => describe(&error, String::new()),
+        }
+    })
+}
+
+fn describe(error: &serde_json::Error, pointer: String) -> Problem {
+    let text = error.to_string();
+    // 1e999 is JSON, but no 64-bit number.
+    if text.starts_with("number out of range") {
+        let detail = format!("the {text}: numbers are finite 64-bit floating-point numbers");
+        return Problem::at_pointer(Kind::InvalidFit, pointer, detail);
+    }
+    match error.classify() {
+        Category::Data => Problem::at_pointer(Kind::InvalidFit, pointer, text),
+        Category::Eof if error.column() == 0 && error.line() <= 1 => {
+            Problem::new(Kind::NotJson, "the body is empty; a job is expected")
+        }
+        Category::Syntax | Category::Eof | Category::Io => {
+            let hint = "JSON is expected, which has no NaN and no Infinity";
+            Problem::at_pointer(Kind::NotJson, pointer, format!("{text}; {hint}"))
+        }
+    }
+}
+
+/// The JSON pointer (RFC 6901) of a path.
+fn pointer(path: &Path) -> String {
+    let mut pointer = String::new();
+    for segment in path {
+        match segment {
+            Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
+            Segment::Map { key } | Segment::Enum { variant: key } => {
+                pointer.push('/');
+                pointer.push_str(&key.replace('~', "~0").replace('/', "~1"));
+            }
+            Segment::Unknown => {}
+        }
+    }
+    pointer
+}

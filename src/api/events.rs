@@ -1,0 +1,283 @@
+//! A job as a stream of events: `job`, then every `iteration` from 0 on, then `end`.
+//!
+//! The stream is pulled: the next frame is asked for when the connection has taken the one before.
+//! The JSON of an iteration is made once and shared by all streams; only what stands around it
+//! differs between server-sent events and NDJSON.
+
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use bytes::{Bytes, BytesMut};
+use futures_util::stream;
+use serde::Deserialize;
+use tokio::sync::watch;
+use tokio::time::{Duration, sleep};
+use uuid::Uuid;
+
+use super::negotiate::{self, Framing};
+use super::problem::Problem;
+use super::{App, jobs, view};
+use crate::job::Job;
+use crate::job::cursor::{Cursor, Next};
+use crate::job::frame::Frame;
+use crate::job::scheduler::Lane;
+
+const LAST_EVENT_ID: &str = "last-event-id";
+const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
+const END: &str = "end";
+
+/// Events up to this size are sent in one piece.
+const ONE_PIECE: usize = 16 * 1024;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EventParameters {
+    last_event_id: Option<String>,
+}
+
+/// `GET /v1/jobs/{id}/events`
+pub async fn get(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let framing = negotiate::framing(&headers)?;
+    let parameters: EventParameters = negotiate::query(&uri)?;
+    let job = jobs::find(&app, &id).await?;
+    match last_event_id(&headers, parameters.last_event_id)? {
+        None => Ok(stream(&app, job, framing, None)),
+        // Only this status keeps an EventSource from connecting again.
+        Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
+        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, Some(k))),
+    }
+}
+
+/// The last event that a client has seen.
+enum LastEvent {
+    Iteration(usize),
+    End,
+}
+
+/// The header wins over the query parameter, which is for clients that cannot set headers.
+fn last_event_id(
+    headers: &HeaderMap,
+    parameter: Option<String>,
+) -> Result<Option<LastEvent>, Problem> {
+    let header = headers
+        .get(LAST_EVENT_ID)
+        .map(|value| value.to_str().unwrap_or("?").to_owned());
+    let in_header = header.is_some();
+    let Some(id) = header.or(parameter).filter(|id| !id.is_empty()) else {
+        return Ok(None);
+    };
+    if id == END {
+        return Ok(Some(LastEvent::End));
+    }
+    id.parse()
+        .ok()
+        .filter(|&k| k < usize::MAX / 2)
+        .map(|k| Some(LastEvent::Iteration(k)))
+        .ok_or_else(|| {
+            let detail = format!("{id:?} is no event id: ids are iteration numbers and \"end\"");
+            if in_header {
+                Problem::at_header("Last-Event-ID", detail)
+            } else {
+                Problem::at_parameter("last_event_id", detail)
+            }
+        })
+}
+
+/// The events of a job after iteration `seen`.
+pub fn stream(app: &App, job: Arc<Job>, framing: Framing, seen: Option<usize>) -> Response {
+    let feed = Feed {
+        cursor: Cursor::new(Arc::clone(&job), seen.map_or(0, |k| k + 1)),
+        job,
+        framing,
+        stage: Stage::Opening,
+        pending: VecDeque::new(),
+        heartbeat: app.config.heartbeat,
+        stopping: app.stopping.clone(),
+    };
+    let body = stream::unfold(feed, |mut feed| async move {
+        let piece = feed.next().await?;
+        Some((Ok::<_, Infallible>(piece), feed))
+    });
+    let mut response = Response::new(Body::from_stream(body));
+    let headers = response.headers_mut();
+    let content_type = match framing {
+        Framing::Sse => "text/event-stream",
+        Framing::Ndjson => "application/x-ndjson",
+    };
+    for (name, value) in [
+        (header::CONTENT_TYPE, content_type),
+        (header::CACHE_CONTROL, "no-store, no-transform"),
+        (HeaderName::from_static("x-accel-buffering"), "no"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    if let Some(k) = seen {
+        headers.insert(RESUMED_AFTER, HeaderValue::from(k));
+    }
+    response
+}
+
+/// Where a stream is.
+enum Stage {
+    Opening,
+    Description,
+    Iterations,
+    Over,
+}
+
+/// What a stream was waiting for.
+enum Happened {
+    Next(Next),
+    Nothing,
+    Stopping,
+}
+
+/// The state of one stream.
+struct Feed {
+    job: Arc<Job>,
+    cursor: Cursor,
+    framing: Framing,
+    stage: Stage,
+    /// Pieces of the event that is being sent.
+    pending: VecDeque<Bytes>,
+    heartbeat: Duration,
+    stopping: watch::Receiver<bool>,
+}
+
+impl Feed {
+    /// The next piece of the stream.
+    async fn next(&mut self) -> Option<Bytes> {
+        loop {
+            if let Some(piece) = self.pending.pop_front() {
+                return Some(piece);
+            }
+            match self.stage {
+                Stage::Opening => {
+                    self.stage = Stage::Description;
+                    // Proxies hold the answer back until there is something to pass on.
+                    if self.framing == Framing::Sse {
+                        return Some(Bytes::from_static(b": piad\nretry: 2000\n\n"));
+                    }
+                }
+                Stage::Description => {
+                    self.stage = Stage::Iterations;
+                    let data = describe(&self.job).await;
+                    self.push("job", None, data);
+                }
+                Stage::Iterations => self.advance().await,
+                Stage::Over => return None,
+            }
+        }
+    }
+
+    /// Waits for the next frame, the next heartbeat or the end of the server.
+    async fn advance(&mut self) {
+        let happened = tokio::select! {
+            next = self.cursor.next() => Happened::Next(next),
+            () = sleep(self.heartbeat) => Happened::Nothing,
+            _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
+        };
+        match happened {
+            Happened::Next(Next::Frame(frame)) => {
+                let data = encode(&self.job, &frame).await;
+                self.push("iteration", Some(&frame.level.iteration.to_string()), data);
+            }
+            Happened::Next(Next::End(status)) => {
+                let data = view::end(&self.job, &status);
+                self.push("end", Some(END), data);
+                self.stage = Stage::Over;
+            }
+            Happened::Nothing => self.push_comment(": still here\n\n".into()),
+            Happened::Stopping => {
+                // Clients come back one after the other, to whoever serves them then.
+                let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
+                self.push_comment(format!(": the server is stopping\nretry: {retry}\n\n"));
+                self.stage = Stage::Over;
+            }
+        }
+    }
+
+    /// NDJSON has no comments.
+    fn push_comment(&mut self, text: String) {
+        if self.framing == Framing::Sse {
+            self.pending.push_back(text.into());
+        }
+    }
+
+    fn push(&mut self, event: &str, id: Option<&str>, data: Bytes) {
+        let (before, after) = match self.framing {
+            Framing::Sse => {
+                let id = id.map_or(String::new(), |id| format!("id: {id}\n"));
+                (format!("event: {event}\n{id}data: "), "\n\n")
+            }
+            Framing::Ndjson => {
+                // Numbers stay numbers.
+                let id = id.map_or(String::new(), |id| match id {
+                    END => format!(r#""id":"{END}","#),
+                    number => format!(r#""id":{number},"#),
+                });
+                (format!(r#"{{"event":"{event}",{id}"data":"#), "}\n")
+            }
+        };
+        let before = Bytes::from(before);
+        let after = Bytes::from_static(after.as_bytes());
+        if data.len() > ONE_PIECE {
+            self.pending.extend([before, data, after]);
+        } else {
+            let mut whole = BytesMut::with_capacity(before.len() + data.len() + after.len());
+            whole.extend([before, data, after]);
+            self.pending.push_back(whole.freeze());
+        }
+    }
+}
+
+/// The JSON of the `job` event, made once for each job.
+async fn describe(job: &Arc<Job>) -> Bytes {
+    job.description(|| {
+        let numbers = job.problem().grid().count();
+        let described = Arc::clone(job);
+        off_network(job, numbers, move || view::description(&described))
+    })
+    .await
+}
+
+/// The JSON of an iteration, made once for each frame.
+pub async fn encode(job: &Arc<Job>, frame: &Arc<Frame>) -> Bytes {
+    frame
+        .encoded(|| {
+            let problem = Arc::clone(job.problem());
+            let numbers = frame.control_points.len() * frame.control_points.dimension();
+            let frame = Arc::clone(frame);
+            off_network(job, numbers, move || {
+                view::iteration(&problem, &frame.level, &frame.control_points)
+            })
+        })
+        .await
+}
+
+/// Small encodings are made where they are needed, larger ones on the compute pool.
+pub async fn off_network(
+    job: &Job,
+    numbers: usize,
+    encode: impl FnOnce() -> Bytes + Send + 'static,
+) -> Bytes {
+    const SMALL: usize = 2000;
+    /// Writing a number takes about as long as so many multiplications.
+    const OPERATIONS_PER_NUMBER: usize = 50;
+    if numbers <= SMALL {
+        return encode();
+    }
+    let lane = Lane::of(numbers * OPERATIONS_PER_NUMBER);
+    let encoded = job.scheduler().compute(lane, encode).await;
+    encoded.unwrap_or_else(|_| Bytes::from_static(b"null"))
+}

@@ -1,0 +1,97 @@
+//! What the server is, what it can do, and how it is.
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use serde_json::{Value, json};
+
+use super::App;
+use super::numbers::MAX_DIMENSION;
+use super::problem::{Kind, Problem};
+use crate::fit::basis::MAX_DEGREE;
+
+/// `GET /`
+pub async fn index() -> Json<Value> {
+    Json(json!({
+        "name": "piad",
+        "version": env!("CARGO_PKG_VERSION"),
+        "description": env!("CARGO_PKG_DESCRIPTION"),
+        "links": {
+            "jobs": "/v1/jobs",
+            "capabilities": "/v1/capabilities",
+            "problems": "/problems",
+            "livez": "/livez",
+            "readyz": "/readyz",
+        },
+    }))
+}
+
+/// `GET /v1/capabilities`
+pub async fn capabilities(State(app): State<App>) -> Json<Value> {
+    let config = &app.config;
+    Json(json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "geometry": ["curve", "surface"],
+        "dimensions": (1..=MAX_DIMENSION).collect::<Vec<_>>(),
+        "bases": [
+            {"kind": "bspline", "degree": {"min": 1, "max": MAX_DEGREE}, "knots": ["data", "averaged", "explicit"]},
+            {"kind": "bernstein", "degree": {"min": 1, "max": MAX_DEGREE}},
+        ],
+        "parameters": ["chord_length", "centripetal", "uniform", "explicit"],
+        "methods": [{"kind": "global"}],
+        "views": ["control_points", "samples"],
+        "formats": {
+            "events": ["text/event-stream", "application/x-ndjson"],
+            "result": ["application/json"],
+        },
+        "limits": {
+            "body_bytes": config.max_body.as_u64(),
+            "points": config.max_points,
+            "iterations": config.max_iterations,
+            "jobs": config.max_jobs,
+            "memory_bytes": config.memory.as_u64(),
+            "retained_jobs": config.retain_jobs,
+            "retained_bytes": config.retain_bytes.as_u64(),
+        },
+    }))
+}
+
+/// `GET /livez`
+pub async fn livez() -> Json<Value> {
+    Json(json!({"status": "alive"}))
+}
+
+/// `GET /readyz`
+pub async fn readyz(State(app): State<App>) -> Response {
+    if *app.stopping.borrow() {
+        return Problem::new(Kind::Stopping, "the server is stopping")
+            .retry_after(5)
+            .into_response();
+    }
+    Json(json!({"status": "ready"})).into_response()
+}
+
+/// `GET /problems`: all types of problem objects.
+pub async fn problems() -> Json<Value> {
+    Json(Kind::ALL.into_iter().map(explain).collect())
+}
+
+/// `GET /problems/{slug}`: what the `type` of a problem object stands for.
+pub async fn problem(Path(slug): Path<String>) -> Result<(StatusCode, Json<Value>), Problem> {
+    Kind::ALL
+        .into_iter()
+        .find(|kind| kind.entry().slug == slug)
+        .map(|kind| (StatusCode::OK, Json(explain(kind))))
+        .ok_or_else(|| Problem::new(Kind::NotFound, format!("no problem is called {slug:?}")))
+}
+
+fn explain(kind: Kind) -> Value {
+    let entry = kind.entry();
+    json!({
+        "type": format!("/problems/{}", entry.slug),
+        "title": entry.title,
+        "status": entry.status.as_u16(),
+        "meaning": entry.meaning,
+    })
+}

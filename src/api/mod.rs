@@ -1,0 +1,139 @@
+//! What goes over the wire: HTTP resources, event streams and problem objects.
+//!
+//! - [`request`]: the JSON of a job, and its way to a fitting problem;
+//! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
+//! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
+//! - [`jobs`]: create, list, get, cancel, delete;
+//! - [`events`]: a job as a stream of events;
+//! - [`geometry`]: single iterations and results;
+//! - [`view`]: the JSON of answers;
+//! - [`info`]: capabilities, health, the catalogue of problems;
+//! - [`problem`]: errors as problem objects (RFC 9457).
+
+pub mod body;
+pub mod events;
+pub mod geometry;
+pub mod info;
+pub mod jobs;
+pub mod negotiate;
+pub mod numbers;
+pub mod per_direction;
+pub mod problem;
+pub mod request;
+pub mod view;
+
+use std::sync::Arc;
+
+use axum::extract::Request;
+use axum::http::HeaderName;
+use axum::middleware;
+use axum::response::Response;
+use axum::routing::{get, post};
+use axum::{Router, http};
+use tokio::sync::watch;
+use tower::ServiceBuilder;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::request_id::{MakeRequestId, RequestId, SetRequestIdLayer};
+use tower_http::trace::TraceLayer;
+use uuid::Uuid;
+
+use crate::config::Config;
+use crate::job::service::Jobs;
+use problem::{Kind, Problem};
+
+/// What handlers share.
+#[derive(Clone)]
+pub struct App {
+    jobs: Arc<Jobs>,
+    config: Arc<Config>,
+    stopping: watch::Receiver<bool>,
+}
+
+impl App {
+    /// An application over `jobs`; streams end when `stopping` becomes true.
+    pub fn new(jobs: Arc<Jobs>, config: Config, stopping: watch::Receiver<bool>) -> Self {
+        Self {
+            jobs,
+            config: Arc::new(config),
+            stopping,
+        }
+    }
+}
+
+const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
+
+/// All resources.
+pub fn router(app: App) -> Router {
+    let layers = ServiceBuilder::new()
+        .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
+        .layer(TraceLayer::new_for_http().make_span_with(span))
+        .layer(middleware::from_fn(problem::render))
+        .layer(CatchPanicLayer::custom(|_| {
+            use axum::response::IntoResponse;
+            Problem::new(
+                Kind::Internal,
+                "the request ran into a defect of the server",
+            )
+            .into_response()
+        }));
+    Router::new()
+        .route("/", get(info::index))
+        .route("/livez", get(info::livez))
+        .route("/readyz", get(info::readyz))
+        .route("/problems", get(info::problems))
+        .route("/problems/{slug}", get(info::problem))
+        .route("/v1/capabilities", get(info::capabilities))
+        .route("/v1/jobs", post(jobs::create).get(jobs::list))
+        .route("/v1/jobs/{id}", get(jobs::get).delete(jobs::delete))
+        .route("/v1/jobs/{id}/cancel", post(jobs::cancel))
+        .route("/v1/jobs/{id}/events", get(events::get))
+        .route("/v1/jobs/{id}/iterations/{k}", get(geometry::iteration))
+        .route("/v1/jobs/{id}/result", get(geometry::result))
+        .fallback(not_found)
+        .method_not_allowed_fallback(method_not_allowed)
+        .layer(layers)
+        .with_state(app)
+}
+
+async fn not_found(request: Request) -> Problem {
+    let path = request.uri().path();
+    Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
+}
+
+async fn method_not_allowed(request: Request) -> Problem {
+    let (method, path) = (request.method(), request.uri().path());
+    Problem::new(
+        Kind::MethodNotAllowed,
+        format!("{path} does not understand {method}; the Allow header names what it does"),
+    )
+}
+
+/// Ids that grow with time, as those of jobs do.
+#[derive(Clone, Copy)]
+struct NewRequestId;
+
+impl MakeRequestId for NewRequestId {
+    fn make_request_id<B>(&mut self, _request: &http::Request<B>) -> Option<RequestId> {
+        let id = Uuid::now_v7().to_string();
+        id.parse().ok().map(RequestId::new)
+    }
+}
+
+fn span<B>(request: &http::Request<B>) -> tracing::Span {
+    let id = request.headers().get(REQUEST_ID);
+    tracing::info_span!(
+        "request",
+        method = %request.method(),
+        path = request.uri().path(),
+        id = id.and_then(|id| id.to_str().ok()),
+    )
+}
+
+/// Answers of this API are never the same twice.
+fn no_store(mut response: Response) -> Response {
+    let value = http::HeaderValue::from_static("no-store");
+    response
+        .headers_mut()
+        .insert(http::header::CACHE_CONTROL, value);
+    response
+}

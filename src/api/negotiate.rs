@@ -1,0 +1,138 @@
+//! Headers and query parameters that choose an answer.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+use axum::extract::Query;
+use axum::http::{HeaderMap, Uri, header};
+use headers_accept::Accept;
+use mediatype::MediaType;
+use serde::de::DeserializeOwned;
+
+use super::problem::{Kind, Problem};
+
+/// The longest that `Prefer: wait` may ask for.
+const LONGEST_WAIT: u64 = 300;
+
+/// How the events of a stream are framed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// Server-sent events.
+    Sse,
+    /// One JSON object a line.
+    Ndjson,
+}
+
+/// How a job is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// The job as JSON.
+    Json,
+    /// The events of the job.
+    Events(Framing),
+}
+
+const JSON: &str = "application/json";
+const SSE: &str = "text/event-stream";
+const NDJSON: &str = "application/x-ndjson";
+
+/// JSON or events, whichever the client prefers; JSON if it does not care.
+pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
+    choose(
+        headers,
+        &[
+            (JSON, Answer::Json),
+            (SSE, Answer::Events(Framing::Sse)),
+            (NDJSON, Answer::Events(Framing::Ndjson)),
+        ],
+    )
+}
+
+/// The framing of an event stream; server-sent events if the client does not care.
+pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
+    choose(headers, &[(SSE, Framing::Sse), (NDJSON, Framing::Ndjson)])
+}
+
+/// Refuses clients that do not take JSON.
+pub fn json(headers: &HeaderMap) -> Result<(), Problem> {
+    choose(headers, &[(JSON, ())])
+}
+
+/// The first of the representations that the Accept header likes best.
+fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
+    let mut given = Vec::new();
+    for value in headers.get_all(header::ACCEPT) {
+        let text = value
+            .to_str()
+            .map_err(|_| Problem::at_header("Accept", "it is not text"))?;
+        given.push(text);
+    }
+    let given = given.join(", ");
+    let wanted = match given.trim() {
+        "" => "*/*",
+        given => given,
+    };
+    let accept = Accept::from_str(wanted).map_err(|_| {
+        Problem::at_header("Accept", format!("{wanted:?} is no list of media types"))
+    })?;
+    let types: Vec<MediaType> = available
+        .iter()
+        .filter_map(|(name, _)| MediaType::parse(name).ok())
+        .collect();
+    let best = accept.negotiate(&types);
+    best.and_then(|best| types.iter().position(|candidate| candidate == best))
+        .and_then(|index| available.get(index))
+        .map(|(_, value)| *value)
+        .ok_or_else(|| {
+            let names: Vec<&str> = available.iter().map(|(name, _)| *name).collect();
+            let names = names.join(", ");
+            Problem::new(
+                Kind::NotAcceptable,
+                format!("Accept is {wanted:?}; this resource has {names}"),
+            )
+        })
+}
+
+/// The time of `Prefer: wait=n` (RFC 7240), in seconds.
+pub fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
+    for value in headers.get_all("prefer") {
+        let text = value.to_str().unwrap_or("");
+        for preference in text.split(',').map(str::trim) {
+            let Some((name, seconds)) = preference.split_once('=') else {
+                continue;
+            };
+            if !name.trim().eq_ignore_ascii_case("wait") {
+                continue;
+            }
+            return match seconds.trim().parse() {
+                Ok(seconds) if seconds <= LONGEST_WAIT => Ok(Some(Duration::from_secs(seconds))),
+                _ => Err(Problem::at_header(
+                    "Prefer",
+                    format!(
+                        "wait is a whole number of seconds from 0 to {LONGEST_WAIT}, not {seconds:?}"
+                    ),
+                )),
+            };
+        }
+    }
+    Ok(None)
+}
+
+/// The query parameters of a resource; unknown ones are errors.
+pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
+    Query::try_from_uri(uri)
+        .map(|Query(parameters)| parameters)
+        .map_err(|rejection| {
+            let text = rejection.body_text();
+            let detail = text
+                .strip_prefix("Failed to deserialize query string: ")
+                .unwrap_or(&text);
+            // The parameter, if the message names one: "limit: …" or "unknown field `limit`, …".
+            let named = detail
+                .split('`')
+                .nth(1)
+                .filter(|_| detail.contains("field `"));
+            let name = named.or_else(|| detail.split_once(':').map(|(name, _)| name));
+            Problem::at_parameter(name.unwrap_or("(query)"), detail)
+        })
+}

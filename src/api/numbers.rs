@@ -1,0 +1,229 @@
+//! Reading points and numbers from JSON straight into the arrays that are computed with.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
+
+use crate::fit::points::Points;
+
+/// The most coordinates of a point.
+pub const MAX_DIMENSION: usize = 3;
+
+/// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
+#[derive(Debug)]
+pub struct PointList(pub Points);
+
+/// Rows (u) of columns (v) of points.
+#[derive(Debug)]
+pub struct PointGrid {
+    /// The points, row by row.
+    pub points: Points,
+    /// The number of rows.
+    pub rows: usize,
+    /// The number of columns.
+    pub columns: usize,
+}
+
+impl<'de> Deserialize<'de> for PointList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut points = None;
+        deserializer.deserialize_seq(RowVisitor(&mut points))?;
+        let mut points = points.unwrap_or_else(|| Points::new(1));
+        points.shrink_to_fit();
+        Ok(Self(points))
+    }
+}
+
+impl<'de> Deserialize<'de> for PointGrid {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(GridVisitor)
+    }
+}
+
+struct GridVisitor;
+
+impl<'de> Visitor<'de> for GridVisitor {
+    type Value = PointGrid;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("rows of points")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<PointGrid, A::Error> {
+        let mut points = None;
+        let mut count = 0;
+        let mut columns = None;
+        while let Some(length) = rows.next_element_seed(Row {
+            points: &mut points,
+            columns,
+        })? {
+            columns = Some(length);
+            count += 1;
+        }
+        let mut points = points.unwrap_or_else(|| Points::new(1));
+        points.shrink_to_fit();
+        Ok(PointGrid {
+            points,
+            rows: count,
+            columns: columns.unwrap_or(0),
+        })
+    }
+}
+
+/// A row of a grid, which must have as many points as the first; gives the number of its points.
+struct Row<'a> {
+    points: &'a mut Option<Points>,
+    columns: Option<usize>,
+}
+
+impl<'de> DeserializeSeed<'de> for Row<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        let length = deserializer.deserialize_seq(RowVisitor(self.points))?;
+        match self.columns {
+            Some(columns) if columns != length => Err(D::Error::custom(format_args!(
+                "this row has {length} points, the first row has {columns}: all rows must have the same number"
+            ))),
+            _ => Ok(length),
+        }
+    }
+}
+
+/// Appends points; the first of all says how many coordinates there are.
+struct RowVisitor<'a>(&'a mut Option<Points>);
+
+impl<'de> Visitor<'de> for RowVisitor<'_> {
+    type Value = usize;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of points")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<usize, A::Error> {
+        let mut count = 0;
+        while list.next_element_seed(PointSeed(self.0))?.is_some() {
+            count += 1;
+        }
+        Ok(count)
+    }
+}
+
+struct PointSeed<'a>(&'a mut Option<Points>);
+
+impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for PointSeed<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a point: a list of 1, 2 or 3 numbers")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
+        let mut coordinates = [0.0; MAX_DIMENSION];
+        let mut count = 0;
+        while let Some(Number(x)) = list.next_element()? {
+            if count < MAX_DIMENSION {
+                coordinates[count] = x;
+            }
+            count += 1;
+        }
+        if !(1..=MAX_DIMENSION).contains(&count) {
+            return Err(A::Error::invalid_length(count, &self));
+        }
+        let points = self.0.get_or_insert_with(|| Points::new(count));
+        let dimension = points.dimension();
+        if dimension != count {
+            return Err(A::Error::custom(format_args!(
+                "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
+            )));
+        }
+        points.push(&coordinates[..count]);
+        Ok(())
+    }
+}
+
+/// A finite number.
+#[derive(Clone, Copy, Debug)]
+pub struct Number(pub f64);
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_f64(NumberVisitor).map(Self)
+    }
+}
+
+struct NumberVisitor;
+
+impl Visitor<'_> for NumberVisitor {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a number")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
+        Ok(value)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
+        Ok(value as f64)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
+        Ok(value as f64)
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<f64, E> {
+        Err(E::invalid_type(
+            Unexpected::Other("null (what many writers make of NaN and Infinity)"),
+            &self,
+        ))
+    }
+}
+
+/// A name, or explicit numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NameOrNumbers {
+    /// A name.
+    Name(String),
+    /// Numbers.
+    Numbers(Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for NameOrNumbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NameOrNumbersVisitor)
+    }
+}
+
+struct NameOrNumbersVisitor;
+
+impl<'de> Visitor<'de> for NameOrNumbersVisitor {
+    type Value = NameOrNumbers;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a name or a list of numbers")
+    }
+
+    fn visit_str<E: Error>(self, name: &str) -> Result<NameOrNumbers, E> {
+        Ok(NameOrNumbers::Name(name.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<NameOrNumbers, A::Error> {
+        let mut numbers = Vec::new();
+        while let Some(Number(x)) = list.next_element()? {
+            numbers.push(x);
+        }
+        numbers.shrink_to_fit();
+        Ok(NameOrNumbers::Numbers(numbers))
+    }
+}

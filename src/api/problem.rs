@@ -1,0 +1,383 @@
+//! Errors as problem objects (RFC 9457, `application/problem+json`).
+
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+
+use super::REQUEST_ID;
+use crate::job::scheduler::Broken;
+use crate::job::service::Refused;
+use crate::job::state::Failure;
+use crate::job::store::StoreError;
+
+/// The kinds of problems. Their `type` is `/problems/{slug}`, where a server explains them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "each is described in `catalogue`")]
+pub enum Kind {
+    NotJson,
+    InvalidRequest,
+    InvalidFit,
+    NotFound,
+    UnknownJob,
+    NoSuchIteration,
+    NoResult,
+    MethodNotAllowed,
+    NotAcceptable,
+    BodyTimeout,
+    AlreadyEnded,
+    BodyTooLarge,
+    UnsupportedMediaType,
+    QueueFull,
+    Stopping,
+    Overflow,
+    Internal,
+}
+
+/// The entry of a kind in the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// The last part of `type`.
+    pub slug: &'static str,
+    /// The status of answers with this problem.
+    pub status: StatusCode,
+    /// What it is called.
+    pub title: &'static str,
+    /// What it means and what to do about it.
+    pub meaning: &'static str,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 17] = [
+        Self::NotJson,
+        Self::InvalidRequest,
+        Self::InvalidFit,
+        Self::NotFound,
+        Self::UnknownJob,
+        Self::NoSuchIteration,
+        Self::NoResult,
+        Self::MethodNotAllowed,
+        Self::NotAcceptable,
+        Self::BodyTimeout,
+        Self::AlreadyEnded,
+        Self::BodyTooLarge,
+        Self::UnsupportedMediaType,
+        Self::QueueFull,
+        Self::Stopping,
+        Self::Overflow,
+        Self::Internal,
+    ];
+
+    /// What this kind means.
+    pub fn entry(self) -> Entry {
+        let (slug, status, title, meaning) = self.catalogue();
+        Entry {
+            slug,
+            status,
+            title,
+            meaning,
+        }
+    }
+
+    fn catalogue(self) -> (&'static str, StatusCode, &'static str, &'static str) {
+        use StatusCode as S;
+        match self {
+            Self::NotJson => (
+                "not-json",
+                S::BAD_REQUEST,
+                "The body is not JSON",
+                "The body could not be read as JSON; detail names line and column. JSON has no NaN and no Infinity.",
+            ),
+            Self::InvalidRequest => (
+                "invalid-request",
+                S::BAD_REQUEST,
+                "The request is malformed",
+                "A query parameter or a header is unknown or has a value that cannot be understood; errors names it.",
+            ),
+            Self::InvalidFit => (
+                "invalid-fit",
+                S::UNPROCESSABLE_ENTITY,
+                "The job is not a fit that can be computed",
+                "The body is JSON, but not a fitting problem; each entry of errors points at the value that is wrong and says why.",
+            ),
+            Self::NotFound => (
+                "not-found",
+                S::NOT_FOUND,
+                "There is no such resource",
+                "The path is not one of this API.",
+            ),
+            Self::UnknownJob => (
+                "unknown-job",
+                S::NOT_FOUND,
+                "There is no such job",
+                "The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).",
+            ),
+            Self::NoSuchIteration => (
+                "no-such-iteration",
+                S::NOT_FOUND,
+                "The job has no such iteration",
+                "The job ended before it reached this iteration.",
+            ),
+            Self::NoResult => (
+                "no-result",
+                S::CONFLICT,
+                "The job has no result",
+                "The job has not ended yet, or it ended without any geometry.",
+            ),
+            Self::MethodNotAllowed => (
+                "method-not-allowed",
+                S::METHOD_NOT_ALLOWED,
+                "The resource does not understand this method",
+                "The Allow header names the methods that it understands.",
+            ),
+            Self::NotAcceptable => (
+                "not-acceptable",
+                S::NOT_ACCEPTABLE,
+                "The resource has no such representation",
+                "The Accept header allows none of the media types that the resource has; detail names them.",
+            ),
+            Self::BodyTimeout => (
+                "body-timeout",
+                S::REQUEST_TIMEOUT,
+                "The body did not arrive",
+                "The client paused for too long while it sent the body.",
+            ),
+            Self::AlreadyEnded => (
+                "already-ended",
+                S::CONFLICT,
+                "The job has already ended",
+                "A job that has ended cannot be cancelled.",
+            ),
+            Self::BodyTooLarge => (
+                "body-too-large",
+                S::PAYLOAD_TOO_LARGE,
+                "The body is too large",
+                "The body is larger than this server accepts (see limits in /v1/capabilities).",
+            ),
+            Self::UnsupportedMediaType => (
+                "unsupported-media-type",
+                S::UNSUPPORTED_MEDIA_TYPE,
+                "The body has a media type that is not understood",
+                "Jobs are sent as application/json.",
+            ),
+            Self::QueueFull => (
+                "queue-full",
+                S::SERVICE_UNAVAILABLE,
+                "The server has as many jobs as it takes",
+                "Send the job again after the number of seconds in Retry-After.",
+            ),
+            Self::Stopping => (
+                "stopping",
+                S::SERVICE_UNAVAILABLE,
+                "The server is stopping",
+                "The server takes no new work; send the request again after the number of seconds in Retry-After.",
+            ),
+            Self::Overflow => (
+                "overflow",
+                S::UNPROCESSABLE_ENTITY,
+                "The fit left the range of 64-bit numbers",
+                "Coordinates grew beyond 1.8e308 during the iteration. Scale the data down.",
+            ),
+            Self::Internal => (
+                "internal",
+                S::INTERNAL_SERVER_ERROR,
+                "The server made a mistake",
+                "A defect of the server or of its store. Other jobs are not affected; please report it with the request_id.",
+            ),
+        }
+    }
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, Serialize)]
+pub struct FieldError {
+    /// JSON pointer (RFC 6901) into the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pointer: Option<String>,
+    /// A query parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<String>,
+    /// A header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub header: Option<&'static str>,
+    /// Why it is wrong.
+    pub detail: String,
+}
+
+/// A problem object.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    kind: Kind,
+    detail: String,
+    errors: Vec<FieldError>,
+    retry_after: Option<u32>,
+}
+
+/// The JSON of a problem object.
+#[derive(Serialize)]
+struct ProblemBody<'a> {
+    r#type: String,
+    title: &'static str,
+    status: u16,
+    detail: &'a str,
+    #[serde(skip_serializing_if = "<[FieldError]>::is_empty")]
+    errors: &'a [FieldError],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    request_id: Option<&'a str>,
+}
+
+impl Problem {
+    /// A problem that is not about a particular field.
+    pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
+        Self {
+            kind,
+            detail: detail.into(),
+            errors: Vec::new(),
+            retry_after: None,
+        }
+    }
+
+    /// A problem with a value in the body.
+    pub fn at_pointer(kind: Kind, pointer: String, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        let place = if pointer.is_empty() { "/" } else { &pointer };
+        let mut problem = Self::new(kind, format!("{place}: {detail}"));
+        problem.errors.push(FieldError {
+            pointer: Some(pointer),
+            parameter: None,
+            header: None,
+            detail,
+        });
+        problem
+    }
+
+    /// A problem with a query parameter.
+    pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
+        let (name, detail) = (name.into(), detail.into());
+        let mut problem = Self::new(
+            Kind::InvalidRequest,
+            format!("query parameter {name}: {detail}"),
+        );
+        problem.errors.push(FieldError {
+            pointer: None,
+            parameter: Some(name),
+            header: None,
+            detail,
+        });
+        problem
+    }
+
+    /// A problem with a header.
+    pub fn at_header(name: &'static str, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        let mut problem = Self::new(Kind::InvalidRequest, format!("header {name}: {detail}"));
+        problem.errors.push(FieldError {
+            pointer: None,
+            parameter: None,
+            header: Some(name),
+            detail,
+        });
+        problem
+    }
+
+    /// The job does not exist.
+    pub fn unknown_job(id: &str) -> Self {
+        Self::new(Kind::UnknownJob, format!("there is no job {id:?}"))
+    }
+
+    /// The same problem, to be tried again after so many seconds.
+    pub fn retry_after(mut self, seconds: u32) -> Self {
+        self.retry_after = Some(seconds);
+        self
+    }
+
+    /// The object as JSON.
+    pub fn to_json(&self, request_id: Option<&str>) -> serde_json::Value {
+        let Entry {
+            slug,
+            status,
+            title,
+            ..
+        } = self.kind.entry();
+        serde_json::json!(ProblemBody {
+            r#type: format!("/problems/{slug}"),
+            title,
+            status: status.as_u16(),
+            detail: &self.detail,
+            errors: &self.errors,
+            request_id,
+        })
+    }
+}
+
+impl From<Failure> for Problem {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Overflow => Self::new(
+                Kind::Overflow,
+                "the distances from the data are not finite numbers any more: scale the data down",
+            ),
+            Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
+        }
+    }
+}
+
+impl From<Refused> for Problem {
+    fn from(refused: Refused) -> Self {
+        let detail = refused.to_string();
+        match refused {
+            Refused::Full { .. } => Self::new(Kind::QueueFull, detail).retry_after(5),
+            Refused::TooLarge { .. } => Self::at_pointer(Kind::InvalidFit, String::new(), detail),
+            Refused::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
+        Self::new(Kind::Internal, error.to_string())
+    }
+}
+
+impl From<Broken> for Problem {
+    fn from(broken: Broken) -> Self {
+        Self::new(Kind::Internal, broken.to_string())
+    }
+}
+
+impl IntoResponse for Problem {
+    /// The problem travels as an extension; [`render`] writes it, with the id of the request.
+    fn into_response(self) -> Response {
+        let mut response = self.kind.entry().status.into_response();
+        if let Some(seconds) = self.retry_after {
+            let headers = response.headers_mut();
+            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
+        }
+        response.extensions_mut().insert(self);
+        response
+    }
+}
+
+/// Writes problems as JSON and names the request in every answer.
+pub async fn render(request: Request, next: Next) -> Response {
+    let id = request.headers().get(REQUEST_ID).cloned();
+    let mut response = next.run(request).await;
+    if let Some(problem) = response.extensions_mut().remove::<Problem>() {
+        let text = id.as_ref().and_then(|id| id.to_str().ok());
+        let json = problem.to_json(text).to_string();
+        *response.body_mut() = Body::from(json);
+        let headers = response.headers_mut();
+        headers.insert(
+            header::CONTENT_TYPE,
+            HeaderValue::from_static("application/problem+json"),
+        );
+        headers.remove(header::CONTENT_LENGTH);
+    }
+    if let Some(id) = id {
+        response.headers_mut().insert(REQUEST_ID, id);
+    }
+    response
+}

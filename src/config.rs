@@ -1,0 +1,143 @@
+//! The settings of a server: flags and `PIAD_*` variables.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use bytesize::ByteSize;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
+#[derive(Debug, Parser)]
+#[command(name = "piad", version, about, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do; without a command, serve.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Settings of the server.
+    #[command(flatten)]
+    pub config: Config,
+}
+
+/// The commands of the program.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Serve fitting jobs over HTTP (what piad does without a command).
+    Serve(Config),
+    /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
+    Health {
+        /// The server's address; 0.0.0.0 and [::] stand for this machine.
+        #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
+        listen: SocketAddr,
+        /// How many seconds to wait for the answer.
+        #[arg(long, default_value = "3")]
+        timeout: u64,
+    },
+}
+
+/// The settings of a server.
+#[derive(Args, Clone, Debug)]
+pub struct Config {
+    /// Address and port to listen on; port 0 takes any free one.
+    #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
+    pub listen: SocketAddr,
+
+    /// Compute threads for each of the two lanes (small and large steps) [default: the number of cores].
+    #[arg(long, env = "PIAD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub workers: Option<u16>,
+
+    /// Largest request body.
+    #[arg(long, env = "PIAD_MAX_BODY", default_value = "256MiB")]
+    pub max_body: ByteSize,
+
+    /// Most data points of a job.
+    #[arg(long, env = "PIAD_MAX_POINTS", default_value_t = 4_000_000)]
+    pub max_points: usize,
+
+    /// Largest `max_iterations` of a job.
+    #[arg(long, env = "PIAD_MAX_ITERATIONS", default_value_t = 1_000_000)]
+    pub max_iterations: usize,
+
+    /// Most jobs that have not ended; further ones are refused with 503.
+    #[arg(long, env = "PIAD_MAX_JOBS", default_value_t = 10_000)]
+    pub max_jobs: usize,
+
+    /// Memory for running fits; jobs that do not fit in wait, those that never fit are refused.
+    #[arg(long, env = "PIAD_MEMORY", default_value = "4GiB")]
+    pub memory: ByteSize,
+
+    /// Memory for the recent iterations of each fit, from which its readers are served.
+    #[arg(long, env = "PIAD_RING", default_value = "64MiB")]
+    pub ring: ByteSize,
+
+    /// Most ended jobs that are kept; the first to end goes first.
+    #[arg(long, env = "PIAD_RETAIN_JOBS", default_value_t = 1000)]
+    pub retain_jobs: usize,
+
+    /// Memory for the data and results of ended jobs; the first to end goes first.
+    #[arg(long, env = "PIAD_RETAIN_BYTES", default_value = "1GiB")]
+    pub retain_bytes: ByteSize,
+
+    /// Seconds between the comments that keep a quiet event stream open.
+    #[arg(long, env = "PIAD_HEARTBEAT", default_value = "15", value_parser = seconds)]
+    pub heartbeat: Duration,
+
+    /// Seconds without a byte after which a request body is given up.
+    #[arg(long, env = "PIAD_BODY_TIMEOUT", default_value = "30", value_parser = seconds)]
+    pub body_timeout: Duration,
+
+    /// Seconds that requests may take to end after SIGTERM or SIGINT.
+    #[arg(long, env = "PIAD_GRACE", default_value = "4", value_parser = seconds)]
+    pub grace: Duration,
+
+    /// How log lines, on standard error, look.
+    #[arg(long, env = "PIAD_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
+    pub log_format: LogFormat,
+
+    /// What is logged: a level, or directives such as `info,piad::job=debug`.
+    #[arg(long, env = "PIAD_LOG", default_value = "info")]
+    pub log: String,
+}
+
+/// How log lines look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people.
+    Text,
+    /// One JSON object a line.
+    Json,
+}
+
+impl Config {
+    /// The settings of a server that is started without flags and variables.
+    pub fn standard() -> Self {
+        // Defaults live in one place, the attributes above; they are known to parse.
+        match Standard::try_parse_from(["piad"]) {
+            Ok(standard) => standard.config,
+            Err(error) => error.exit(),
+        }
+    }
+
+    /// The number of compute threads of each lane.
+    pub fn worker_count(&self) -> usize {
+        self.workers.map_or_else(
+            || std::thread::available_parallelism().map_or(1, usize::from),
+            usize::from,
+        )
+    }
+}
+
+#[derive(Parser)]
+struct Standard {
+    #[command(flatten)]
+    config: Config,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text
+        .parse()
+        .map_err(|_| "not a number of seconds".to_owned())?;
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(duration) if duration <= Duration::from_secs(86_400) => Ok(duration),
+        _ => Err("must lie between 0 and 86400 seconds".to_owned()),
+    }
+}

@@ -1,0 +1,133 @@
+//! B-splines by the Cox–de Boor recurrence.
+
+/// The knot span that holds `t`: `knots[span] ≤ t < knots[span + 1]`, at the right end of the
+/// domain the last span that is not empty (PT97, algorithm A2.1).
+pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
+    let last = knots.len() - degree - 2;
+    let inside = &knots[degree + 1..=last];
+    // Interior knots only: what lies beyond the ends falls into the first or last span.
+    let end = knots[last + 1];
+    if t >= end {
+        return degree + inside.partition_point(|&knot| knot < end);
+    }
+    degree + inside.partition_point(|&knot| knot <= t)
+}
+
+/// Writes the values at `t` of the `degree + 1` B-splines that differ from zero on the span,
+/// `N_{span − degree} … N_{span}`, into `values` (PT97, algorithm A2.2).
+///
+/// The weights of the recurrence are formed as quotients of differences, so that knots of any
+/// magnitude are treated alike.
+pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
+    values[0] = 1.0;
+    for r in 1..=degree {
+        let mut carried = 0.0;
+        for j in 0..r {
+            let right = knots[span + 1 + j] - t;
+            let left = t - knots[span + 1 + j - r];
+            let width = right + left;
+            let lower = values[j];
+            values[j] = carried + right / width * lower;
+            carried = left / width * lower;
+        }
+        values[r] = carried;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(degree: usize, knots: &[f64], t: f64) -> Vec<f64> {
+        let span = find_span(degree, knots, t);
+        let mut local = vec![0.0; degree + 1];
+        evaluate(degree, knots, span, t, &mut local);
+        let mut all = vec![0.0; knots.len() - degree - 1];
+        all[span - degree..=span].copy_from_slice(&local);
+        all
+    }
+
+    const QUADRATIC: [f64; 8] = [0.0, 0.0, 0.0, 1.0, 2.5, 3.0, 3.0, 3.0];
+    const CUBIC: [f64; 12] = [0.0, 0.0, 0.0, 0.0, 0.3, 0.5, 0.5, 1.2, 2.0, 2.0, 2.0, 2.0];
+    const QUINTIC: [f64; 14] = [
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0,
+    ];
+
+    /// Values of `scipy.interpolate.BSpline.design_matrix` (scipy 1.17.1).
+    #[test]
+    fn values_equal_scipy() {
+        let cases: [(usize, &[f64], f64, &[f64]); 4] = [
+            (2, &QUADRATIC, 2.75, &[0.0, 0.0, 0.0625, 0.6875, 0.25]),
+            (
+                3,
+                &CUBIC,
+                0.4,
+                &[
+                    0.0,
+                    0.02,
+                    0.21,
+                    0.742_222_222_222_222_3,
+                    0.027_777_777_777_777_81,
+                ],
+            ),
+            (
+                3,
+                &CUBIC,
+                0.5,
+                &[
+                    0.0,
+                    0.0,
+                    0.0,
+                    0.777_777_777_777_777_8,
+                    0.222_222_222_222_222_24,
+                ],
+            ),
+            (
+                5,
+                &QUINTIC,
+                0.31,
+                &[
+                    0.0,
+                    0.075_155_517_700_957_92,
+                    0.401_161_336_413_473_57,
+                    0.364_955_180_764_395_04,
+                    0.138_593_124_284_119_9,
+                    0.020_056_202_653_459_827,
+                    7.863_818_359_374_995e-5,
+                ],
+            ),
+        ];
+        for (degree, knots, t, expected) in cases {
+            let values = row(degree, knots, t);
+            for (j, value) in values.iter().enumerate() {
+                let expected = expected.get(j).copied().unwrap_or(0.0);
+                assert!(
+                    (value - expected).abs() < 1e-15,
+                    "degree {degree}, t = {t}, {j}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn functions_sum_to_one_and_are_positive() {
+        for degree in 1..=12 {
+            let mut knots = vec![-1.0; degree + 1];
+            knots.extend([-0.5, 0.1, 0.1001, 0.7]);
+            knots.resize(knots.len() + degree + 1, 3.0);
+            for step in 0..=400 {
+                let t = -1.0 + f64::from(step) / 100.0;
+                let values = row(degree, &knots, t);
+                assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+                assert!(values.iter().all(|&value| value >= 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn the_right_end_belongs_to_the_last_span() {
+        let knots = [0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0];
+        assert_eq!(row(2, &knots, 2.0), [0.0, 0.0, 0.0, 1.0]);
+        assert_eq!(row(2, &knots, 0.0), [1.0, 0.0, 0.0, 0.0]);
+    }
+}

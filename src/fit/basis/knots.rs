@@ -1,0 +1,227 @@
+//! Knot vectors: the two choices that follow from the parameters, and the check of explicit ones.
+
+use crate::fit::invalid::{Axis, Invalid};
+
+/// How the knots of a B-spline direction are chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Knots {
+    /// Interior knots are the interior parameters (LBW05 (3.1), LWD04 (1)).
+    Data,
+    /// Interior knots are averages of `degree` successive parameters (PT97 (9.8)).
+    Averaged,
+    /// Given knots, clamped at both ends.
+    Explicit(Vec<f64>),
+}
+
+/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)).
+pub fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
+    clamped(t, degree, t[1..t.len() - 1].iter().copied())
+}
+
+/// `u_{j+p} = (t_j + … + t_{j+p−1}) / p`, j = 1 … n − p, ends of multiplicity p + 1 (PT97 (9.8)).
+pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
+    let interior = t[1..t.len() - 1]
+        .windows(degree)
+        .map(|window| window.iter().sum::<f64>() / degree as f64);
+    clamped(t, degree, interior)
+}
+
+fn clamped(t: &[f64], degree: usize, interior: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut knots = Vec::with_capacity(t.len() + 2 * degree);
+    knots.resize(degree + 1, t[0]);
+    knots.extend(interior);
+    knots.resize(knots.len() + degree + 1, t[t.len() - 1]);
+    knots
+}
+
+/// Refuses explicit knots that are not the clamped knot vector of a continuous B-spline with
+/// `count` control points.
+pub fn check(knots: &[f64], degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
+    let expected = count + degree + 1;
+    if knots.len() != expected {
+        return Err(Invalid::KnotCount {
+            axis,
+            given: knots.len(),
+            expected,
+            degree,
+            count,
+        });
+    }
+    check_order(knots, axis)?;
+    check_clamped(knots, degree, axis)?;
+    let interior = &knots[degree + 1..count];
+    match interior.windows(degree + 1).position(|w| w[0] == w[degree]) {
+        None => Ok(()),
+        Some(start) => {
+            let index = degree + 1 + start + degree;
+            let value = knots[index];
+            Err(Invalid::KnotMultiplicity {
+                axis,
+                index,
+                value,
+                degree,
+            })
+        }
+    }
+}
+
+fn check_order(knots: &[f64], axis: Axis) -> Result<(), Invalid> {
+    for (index, &value) in knots.iter().enumerate() {
+        if !value.is_finite() {
+            return Err(Invalid::KnotNotFinite { axis, index, value });
+        }
+        if index > 0 && value < knots[index - 1] {
+            let previous = knots[index - 1];
+            return Err(Invalid::KnotOrder {
+                axis,
+                index,
+                value,
+                previous,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn check_clamped(knots: &[f64], degree: usize, axis: Axis) -> Result<(), Invalid> {
+    let needed = degree + 1;
+    let count = knots.len() - needed;
+    let (low, high) = (knots[0], knots[knots.len() - 1]);
+    let loose = |index: usize, end: f64| Invalid::KnotsNotClamped {
+        axis,
+        index,
+        value: knots[index],
+        end,
+        needed,
+    };
+    if let Some(index) = (0..needed).find(|&i| knots[i] != low) {
+        return Err(loose(index, low));
+    }
+    if let Some(index) = (count..knots.len()).find(|&i| knots[i] != high) {
+        return Err(loose(index, high));
+    }
+    // One more knot at an end would make the outermost function vanish.
+    let repeated = (count > needed && knots[needed] == low)
+        .then_some(needed)
+        .or((count > needed && knots[count - 1] == high).then_some(count - 1));
+    match repeated {
+        None => Ok(()),
+        Some(index) => Err(Invalid::KnotMultiplicity {
+            axis,
+            index,
+            value: knots[index],
+            degree,
+        }),
+    }
+}
+
+/// Schoenberg–Whitney: the collocation matrix is nonsingular exactly if `N_j(t_j) > 0` for every j.
+///
+/// On a clamped knot vector that means `knots[j] < t_j < knots[j + p + 1]`, where the first and the
+/// last parameter may lie on the ends.
+pub fn check_schoenberg_whitney(
+    knots: &[f64],
+    degree: usize,
+    t: &[f64],
+    axis: Axis,
+) -> Result<(), Invalid> {
+    let last = t.len() - 1;
+    for (index, &parameter) in t.iter().enumerate() {
+        let (low, high) = (knots[index], knots[index + degree + 1]);
+        let after_low = parameter > low || (index == 0 && parameter == low);
+        let before_high = parameter < high || (index == last && parameter == high);
+        if !(after_low && before_high) {
+            return Err(Invalid::SchoenbergWhitney {
+                axis,
+                index,
+                parameter,
+                low,
+                high,
+                degree,
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const T: [f64; 6] = [0.0, 1.0, 3.0, 4.0, 6.0, 10.0];
+
+    #[test]
+    fn both_choices_follow_their_formulas() {
+        assert_eq!(
+            at_data(&T, 2),
+            [0.0, 0.0, 0.0, 1.0, 3.0, 4.0, 6.0, 10.0, 10.0, 10.0]
+        );
+        let third = 1.0 / 3.0;
+        let expected = [
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            8.0 * third,
+            13.0 * third,
+            10.0,
+            10.0,
+            10.0,
+            10.0,
+        ];
+        for (knot, expected) in averaged(&T, 3).iter().zip(expected) {
+            assert!((knot - expected).abs() < 1e-15);
+        }
+        assert_eq!(averaged(&T, 5).len(), 12);
+    }
+
+    #[test]
+    fn bad_knots_name_the_index() {
+        let check = |knots: &[f64]| check(knots, 2, 5, Axis::U).unwrap_err();
+        assert!(matches!(
+            check(&[0.0; 7]),
+            Invalid::KnotCount { expected: 8, .. }
+        ));
+        assert!(matches!(
+            check(&[0.0, 0.0, 0.0, 2.0, 1.0, 3.0, 3.0, 3.0]),
+            Invalid::KnotOrder { index: 4, .. }
+        ));
+        assert!(matches!(
+            check(&[0.0, 0.0, 0.5, 1.0, 2.0, 3.0, 3.0, 3.0]),
+            Invalid::KnotsNotClamped { index: 2, .. }
+        ));
+        assert!(matches!(
+            check(&[0.0, 0.0, 0.0, 1.0, 2.0, 2.5, 3.0, 3.0]),
+            Invalid::KnotsNotClamped { index: 5, .. }
+        ));
+        assert!(matches!(
+            check(&[0.0, 0.0, 0.0, 0.0, 2.0, 3.0, 3.0, 3.0]),
+            Invalid::KnotMultiplicity { index: 3, .. }
+        ));
+        assert!(matches!(
+            check(&[0.0, 0.0, 0.0, f64::NAN, 2.0, 3.0, 3.0, 3.0]),
+            Invalid::KnotNotFinite { index: 3, .. }
+        ));
+    }
+
+    #[test]
+    fn interior_multiplicity_is_limited_by_the_degree() {
+        let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 3.0, 3.0, 3.0];
+        assert!(matches!(
+            check(&knots, 2, 6, Axis::U),
+            Err(Invalid::KnotMultiplicity { index: 5, .. })
+        ));
+        assert!(check(&[0.0, 0.0, 0.0, 1.0, 1.0, 3.0, 3.0, 3.0], 2, 5, Axis::U).is_ok());
+    }
+
+    #[test]
+    fn schoenberg_whitney_names_the_parameter() {
+        let knots = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0];
+        let check = |t: &[f64]| check_schoenberg_whitney(&knots, 2, t, Axis::U);
+        assert!(check(&[0.0, 0.5, 1.5, 2.5, 3.0]).is_ok());
+        assert!(check(&[0.1, 0.5, 1.5, 2.5, 2.9]).is_ok());
+        // Four parameters in the first span leave N_3 without one.
+        let error = check(&[0.0, 0.2, 0.5, 0.9, 3.0]).unwrap_err();
+        assert!(matches!(error, Invalid::SchoenbergWhitney { index: 3, .. }));
+    }
+}

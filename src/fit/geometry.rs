@@ -1,0 +1,104 @@
+//! The curve or surface of some control points: evaluation and sampling.
+
+use super::basis::Basis;
+use super::points::Points;
+use super::problem::{Direction, Problem};
+
+/// The fitted curve or surface with the control points of one level.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<'a> {
+    problem: &'a Problem,
+    control_points: &'a Points,
+}
+
+impl<'a> Geometry<'a> {
+    /// The geometry of `control_points`, the free ones of some level of `problem`.
+    pub fn new(problem: &'a Problem, control_points: &'a Points) -> Self {
+        Self {
+            problem,
+            control_points,
+        }
+    }
+
+    /// Number of control points in the u direction, end copies included.
+    pub fn rows(&self) -> usize {
+        self.problem.u().basis.functions()
+    }
+
+    /// Number of control points in the v direction, end copies included; `None` for a curve.
+    pub fn columns(&self) -> Option<usize> {
+        self.problem.v().map(|v| v.basis.functions())
+    }
+
+    /// The complete control net as a CAD kernel stores it: the indices of the free control points,
+    /// row by row, where end copies repeat theirs.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = usize> + 'a {
+        let columns = self.problem.grid().columns;
+        let problem = self.problem;
+        let start = problem.u().free_index(row) * columns;
+        (0..self.columns().unwrap_or(1))
+            .map(move |j| start + problem.v().map_or(0, |v| v.free_index(j)))
+    }
+
+    /// The control points that the indices of [`row`](Self::row) mean.
+    pub fn control_points(&self) -> &'a Points {
+        self.control_points
+    }
+
+    /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row
+    /// by row. Parameters lie in the domains of the bases.
+    pub fn evaluate(&self, u: &[f64], v: &[f64]) -> Points {
+        let dimension = self.control_points.dimension();
+        let mut result = Points::new(dimension);
+        let columns = self.problem.grid().columns;
+        let curve = [vec![(0, 1.0)]];
+        let across = self
+            .problem
+            .v()
+            .map_or(curve.to_vec(), |direction| rows_of(direction, v));
+        let mut point = vec![0.0; dimension];
+        for row in rows_of(self.problem.u(), u) {
+            for column in &across {
+                point.fill(0.0);
+                for &(i, a) in &row {
+                    for &(j, b) in column {
+                        let control = self.control_points.point(i * columns + j);
+                        for (x, control) in point.iter_mut().zip(control) {
+                            *x += a * b * control;
+                        }
+                    }
+                }
+                result.push(&point);
+            }
+        }
+        result
+    }
+
+    /// `count` parameters at equal distances over the domain of a direction, both ends included.
+    pub fn uniform_parameters(basis: &Basis, count: usize) -> Vec<f64> {
+        let (low, high) = basis.domain();
+        let steps = count.saturating_sub(1).max(1) as f64;
+        (0..count)
+            .map(|i| {
+                let s = i as f64 / steps;
+                (1.0 - s) * low + s * high
+            })
+            .collect()
+    }
+}
+
+/// For each parameter the free control points that matter there, with the values of their functions.
+fn rows_of(direction: &Direction, parameters: &[f64]) -> Vec<Vec<(usize, f64)>> {
+    let mut values = vec![0.0; direction.basis.support_width()];
+    parameters
+        .iter()
+        .map(|&t| {
+            let start = direction.basis.evaluate(t, &mut values);
+            values
+                .iter()
+                .enumerate()
+                .map(|(k, &value)| (direction.free_index(start + k), value))
+                .collect()
+        })
+        .collect()
+}

@@ -1,0 +1,42 @@
+//! Progressive iterative approximation: the numerics, with no knowledge of jobs or of the wire.
+//!
+//! # The one loop
+//!
+//! Data `P` (points of R^d, d = 1, 2, 3), parameters `t_0 < … < t_n`, a basis `B_0 … B_n` and its
+//! collocation matrix `B[i][j] = B_j(t_i)`. *Level* 0 is the curve of the initial control points
+//! `X = P`; level k is the curve after k updates:
+//!
+//! ```text
+//! Δ = P − B X        residual: the adjusting vectors, one per data point
+//! X ← X + U Δ        update
+//! ```
+//!
+//! Every method is a choice of the transform `U` ([`transform`]). A surface is the same loop with
+//! `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ` ([`collocation`]).
+//!
+//! # Vocabulary, in the order in which a fit is made
+//!
+//! - [`points`]: ordered data points and control points, coordinate by coordinate;
+//! - [`parameters`]: where on the curve each data point lies;
+//! - [`basis`]: Bernstein and B-spline, with [`basis::knots`];
+//! - [`problem`]: a validated fitting problem, and everything that can be wrong with one;
+//! - [`collocation`]: `B` as banded or dense operator, and tensor products;
+//! - [`transform`]: `U`;
+//! - [`iteration`]: the loop, its errors and its stop rules;
+//! - [`geometry`]: the curve or surface of some control points: evaluation and sampling.
+//!
+//! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
+//! Comput. Math. Appl. 50 (2005) — **LBW05**; Lin, Wang, Dong, *Constructing iterative non-uniform
+//! B-spline curve and surface to fit data points*, Science in China F 47 (2004) — **LWD04**;
+//! Delgado, Peña, *Progressive iterative approximation and bases with the fastest convergence
+//! rates*, CAGD 24 (2007) — **DP07**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
+
+pub mod basis;
+pub mod collocation;
+pub mod geometry;
+pub mod invalid;
+pub mod iteration;
+pub mod parameters;
+pub mod points;
+pub mod problem;
+pub mod transform;

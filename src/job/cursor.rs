@@ -1,0 +1,117 @@
+//! A reader of a job, frame by frame, at its own pace.
+
+use std::sync::Arc;
+
+use tokio::sync::watch;
+
+use super::Job;
+use super::frame::Frame;
+use super::run::{Attached, Read};
+use super::state::{State, Status};
+
+/// What a reader gets next.
+#[derive(Debug)]
+pub enum Next {
+    /// The next frame.
+    Frame(Arc<Frame>),
+    /// There are no more; the job has ended with this status.
+    End(Status),
+}
+
+/// Reads the frames of a job in order, without gaps, from any level on.
+///
+/// Nothing is computed ahead of a reader beyond a few frames, and nothing is kept for it: a reader
+/// that is slower than the ring of the run it follows goes on with a run of its own.
+#[derive(Debug)]
+pub struct Cursor {
+    job: Arc<Job>,
+    next: usize,
+    run: Option<Attached>,
+    status: watch::Receiver<Status>,
+    /// The job was not over when reading began: if it is cancelled, reading ends at once.
+    live: bool,
+}
+
+impl Cursor {
+    /// A reader whose first frame is `next`.
+    pub fn new(job: Arc<Job>, next: usize) -> Self {
+        let status = job.status.subscribe();
+        let live = !status.borrow().state.is_final();
+        Self {
+            job,
+            next,
+            run: None,
+            status,
+            live,
+        }
+    }
+
+    /// The next frame, or the end. Giving up the wait loses nothing.
+    pub async fn next(&mut self) -> Next {
+        loop {
+            let status = self.status.borrow_and_update().clone();
+            let job_ended = status.state.is_final();
+            if job_ended {
+                let given_up = self.live && status.state == State::Cancelled;
+                let last = status.levels.map(|levels| levels.last.iteration);
+                if given_up || last < Some(self.next) {
+                    return Next::End(status);
+                }
+            } else if status.state == State::Queued {
+                changed(&mut self.status).await;
+                continue;
+            }
+            let run = self.run.get_or_insert_with(|| self.job.attach(self.next));
+            match attempt(run, self.next, &mut self.status, job_ended).await {
+                Attempt::Frame(frame) => {
+                    self.next += 1;
+                    return Next::Frame(frame);
+                }
+                Attempt::TryAgain => {}
+                Attempt::Leave => self.run = None,
+            }
+        }
+    }
+}
+
+/// What came of trying to read a frame.
+enum Attempt {
+    Frame(Arc<Frame>),
+    /// Something has changed since.
+    TryAgain,
+    /// This run will not deliver the frame; another one can.
+    Leave,
+}
+
+async fn attempt(
+    run: &Attached,
+    index: usize,
+    status: &mut watch::Receiver<Status>,
+    job_ended: bool,
+) -> Attempt {
+    let mut advanced = std::pin::pin!(run.changed());
+    // From here on no advance goes unnoticed.
+    advanced.as_mut().enable();
+    match run.read(index) {
+        Read::Frame(frame) => return Attempt::Frame(frame),
+        // Out of the ring, or a run that was stopped.
+        Read::Gone => return Attempt::Leave,
+        Read::Ended if job_ended => return Attempt::Leave,
+        Read::Ended => changed(status).await,
+        Read::Later => {
+            run.want(index);
+            tokio::select! {
+                () = advanced => {}
+                () = changed(status) => {}
+            }
+        }
+    }
+    Attempt::TryAgain
+}
+
+/// Waits for a change of the job's state; for ever if there will be none.
+async fn changed(status: &mut watch::Receiver<Status>) {
+    if status.changed().await.is_err() {
+        std::future::pending().await
+    }
+}

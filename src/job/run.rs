@@ -1,0 +1,350 @@
+//! An iteration that several readers share and that advances as far as somebody wants it to.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Weak};
+use std::time::Instant;
+
+use parking_lot::Mutex;
+use tokio::sync::Notify;
+use tokio::sync::futures::Notified;
+
+use super::frame::Frame;
+use super::scheduler::{Lane, Scheduler, Turn, Work};
+use super::state::Levels;
+use crate::fit::iteration::{Iteration, Level, Outcome, System};
+use crate::fit::problem::Problem;
+
+/// How many levels a run may be ahead of its readers.
+const LOOK_AHEAD: usize = 32;
+
+/// The system of a problem, made when it is first needed and shared by all runs that need it at
+/// the same time.
+#[derive(Debug)]
+pub struct SharedSystem {
+    problem: Arc<Problem>,
+    system: Mutex<Weak<System>>,
+}
+
+impl SharedSystem {
+    /// Nothing is computed yet.
+    pub fn new(problem: Arc<Problem>) -> Self {
+        Self {
+            problem,
+            system: Mutex::new(Weak::new()),
+        }
+    }
+
+    fn get(&self) -> Arc<System> {
+        let mut shared = self.system.lock();
+        shared.upgrade().unwrap_or_else(|| {
+            let system = Arc::new(System::new(Arc::clone(&self.problem)));
+            *shared = Arc::downgrade(&system);
+            system
+        })
+    }
+}
+
+/// Why a run will not go any further.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The iteration has ended.
+    Outcome(Outcome),
+    /// It was stopped.
+    Stopped,
+    /// A defect: the computation panicked.
+    Broken,
+}
+
+/// What a run has to say about a frame.
+#[derive(Debug)]
+pub enum Read {
+    /// Here it is.
+    Frame(Arc<Frame>),
+    /// It will come when somebody wants it.
+    Later,
+    /// It has gone out of the ring: only another run can deliver it.
+    Gone,
+    /// It will never come.
+    Ended,
+}
+
+/// A shared iteration with a bounded ring of recent frames.
+#[derive(Debug)]
+pub struct Run {
+    system: Arc<SharedSystem>,
+    scheduler: Arc<Scheduler>,
+    lane: Lane,
+    /// How many frames the ring holds: at least the newest.
+    capacity: usize,
+    /// Frames of this run are small enough to be kept even if nobody reads them yet.
+    keeps_unread: bool,
+    state: Mutex<RunState>,
+    changed: Notify,
+    stopped: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct RunState {
+    /// `None` before the first slice, while a slice works on it, and after the end.
+    iteration: Option<Iteration>,
+    levels: Option<Levels>,
+    /// The level up to which somebody wants frames.
+    wanted: Option<usize>,
+    scheduled: bool,
+    /// Frames of consecutive levels, the newest at the back.
+    ring: VecDeque<Arc<Frame>>,
+    readers: usize,
+    /// No reader wants frames before this level.
+    keep_from: usize,
+    ending: Option<Ending>,
+    /// The frame of the last level.
+    last: Option<Arc<Frame>>,
+}
+
+impl Run {
+    /// A run that has not begun, with a ring of about `ring_bytes`.
+    pub fn new(
+        system: Arc<SharedSystem>,
+        scheduler: Arc<Scheduler>,
+        ring_bytes: usize,
+    ) -> Arc<Self> {
+        let problem = &system.problem;
+        let weight = Frame::weight(problem.points().dimension(), problem.points().len());
+        let capacity = (ring_bytes / weight).max(1);
+        Arc::new(Self {
+            lane: Lane::of(problem.step_cost()),
+            system,
+            scheduler,
+            capacity,
+            keeps_unread: capacity >= 4 * LOOK_AHEAD,
+            state: Mutex::default(),
+            changed: Notify::new(),
+            stopped: AtomicBool::new(false),
+        })
+    }
+
+    /// The levels reached, if any.
+    pub fn levels(&self) -> Option<Levels> {
+        self.state.lock().levels
+    }
+
+    /// The newest frame that is at hand.
+    pub fn newest(&self) -> Option<Arc<Frame>> {
+        self.state.lock().ring.back().cloned()
+    }
+
+    /// Stops the run after its current step. Frames in the ring can still be read.
+    pub fn stop(&self) {
+        self.stopped.store(true, Ordering::Release);
+        let mut state = self.state.lock();
+        if !state.scheduled {
+            state.end(Ending::Stopped);
+            drop(state);
+            self.changed.notify_waiters();
+        }
+    }
+
+    /// Runs to its end, whoever reads it, and says why it ended and with which frame.
+    pub async fn complete(self: &Arc<Self>) -> (Ending, Option<Arc<Frame>>) {
+        self.want(usize::MAX);
+        loop {
+            let mut changed = std::pin::pin!(self.changed.notified());
+            changed.as_mut().enable();
+            {
+                let state = self.state.lock();
+                if let Some(ending) = state.ending {
+                    return (ending, state.last.clone());
+                }
+            }
+            changed.await;
+        }
+    }
+
+    /// Lets the run advance to `level`.
+    fn want(self: &Arc<Self>, level: usize) {
+        let mut state = self.state.lock();
+        state.wanted = state.wanted.max(Some(level));
+        if state.has_work() && !state.scheduled {
+            state.scheduled = true;
+            drop(state);
+            let work: Arc<dyn Work> = Arc::<Self>::clone(self);
+            self.scheduler.submit(self.lane, work);
+        }
+    }
+
+    /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
+    pub fn attach(self: &Arc<Self>, next: usize) -> Option<Attached> {
+        let mut state = self.state.lock();
+        if matches!(state.read(next), Read::Gone) {
+            return None;
+        }
+        state.add_reader(next);
+        drop(state);
+        Some(Attached(Arc::clone(self)))
+    }
+
+    /// A level is reached: keeps its frame if it can be of use.
+    fn publish(&self, iteration: &Iteration) {
+        let level = iteration.level();
+        let outcome = iteration.outcome();
+        let mut state = self.state.lock();
+        if outcome == Some(Outcome::Overflow) {
+            // This level has no geometry: the one before was the last.
+            state.last = state.ring.back().cloned();
+            state.end(Ending::Outcome(Outcome::Overflow));
+            drop(state);
+            self.changed.notify_waiters();
+            return;
+        }
+        let keep = self.keeps_unread || outcome.is_some() || state.is_read(level.iteration);
+        if keep {
+            // Copying takes as long as a step, so it is not done under the lock.
+            drop(state);
+            let frame = Arc::new(Frame::new(level, iteration.control_points().clone()));
+            state = self.state.lock();
+            state.last = outcome.map(|_| Arc::clone(&frame));
+            state.ring.push_back(frame);
+            while state.ring.len() > self.capacity {
+                state.ring.pop_front();
+            }
+        } else {
+            state.ring.clear();
+        }
+        state.reached(level);
+        if let Some(outcome) = outcome {
+            state.end(Ending::Outcome(outcome));
+        }
+        drop(state);
+        self.changed.notify_waiters();
+    }
+
+    /// Ends the run because it was stopped.
+    fn end_stopped(&self, iteration: Option<&Iteration>) {
+        let frame =
+            iteration.map(|it| Arc::new(Frame::new(it.level(), it.control_points().clone())));
+        let mut state = self.state.lock();
+        state.last = frame;
+        state.end(Ending::Stopped);
+        drop(state);
+        self.changed.notify_waiters();
+    }
+}
+
+impl RunState {
+    fn has_work(&self) -> bool {
+        let reached = self.levels.map(|levels| levels.last.iteration);
+        self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
+    }
+
+    fn add_reader(&mut self, next: usize) {
+        self.keep_from = match self.readers {
+            0 => next,
+            _ => self.keep_from.min(next),
+        };
+        self.readers += 1;
+    }
+
+    fn is_read(&self, level: usize) -> bool {
+        self.readers > 0 && level >= self.keep_from
+    }
+
+    fn reached(&mut self, level: Level) {
+        let first = self.levels.map_or(level, |levels| levels.first);
+        self.levels = Some(Levels { first, last: level });
+    }
+
+    fn end(&mut self, ending: Ending) {
+        if self.ending.is_none() {
+            self.ending = Some(ending);
+            self.iteration = None;
+            self.scheduled = false;
+        }
+    }
+
+    fn read(&self, index: usize) -> Read {
+        let reached = self.levels.map(|levels| levels.last.iteration);
+        if reached < Some(index) {
+            return match self.ending {
+                None => Read::Later,
+                Some(_) => Read::Ended,
+            };
+        }
+        let frame = self.ring.front().and_then(|front| {
+            let offset = index.checked_sub(front.level.iteration)?;
+            self.ring.get(offset)
+        });
+        frame.map_or(Read::Gone, |frame| Read::Frame(Arc::clone(frame)))
+    }
+}
+
+impl Work for Run {
+    fn slice(&self, deadline: Instant) -> Turn {
+        let mut current = self.state.lock().iteration.take();
+        loop {
+            if self.stopped.load(Ordering::Acquire) {
+                self.end_stopped(current.as_ref());
+                return Turn::Done;
+            }
+            let iteration = match current.take() {
+                None => Iteration::start(self.system.get()),
+                Some(mut iteration) => {
+                    iteration.step();
+                    iteration
+                }
+            };
+            self.publish(&iteration);
+            let mut state = self.state.lock();
+            if state.ending.is_some() {
+                return Turn::Done;
+            }
+            let more = state.has_work();
+            if more && Instant::now() < deadline {
+                current = Some(iteration);
+                continue;
+            }
+            state.iteration = Some(iteration);
+            state.scheduled = more;
+            return if more { Turn::Again } else { Turn::Done };
+        }
+    }
+
+    fn broken(&self) {
+        self.state.lock().end(Ending::Broken);
+        self.changed.notify_waiters();
+    }
+}
+
+/// A reader's hold on a run: while there is one, the run keeps its recent frames.
+#[derive(Debug)]
+pub struct Attached(Arc<Run>);
+
+impl Attached {
+    /// The first reader of a run, from frame `next` on.
+    pub fn to_new(run: Arc<Run>, next: usize) -> Self {
+        run.state.lock().add_reader(next);
+        Self(run)
+    }
+
+    /// What the run has to say about frame `index`.
+    pub fn read(&self, index: usize) -> Read {
+        self.0.state.lock().read(index)
+    }
+
+    /// Lets the run advance to frame `index`, and a little further where frames are small.
+    pub fn want(&self, index: usize) {
+        self.0
+            .want(index + LOOK_AHEAD.min((self.0.capacity - 1) / 2));
+    }
+
+    /// Completes at the next change of the run after this call.
+    pub fn changed(&self) -> Notified<'_> {
+        self.0.changed.notified()
+    }
+}
+
+impl Drop for Attached {
+    fn drop(&mut self) {
+        self.0.state.lock().readers -= 1;
+    }
+}

@@ -1,0 +1,145 @@
+//! The state machine of a job: `queued → running → converged | exhausted | stalled | failed | cancelled`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use jiff::Timestamp;
+
+use crate::fit::iteration::Level;
+use crate::fit::problem::Problem;
+
+/// Where a job is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Accepted; waits for memory.
+    Queued,
+    /// Being computed.
+    Running,
+    /// Ended within the tolerance.
+    Converged,
+    /// Ended at `max_iterations`.
+    Exhausted,
+    /// Ended because of an error.
+    Failed,
+    /// Ended because a client asked for it.
+    Cancelled,
+}
+
+impl State {
+    /// All states, in the order of a job's life.
+    pub const ALL: [Self; 6] = [
+        Self::Queued,
+        Self::Running,
+        Self::Converged,
+        Self::Exhausted,
+        Self::Failed,
+        Self::Cancelled,
+    ];
+
+    /// The name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Queued => "queued",
+            Self::Running => "running",
+            Self::Converged => "converged",
+            Self::Exhausted => "exhausted",
+            Self::Failed => "failed",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// Whether the job has ended.
+    pub fn is_final(self) -> bool {
+        !matches!(self, Self::Queued | Self::Running)
+    }
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for State {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|state| state.name() == name)
+            .ok_or_else(|| {
+                let names = Self::ALL.map(Self::name).join(", ");
+                format!("no state is called {name:?}; the states are {names}")
+            })
+    }
+}
+
+/// The first and the last level that a job has reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// Level 0.
+    pub first: Level,
+    /// The level reached.
+    pub last: Level,
+}
+
+/// Why a job failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// The iteration left the range of 64-bit numbers.
+    Overflow,
+    /// A defect of the program.
+    Defect,
+}
+
+/// What is known of a job's progress.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Status {
+    /// The state.
+    pub state: State,
+    /// The levels reached, if any.
+    pub levels: Option<Levels>,
+    /// When it began to run.
+    pub started: Option<Timestamp>,
+    /// When it ended.
+    pub finished: Option<Timestamp>,
+    /// Why it failed.
+    pub failure: Option<Failure>,
+}
+
+impl Status {
+    /// A job that was just accepted.
+    pub const QUEUED: Self = Self {
+        state: State::Queued,
+        levels: None,
+        started: None,
+        finished: None,
+        failure: None,
+    };
+
+    /// How far the fit is, in [0, 1]. PIA converges geometrically, so that with a tolerance it is
+    /// `log(e₀/e) / log(e₀/tolerance)`; without one the part of the iterations that are allowed.
+    pub fn progress(&self, problem: &Problem) -> f64 {
+        if matches!(self.state, State::Converged | State::Exhausted) {
+            return 1.0;
+        }
+        let Some(Levels { first, last }) = self.levels else {
+            return 0.0;
+        };
+        let (initial, current) = (first.error.max, last.error.max);
+        let tolerance = problem.tolerance();
+        let progress = if current <= tolerance {
+            1.0
+        } else if tolerance > 0.0 {
+            (initial / current).ln() / (initial / tolerance).ln()
+        } else {
+            last.iteration as f64 / problem.max_iterations().max(1) as f64
+        };
+        // Errors may grow for a while, and numbers may overflow in a fit that fails.
+        if progress.is_nan() {
+            0.0
+        } else {
+            progress.clamp(0.0, 1.0)
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! piad fits curves and surfaces to ordered data points by **progressive iterative approximation**
+//! (PIA) and streams the geometry of every iteration.
+//!
+//! The data `P` are the first control points `X`; then every control point moves by the difference
+//! between its data point and the curve, again and again:
+//!
+//! ```text
+//! Δ = P − B X          residual: the adjusting vectors, one per data point
+//! X ← X + U Δ          update: the transform U is the method (U = I is classical PIA)
+//! ```
+//!
+//! `B` is the collocation matrix of the basis at the parameters of the data. For totally positive
+//! bases (Bernstein, B-spline) the curves converge to the interpolant.
+//!
+//! A request flows down through the modules, frames flow up:
+//!
+//! - [`config`] — one struct: flags and `PIAD_*` variables;
+//! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
+//! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
+//! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457);
+//! - [`server`] — binds them together: [`server::serve`].
+
+pub mod api;
+pub mod config;
+pub mod fit;
+pub mod job;
+pub mod server;

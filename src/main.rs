@@ -1,0 +1,67 @@
+//! The program: parses the command line and starts what it asks for.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use piad::config::{Cli, Command, Config, LogFormat};
+use piad::server;
+use tokio::net::TcpListener;
+use tracing::{error, info};
+use tracing_subscriber::EnvFilter;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match cli.command {
+        None => serve(cli.config),
+        Some(Command::Serve(config)) => serve(config),
+        Some(Command::Health { listen, timeout }) => health(listen, timeout),
+    }
+}
+
+#[tokio::main]
+async fn serve(config: Config) -> ExitCode {
+    if let Err(reason) = start_log(&config) {
+        eprintln!("piad: --log {:?}: {reason}", config.log);
+        return ExitCode::from(2);
+    }
+    let listener = match TcpListener::bind(config.listen).await {
+        Ok(listener) => listener,
+        Err(reason) => {
+            error!("cannot listen on {}: {reason}", config.listen);
+            return ExitCode::FAILURE;
+        }
+    };
+    match server::serve(listener, config, server::interrupted()).await {
+        Ok(()) => {
+            info!("stopped");
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
+            error!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[tokio::main(flavor = "current_thread")]
+async fn health(listen: std::net::SocketAddr, timeout: u64) -> ExitCode {
+    match server::probe(listen, std::time::Duration::from_secs(timeout)).await {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("piad: {listen} is not ready: {reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn start_log(config: &Config) -> Result<(), String> {
+    let filter = EnvFilter::try_new(&config.log).map_err(|reason| reason.to_string())?;
+    let log = tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_env_filter(filter);
+    match config.log_format {
+        LogFormat::Text => log.init(),
+        LogFormat::Json => log.json().init(),
+    }
+    Ok(())
+}

@@ -1,0 +1,120 @@
+//! A running server: binds configuration, jobs and API together.
+
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::serve::ListenerExt;
+use bytes::Bytes;
+use http_body_util::Empty;
+use hyper_util::client::legacy::Client;
+use hyper_util::rt::TokioExecutor;
+use tokio::net::TcpListener;
+use tokio::sync::watch;
+use tracing::{info, warn};
+
+use crate::api::{self, App};
+use crate::config::Config;
+use crate::job::scheduler::Scheduler;
+use crate::job::service::{Jobs, Limits};
+use crate::job::store::{Retention, memory::MemoryStore};
+
+/// Serves on `listener` until `shutdown` completes; then ends event streams, lets other requests
+/// finish within the grace period and returns.
+pub async fn serve(
+    listener: TcpListener,
+    config: Config,
+    shutdown: impl Future<Output = ()> + Send + 'static,
+) -> io::Result<()> {
+    let scheduler = Arc::new(Scheduler::new(config.worker_count())?);
+    let store = Arc::new(MemoryStore::default());
+    let jobs = Arc::new(Jobs::new(store, scheduler, limits(&config)));
+    let (stop, stopping) = watch::channel(false);
+    let grace = config.grace;
+    let router = api::router(App::new(jobs, config, stopping.clone()));
+
+    info!("listening on http://{}", listener.local_addr()?);
+    let listener = listener.tap_io(|connection| {
+        // Events are small and must leave at once.
+        if let Err(reason) = connection.set_nodelay(true) {
+            warn!("TCP_NODELAY: {reason}");
+        }
+    });
+    let mut stopped = stopping.clone();
+    let served = axum::serve(listener, router).with_graceful_shutdown(async move {
+        shutdown.await;
+        info!("stopping: no new requests, event streams end");
+        stop.send_replace(true);
+    });
+    tokio::select! {
+        result = served.into_future() => result,
+        () = async {
+            // The sender is gone only if serving has ended.
+            let _ = stopped.wait_for(|stop| *stop).await;
+            tokio::time::sleep(grace).await;
+        } => {
+            warn!("requests were still open after the grace period of {grace:?}");
+            Ok(())
+        }
+    }
+}
+
+fn limits(config: &Config) -> Limits {
+    let bytes = |size: bytesize::ByteSize| usize::try_from(size.as_u64()).unwrap_or(usize::MAX);
+    Limits {
+        memory: bytes(config.memory),
+        jobs: config.max_jobs,
+        ring_bytes: bytes(config.ring),
+        retention: Retention {
+            jobs: config.retain_jobs,
+            bytes: bytes(config.retain_bytes),
+        },
+    }
+}
+
+/// Completes at SIGINT or, where there is such a thing, SIGTERM.
+pub async fn interrupted() {
+    let interrupt = async {
+        if let Err(reason) = tokio::signal::ctrl_c().await {
+            warn!("interrupts are not noticed: {reason}");
+            std::future::pending::<()>().await;
+        }
+    };
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        match signal(SignalKind::terminate()) {
+            Ok(mut terminate) => {
+                tokio::select! {
+                    () = interrupt => {}
+                    _ = terminate.recv() => {}
+                }
+            }
+            Err(reason) => {
+                warn!("SIGTERM is not noticed: {reason}");
+                interrupt.await;
+            }
+        }
+    }
+    #[cfg(not(unix))]
+    interrupt.await;
+}
+
+/// Asks the server at `address` whether it is ready; says why not.
+pub async fn probe(address: SocketAddr, timeout: Duration) -> Result<(), String> {
+    let ip = match address.ip() {
+        IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    };
+    let target = format!("http://{}/readyz", SocketAddr::new(ip, address.port()));
+    let uri = target.parse().map_err(|_| format!("{target} is no URL"))?;
+    let client: Client<_, Empty<Bytes>> = Client::builder(TokioExecutor::new()).build_http();
+    match tokio::time::timeout(timeout, client.get(uri)).await {
+        Err(_) => Err(format!("no answer within {timeout:?}")),
+        Ok(Err(reason)) => Err(reason.to_string()),
+        Ok(Ok(answer)) if answer.status().is_success() => Ok(()),
+        Ok(Ok(answer)) => Err(format!("it answers {}", answer.status())),
+    }
+}
