@@ -73,27 +73,34 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for DirectionVisitor<T> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
         let first: Option<String> = map.next_key()?;
         match first.as_deref() {
-            Some("u" | "v") => pair(first, map),
+            Some("u") => pair(Direction::U, map),
+            Some("v") => pair(Direction::V, map),
             _ => T::deserialize(MapAccessDeserializer::new(Unread { first, map }))
                 .map(PerDirection::Both),
         }
     }
 }
 
+#[derive(Clone, Copy, Deserialize)]
+#[serde(field_identifier, rename_all = "lowercase")]
+enum Direction {
+    U,
+    V,
+}
+
 fn pair<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
-    first: Option<String>,
+    first: Direction,
     mut map: A,
 ) -> Result<PerDirection<T>, A::Error> {
     let (mut u, mut v) = (None, None);
-    let mut key = first;
-    while let Some(name) = key {
-        let slot = match name.as_str() {
-            "u" => &mut u,
-            "v" => &mut v,
-            _ => return Err(A::Error::unknown_field(&name, &["u", "v"])),
+    let mut key = Some(first);
+    while let Some(direction) = key {
+        let (slot, name) = match direction {
+            Direction::U => (&mut u, "u"),
+            Direction::V => (&mut v, "v"),
         };
         if slot.replace(map.next_value()?).is_some() {
-            return Err(A::Error::custom(format_args!("duplicate field `{name}`")));
+            return Err(A::Error::duplicate_field(name));
         }
         key = map.next_key()?;
     }

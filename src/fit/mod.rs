@@ -21,7 +21,7 @@
 //! - [`basis`]: Bernstein and B-spline, with [`basis::knots`];
 //! - [`problem`]: a validated fitting problem, and everything that can be wrong with one;
 //! - [`collocation`]: `B` as banded or dense operator, and tensor products;
-//! - [`transform`]: `U`;
+//! - [`mod@transform`]: the transform `U`, which is the method;
 //! - [`iteration`]: the loop, its errors and its stop rules;
 //! - [`geometry`]: the curve or surface of some control points: evaluation and sampling.
 //!

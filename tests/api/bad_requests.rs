@@ -1,0 +1,708 @@
+//! Everything that can be wrong with a request is answered with what, where and why.
+
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::support::{Server, problem};
+
+/// A body that is wrong, with the status, the pointer and a part of the reason that is expected.
+struct Bad {
+    body: String,
+    status: u16,
+    pointer: Option<&'static str>,
+    reason: &'static str,
+}
+
+fn bad(body: Value, pointer: &'static str, reason: &'static str) -> Bad {
+    text(&body.to_string(), 422, Some(pointer), reason)
+}
+
+fn text(body: &str, status: u16, pointer: Option<&'static str>, reason: &'static str) -> Bad {
+    Bad {
+        body: body.to_owned(),
+        status,
+        pointer,
+        reason,
+    }
+}
+
+/// A curve through four points with one thing changed.
+fn curve(field: &str, value: Value) -> Value {
+    let mut job = json!({"curve": {"points": [[0, 0], [1, 2], [3, 1], [4, 4]]}});
+    job["curve"][field] = value;
+    job
+}
+
+fn bspline(basis: Value) -> Value {
+    let mut basis = basis;
+    basis["kind"] = json!("bspline");
+    curve("basis", basis)
+}
+
+fn surface(field: &str, value: Value) -> Value {
+    let mut job = json!({"surface": {"points": data::peaks(4)}});
+    job["surface"][field] = value;
+    job
+}
+
+fn stop(rules: Value) -> Value {
+    let mut job = curve("parameters", json!("uniform"));
+    job["stop"] = rules;
+    job
+}
+
+fn not_json() -> Vec<Bad> {
+    vec![
+        text("", 400, None, "the body is empty"),
+        text("hello", 400, None, "expected value at line 1 column 1"),
+        text("{\"curve\": ", 400, Some("/curve"), "EOF while parsing"),
+        text(
+            "{\"curve\":{\"points\":[[0,0],[1,NaN]]}}",
+            400,
+            Some("/curve/points/1/1"),
+            "no NaN",
+        ),
+        text(
+            "{\"curve\":{\"points\":[[0,0],[Infinity,1]]}}",
+            400,
+            Some("/curve/points/1/0"),
+            "no Infinity",
+        ),
+        text(
+            "{\"curve\":{\"points\":[[0,0],[1,1]]}} x",
+            400,
+            None,
+            "trailing characters",
+        ),
+        text(
+            "{\"curve\":{\"points\":[[0,0],[1,1],]}}",
+            400,
+            None,
+            "trailing comma",
+        ),
+        text("\u{feff}{}", 400, None, "expected value"),
+        text(&"[".repeat(100_000), 422, None, "invalid type: sequence"),
+        text(
+            "{\"curve\":{\"points\":[[0,0],[1e999,1]]}}",
+            422,
+            Some("/curve/points/1/0"),
+            "number out of range",
+        ),
+        text(
+            "{\"curve\":{\"points\":[[0,0],[-1e400,1]]}}",
+            422,
+            Some("/curve/points/1/0"),
+            "finite",
+        ),
+    ]
+}
+
+fn wrong_shape() -> Vec<Bad> {
+    vec![
+        bad(json!([]), "", "expected struct JobRequest"),
+        bad(json!({}), "", "a curve or a surface is needed"),
+        bad(json!({"curve": null}), "", "a curve or a surface is needed"),
+        bad(
+            json!({"curve": {"points": [[0], [1]]}, "surface": {"points": [[[0], [1]], [[2], [3]]]}}),
+            "/surface",
+            "it cannot have a surface as well",
+        ),
+        bad(json!({"curve": {}}), "/curve", "missing field `points`"),
+        bad(json!({"curv": {}}), "/curv", "unknown field `curv`"),
+        bad(
+            curve("degree", json!(3)),
+            "/curve/degree",
+            "unknown field `degree`",
+        ),
+        bad(
+            curve("points", json!("many")),
+            "/curve/points",
+            "expected a list of points",
+        ),
+        bad(
+            curve("points", json!([])),
+            "/curve/points",
+            "at least 2 points",
+        ),
+        bad(curve("points", json!([[1, 2]])), "/curve/points", "1 given"),
+        bad(
+            curve("points", json!([[0, 0], 1])),
+            "/curve/points/1",
+            "a list of 1, 2 or 3 numbers",
+        ),
+        bad(
+            curve("points", json!([[0, 0], []])),
+            "/curve/points/1",
+            "invalid length 0",
+        ),
+        bad(
+            curve("points", json!([[0, 0, 0, 0], [1, 1, 1, 1]])),
+            "/curve/points/0",
+            "invalid length 4",
+        ),
+        bad(
+            curve("points", json!([[0, 0], [1, 1], [2, 2, 2]])),
+            "/curve/points/2",
+            "3 coordinates, the first has 2",
+        ),
+        bad(
+            curve("points", json!([[0, 0], [1, "1"]])),
+            "/curve/points/1/1",
+            "expected a number",
+        ),
+        bad(
+            curve("points", json!([[0, 0], [1, null]])),
+            "/curve/points/1/1",
+            "null",
+        ),
+        bad(
+            surface("points", json!([[0, 0], [1, 1]])),
+            "/surface/points/0/0",
+            "expected a point",
+        ),
+        bad(
+            surface("points", json!([[[0, 0], [0, 1]]])),
+            "/surface/points",
+            "1 given",
+        ),
+        bad(
+            surface("points", json!([[[0, 0]], [[1, 0]]])),
+            "/surface/points",
+            "1 given",
+        ),
+        bad(
+            surface("points", json!([[[0, 0], [0, 1]], [[1, 0]]])),
+            "/surface/points/1",
+            "1 points, the first row has 2",
+        ),
+        bad(
+            surface("points", json!([[[0, 0], [0, 1]], [[1, 0], [1, 1, 1]]])),
+            "/surface/points/1/1",
+            "3 coordinates",
+        ),
+        bad(
+            json!({"name": 7, "curve": {"points": [[0], [1]]}}),
+            "/name",
+            "expected a string",
+        ),
+        bad(
+            json!({"name": "n".repeat(201), "curve": {"points": [[0], [1]]}}),
+            "/name",
+            "longer than 200",
+        ),
+    ]
+}
+
+fn wrong_basis() -> Vec<Bad> {
+    let knots = |knots: Value| bspline(json!({"degree": 2, "knots": knots}));
+    vec![
+        bad(
+            curve("basis", json!({"kind": "spline"})),
+            "/curve/basis/kind",
+            "unknown variant `spline`",
+        ),
+        bad(
+            curve("basis", json!({"degree": 3})),
+            "/curve/basis",
+            "missing field `kind`",
+        ),
+        bad(
+            curve("basis", json!("bspline")),
+            "/curve/basis",
+            "expected struct",
+        ),
+        bad(
+            bspline(json!({"order": 4})),
+            "/curve/basis/order",
+            "unknown field `order`",
+        ),
+        bad(
+            bspline(json!({"degree": 0})),
+            "/curve/basis/degree",
+            "below 1",
+        ),
+        bad(bspline(json!({"degree": -1})), "/curve/basis/degree", "-1"),
+        bad(
+            bspline(json!({"degree": 2.5})),
+            "/curve/basis/degree",
+            "2.5",
+        ),
+        bad(
+            bspline(json!({"degree": 1001})),
+            "/curve/basis",
+            "above 1000",
+        ),
+        bad(
+            bspline(json!({"degree": 4, "knots": "averaged"})),
+            "/curve/basis/degree",
+            "at least 5 points with averaged knots, 4 given",
+        ),
+        bad(
+            curve("basis", json!({"kind": "bernstein", "degree": 3})),
+            "/curve/basis/degree",
+            "no degree to choose",
+        ),
+        bad(
+            curve("basis", json!({"kind": "bernstein", "knots": "data"})),
+            "/curve/basis/knots",
+            "no knots to choose",
+        ),
+        bad(
+            bspline(json!({"knots": "mean"})),
+            "/curve/basis/knots",
+            "not \"mean\"",
+        ),
+        bad(
+            knots(json!([0, 0, 0, 1, 1, 1])),
+            "/curve/basis/knots",
+            "6 knots given",
+        ),
+        bad(
+            knots(json!([0, 0, 0, 0.5, 0.4, 1, 1])),
+            "/curve/basis/knots/4",
+            "less than the one before",
+        ),
+        bad(
+            knots(json!([0, 0, 0.1, 0.5, 1, 1, 1])),
+            "/curve/basis/knots/2",
+            "clamped",
+        ),
+        bad(
+            knots(json!([0, 0, 0, 0, 1, 1, 1])),
+            "/curve/basis/knots/3",
+            "more than degree = 2 times",
+        ),
+        bad(
+            knots(json!([0, 0, 0, "x", 1, 1, 1])),
+            "/curve/basis/knots/3",
+            "expected a number",
+        ),
+        bad(
+            bspline(json!({"degree": 1, "knots": [0, 0, 0.9, 0.95, 1, 1]})),
+            "/curve/basis/knots",
+            "Schoenberg–Whitney: parameter 2",
+        ),
+        bad(
+            surface("basis", json!({"u": {"kind": "bspline"}})),
+            "/surface/basis",
+            "missing field `v`",
+        ),
+        bad(
+            surface(
+                "basis",
+                json!({"u": {"kind": "bspline"}, "v": {"kind": "bspline", "degree": 0}}),
+            ),
+            "/surface/basis/v/degree",
+            "below 1",
+        ),
+        bad(
+            surface(
+                "basis",
+                json!({"u": {"kind": "bspline"}, "v": {"kind": "bspline"}, "w": 1}),
+            ),
+            "/surface/basis/w",
+            "unknown field `w`",
+        ),
+    ]
+}
+
+fn wrong_parameters() -> Vec<Bad> {
+    vec![
+        bad(
+            curve("parameters", json!("cord")),
+            "/curve/parameters",
+            "not \"cord\"",
+        ),
+        bad(
+            curve("parameters", json!(7)),
+            "/curve/parameters",
+            "expected a name or a list",
+        ),
+        bad(
+            curve("parameters", json!([0, 1, 2])),
+            "/curve/parameters",
+            "3 parameters for 4 points",
+        ),
+        bad(
+            curve("parameters", json!([0, 1, 1, 2])),
+            "/curve/parameters/2",
+            "not greater than the one before",
+        ),
+        bad(
+            curve("parameters", json!([0, 2, 1, 3])),
+            "/curve/parameters/2",
+            "strictly increase",
+        ),
+        bad(
+            curve("parameters", json!([0, 1, 2, null])),
+            "/curve/parameters/3",
+            "null",
+        ),
+        bad(
+            curve("parameters", json!([-1e308, 0, 1, 1e308])),
+            "/curve/parameters",
+            "range of 64-bit numbers",
+        ),
+        bad(
+            curve("points", json!([[0, 0], [1, 1], [1, 1], [2, 0]])),
+            "/curve/points/2",
+            "point 2 equals point 1",
+        ),
+        bad(
+            json!({"curve": {"points": [[5], [5], [6]], "parameters": "centripetal"}}),
+            "/curve/points/1",
+            "centripetal",
+        ),
+        bad(
+            surface(
+                "points",
+                json!([[[0, 0], [0, 1]], [[0, 0], [0, 1]], [[1, 0], [1, 1]]]),
+            ),
+            "/surface/points/1",
+            "line 1 equal those of line 0",
+        ),
+        bad(
+            surface("points", json!([[[0, 0], [0, 0]], [[1, 0], [1, 0]]])),
+            "/surface/points/0/1",
+            "line 1 equal those of line 0",
+        ),
+        bad(
+            surface("parameters", json!({"u": "uniform", "v": [0, 1, 2]})),
+            "/surface/parameters/v",
+            "3 parameters for 4 points",
+        ),
+        bad(
+            curve("points", json!([[-1e308], [1e308]])),
+            "/curve/points",
+            "more than the range",
+        ),
+    ]
+}
+
+fn wrong_rules() -> Vec<Bad> {
+    let method = |method: Value| {
+        let mut job = curve("parameters", json!("uniform"));
+        job["method"] = method;
+        job
+    };
+    vec![
+        bad(
+            method(json!({"kind": "magic"})),
+            "/method/kind",
+            "unknown variant `magic`",
+        ),
+        bad(method(json!({})), "/method", "missing field `kind`"),
+        bad(
+            method(json!({"kind": "global", "omega": 1})),
+            "/method/omega",
+            "unknown field `omega`",
+        ),
+        bad(
+            stop(json!({"tolerance": -1})),
+            "/stop/tolerance",
+            "zero or greater",
+        ),
+        bad(
+            stop(json!({"relative_tolerance": -1e-9})),
+            "/stop/relative_tolerance",
+            "zero or greater",
+        ),
+        bad(
+            stop(json!({"tolerance": "small"})),
+            "/stop/tolerance",
+            "expected a number",
+        ),
+        bad(
+            stop(json!({"tolerance": 1, "relative_tolerance": 1})),
+            "/stop/relative_tolerance",
+            "tolerance is given",
+        ),
+        bad(
+            stop(json!({"max_iterations": -1})),
+            "/stop/max_iterations",
+            "-1",
+        ),
+        bad(
+            stop(json!({"max_iterations": 1.5})),
+            "/stop/max_iterations",
+            "1.5",
+        ),
+        bad(
+            stop(json!({"max_iterations": 1_000_001})),
+            "/stop/max_iterations",
+            "limit of this server",
+        ),
+        bad(
+            stop(json!({"iterations": 5})),
+            "/stop/iterations",
+            "unknown field `iterations`",
+        ),
+    ]
+}
+
+#[tokio::test]
+async fn bodies() {
+    let server = Server::start().await;
+    let cases: Vec<Bad> = [
+        not_json(),
+        wrong_shape(),
+        wrong_basis(),
+        wrong_parameters(),
+        wrong_rules(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    assert!(cases.len() >= 40);
+    let mut surprises = Vec::new();
+    for case in &cases {
+        let request = server
+            .post("/v1/jobs")
+            .header("content-type", "application/json");
+        let response = request.body(case.body.clone()).send().await.unwrap();
+        let (status, problem) = problem(response).await;
+        let detail = problem["detail"].as_str().unwrap();
+        let error = &problem["errors"][0];
+        let pointed = case.pointer.is_none_or(|pointer| {
+            error["pointer"] == pointer && !error["detail"].as_str().unwrap().is_empty()
+        });
+        if status != case.status || !detail.contains(case.reason) || !pointed {
+            let shown: String = case.body.chars().take(200).collect();
+            surprises.push(format!("{shown}\n{problem:#}"));
+        }
+    }
+    assert!(surprises.is_empty(), "{}", surprises.join("\n\n"));
+    // None of them left anything behind, and the server goes on.
+    assert_eq!(server.json("/v1/jobs").await["jobs"], json!([]));
+    let job = server.fit(&data::small_job()).await;
+    assert_eq!(job["state"], "converged");
+}
+
+#[tokio::test]
+async fn limits_are_named() {
+    let server = Server::with(|config| {
+        config.max_body = "10000".parse().unwrap();
+        config.max_points = 50;
+        config.max_iterations = 10;
+    })
+    .await;
+    let job = json!({"curve": {"points": data::wave(100)}});
+    let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
+    let (status, answer) = problem(response).await;
+    assert_eq!(status, 422);
+    assert_eq!(answer["errors"][0]["pointer"], "/curve/points");
+    assert!(
+        answer["detail"]
+            .as_str()
+            .unwrap()
+            .contains("100 points are more than 50")
+    );
+
+    // With a Content-Length, and without one.
+    let long = json!({"name": "n".repeat(20_000)}).to_string();
+    let chunks = [Ok::<_, std::io::Error>(long.clone())];
+    let streamed = reqwest::Body::wrap_stream(futures_util::stream::iter(chunks));
+    for body in [reqwest::Body::from(long), streamed] {
+        let request = server
+            .post("/v1/jobs")
+            .header("content-type", "application/json");
+        let (status, answer) = problem(request.body(body).send().await.unwrap()).await;
+        assert_eq!(status, 413);
+        assert!(answer["detail"].as_str().unwrap().contains("10000 bytes"));
+    }
+
+    let mut job = json!({"curve": {"points": [[0], [1]]}});
+    assert_eq!(server.fit(&job).await["stop"]["max_iterations"], 10);
+    job["stop"] = json!({"max_iterations": 11});
+    let (status, answer) = problem(server.post("/v1/jobs").json(&job).send().await.unwrap()).await;
+    assert_eq!(status, 422);
+    assert!(answer["detail"].as_str().unwrap().contains("more than 10"));
+}
+
+#[tokio::test]
+async fn fits_that_need_too_much_memory_are_refused() {
+    let server = Server::with(|config| config.memory = "1MiB".parse().unwrap()).await;
+    let job = json!({"curve": {"points": data::wave(50_000)}});
+    let (status, answer) = problem(server.post("/v1/jobs").json(&job).send().await.unwrap()).await;
+    assert_eq!(status, 422);
+    let detail = answer["detail"].as_str().unwrap();
+    assert!(detail.contains("bytes of memory"), "{detail}");
+    assert_eq!(server.fit(&data::small_job()).await["state"], "converged");
+}
+
+#[tokio::test]
+async fn resources_methods_and_media_types() {
+    let server = Server::start().await;
+    let job = data::small_job().to_string();
+    let id = server.fit(&data::small_job()).await["id"]
+        .as_str()
+        .unwrap()
+        .to_owned();
+    let missing = "/v1/jobs/018f0000-0000-7000-8000-000000000000";
+    let typed = |kind: &str| {
+        server
+            .post("/v1/jobs")
+            .header("content-type", kind)
+            .body(job.clone())
+    };
+    let json = "application/json";
+    let cases = [
+        (server.get("/nothing"), 404, "not-found"),
+        (server.get(missing), 404, "unknown-job"),
+        (server.get("/v1/jobs/seven"), 404, "unknown-job"),
+        (server.get(&format!("{missing}/events")), 404, "unknown-job"),
+        (server.get(&format!("{missing}/result")), 404, "unknown-job"),
+        (
+            server.get(&format!("{missing}/iterations/0")),
+            404,
+            "unknown-job",
+        ),
+        (
+            server.post(&format!("{missing}/cancel")),
+            404,
+            "unknown-job",
+        ),
+        (server.delete(missing), 404, "unknown-job"),
+        (
+            server.get(&format!("/v1/jobs/{id}/iterations/999")),
+            404,
+            "no-such-iteration",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/iterations/-1")),
+            404,
+            "no-such-iteration",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/iterations/first")),
+            404,
+            "no-such-iteration",
+        ),
+        (
+            server.post(&format!("/v1/jobs/{id}/cancel")),
+            409,
+            "already-ended",
+        ),
+        (server.delete("/v1/jobs"), 405, "method-not-allowed"),
+        (
+            server.post(&format!("/v1/jobs/{id}/events")),
+            405,
+            "method-not-allowed",
+        ),
+        (
+            server.post("/v1/jobs").body(job.clone()),
+            415,
+            "unsupported-media-type",
+        ),
+        (typed("text/csv"), 415, "unsupported-media-type"),
+        (
+            typed("application/x-protobuf"),
+            415,
+            "unsupported-media-type",
+        ),
+        (
+            typed(json).header("accept", "image/png"),
+            406,
+            "not-acceptable",
+        ),
+        (
+            server
+                .get(&format!("/v1/jobs/{id}/events"))
+                .header("accept", json),
+            406,
+            "not-acceptable",
+        ),
+        (
+            server
+                .get(&format!("/v1/jobs/{id}/result"))
+                .header("accept", "model/step"),
+            406,
+            "not-acceptable",
+        ),
+        (
+            typed(json).header("prefer", "wait=soon"),
+            400,
+            "invalid-request",
+        ),
+        (
+            typed(json).header("prefer", "wait=-1"),
+            400,
+            "invalid-request",
+        ),
+        (server.get("/v1/jobs?state=busy"), 400, "invalid-request"),
+        (server.get("/v1/jobs?limit=0"), 400, "invalid-request"),
+        (server.get("/v1/jobs?limit=many"), 400, "invalid-request"),
+        (server.get("/v1/jobs?page=2"), 400, "invalid-request"),
+        (server.get("/v1/jobs?cursor=2"), 400, "invalid-request"),
+        (server.post("/v1/jobs?every=2"), 400, "invalid-request"),
+        (
+            server.get(&format!("/v1/jobs/{id}/events?last_event_id=x")),
+            400,
+            "invalid-request",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/events?last_id=1")),
+            400,
+            "invalid-request",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/result?view=points")),
+            400,
+            "invalid-request",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/result?samples=10")),
+            400,
+            "invalid-request",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/result?view=samples&samples=1")),
+            400,
+            "invalid-request",
+        ),
+        (
+            server.get(&format!("/v1/jobs/{id}/result?view=samples&samples=9x9")),
+            400,
+            "invalid-request",
+        ),
+        (
+            server.get(&format!(
+                "/v1/jobs/{id}/result?view=samples&samples=9999999"
+            )),
+            400,
+            "invalid-request",
+        ),
+    ];
+    for (request, status, slug) in cases {
+        let (client, request) = request.build_split();
+        let request = request.unwrap();
+        let shown = format!("{} {}", request.method(), request.url());
+        let (given, problem) = problem(client.execute(request).await.unwrap()).await;
+        assert_eq!(given, status, "{shown} {problem:#}");
+        assert_eq!(
+            problem["type"],
+            format!("/problems/{slug}"),
+            "{shown} {problem:#}"
+        );
+        if status == 400 {
+            let error = &problem["errors"][0];
+            assert!(
+                error["parameter"].is_string() || error["header"].is_string(),
+                "{problem:#}"
+            );
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_type_of_problem_is_documented() {
+    let server = Server::start().await;
+    let problems = server.json("/problems").await;
+    for entry in problems.as_array().unwrap() {
+        let path = entry["type"].as_str().unwrap();
+        assert_eq!(&server.json(path).await, entry);
+        assert!(!entry["meaning"].as_str().unwrap().is_empty());
+    }
+    let (status, _) = problem(server.get("/problems/none").send().await.unwrap()).await;
+    assert_eq!(status, 404);
+}

@@ -1,0 +1,88 @@
+//! What every HTTP service has: health, capabilities, request ids.
+
+use serde_json::json;
+
+use crate::support::{Server, problem};
+
+#[tokio::test]
+async fn health() {
+    let server = Server::start().await;
+    assert_eq!(server.json("/livez").await, json!({"status": "alive"}));
+    assert_eq!(server.json("/readyz").await, json!({"status": "ready"}));
+    let head = server.client.head(format!("{}/livez", server.url));
+    assert_eq!(head.send().await.unwrap().status(), 200);
+}
+
+#[tokio::test]
+async fn capabilities_name_the_limits() {
+    let server = Server::with(|config| config.max_points = 1234).await;
+    let capabilities = server.json("/v1/capabilities").await;
+    assert_eq!(capabilities["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(capabilities["limits"]["points"], 1234);
+    assert_eq!(capabilities["limits"]["body_bytes"], 256 * 1024 * 1024);
+    let index = server.json("/").await;
+    for link in index["links"].as_object().unwrap().values() {
+        server.json(link.as_str().unwrap()).await;
+    }
+}
+
+/// Each basis, knot choice and parametrization that is announced is accepted.
+#[tokio::test]
+async fn capabilities_are_true() {
+    let server = Server::start().await;
+    let capabilities = server.json("/v1/capabilities").await;
+    let names = |value: &serde_json::Value| -> Vec<String> {
+        let names = value.as_array().unwrap().iter();
+        names
+            .map(|name| name.as_str().unwrap().to_owned())
+            .collect()
+    };
+    let points = json!([[0, 0], [1, 2], [2, 1], [3, 3], [4, 0]]);
+    for parameters in names(&capabilities["parameters"]) {
+        let parameters = match parameters.as_str() {
+            "explicit" => json!([0, 1, 2, 3, 4]),
+            name => json!(name),
+        };
+        for basis in capabilities["bases"].as_array().unwrap() {
+            let mut bases = vec![json!({"kind": basis["kind"]})];
+            if !basis["knots"].is_null() {
+                bases = names(&basis["knots"])
+                    .iter()
+                    .map(|knots| match knots.as_str() {
+                        "explicit" => json!([0, 0, 0, 1.5, 2.5, 4, 4, 4]),
+                        name => json!(name),
+                    })
+                    .map(|knots| json!({"kind": basis["kind"], "degree": 2, "knots": knots}))
+                    .collect();
+            }
+            for basis in bases {
+                for method in capabilities["methods"].as_array().unwrap() {
+                    let job = server
+                        .fit(&json!({
+                            "curve": {"points": points, "parameters": parameters, "basis": basis},
+                            "method": method,
+                            "stop": {"tolerance": 1e-3, "max_iterations": 100_000},
+                        }))
+                        .await;
+                    assert_eq!(job["state"], "converged", "{basis} {parameters}");
+                }
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_client_may_name_its_request() {
+    let server = Server::start().await;
+    let request = server.get("/nothing").header("x-request-id", "plugin-42");
+    let (_, answer) = problem(request.send().await.unwrap()).await;
+    assert_eq!(answer["request_id"], "plugin-42");
+}
+
+#[tokio::test]
+async fn a_wrong_method_is_told_the_right_ones() {
+    let server = Server::start().await;
+    let response = server.delete("/v1/jobs").send().await.unwrap();
+    let allow = response.headers()["allow"].to_str().unwrap().to_owned();
+    assert!(allow.contains("GET") && allow.contains("POST"), "{allow}");
+}

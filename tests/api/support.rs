@@ -1,0 +1,183 @@
+//! Starts servers and reads event streams.
+
+use std::time::Duration;
+
+use eventsource_stream::Eventsource;
+use futures_util::{Stream, StreamExt};
+use piad::config::Config;
+use reqwest::{Client, RequestBuilder, Response};
+use serde_json::{Value, json};
+use tokio::net::TcpListener;
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+
+/// How long a test waits for anything.
+pub const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A server of its own for a test, in the same process, on a free port.
+pub struct Server {
+    pub url: String,
+    pub client: Client,
+    stop: Option<oneshot::Sender<()>>,
+    served: JoinHandle<std::io::Result<()>>,
+}
+
+impl Server {
+    pub async fn start() -> Self {
+        Self::with(|_| {}).await
+    }
+
+    /// A server whose configuration differs from the standard one.
+    pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
+        let mut config = Config::standard();
+        change(&mut config);
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let url = format!("http://{}", listener.local_addr().unwrap());
+        let (stop, stopped) = oneshot::channel::<()>();
+        let served = tokio::spawn(piad::server::serve(listener, config, async {
+            let _ = stopped.await;
+        }));
+        let client = Client::builder().timeout(PATIENCE).build().unwrap();
+        Self {
+            url,
+            client,
+            stop: Some(stop),
+            served,
+        }
+    }
+
+    pub fn get(&self, path: &str) -> RequestBuilder {
+        self.client.get(format!("{}{path}", self.url))
+    }
+
+    pub fn post(&self, path: &str) -> RequestBuilder {
+        self.client.post(format!("{}{path}", self.url))
+    }
+
+    pub fn delete(&self, path: &str) -> RequestBuilder {
+        self.client.delete(format!("{}{path}", self.url))
+    }
+
+    /// Posts a job and gives its resource.
+    pub async fn create(&self, job: &Value) -> Value {
+        let response = self.post("/v1/jobs").json(job).send().await.unwrap();
+        assert_eq!(response.status(), 201, "{job}");
+        response.json().await.unwrap()
+    }
+
+    /// Posts a job and waits for its end.
+    pub async fn fit(&self, job: &Value) -> Value {
+        let request = self.post("/v1/jobs").header("prefer", "wait=100");
+        let response = request.json(job).send().await.unwrap();
+        assert_eq!(response.status(), 201, "{job}");
+        response.json().await.unwrap()
+    }
+
+    /// Posts a job and reads all of its events.
+    pub async fn stream(&self, job: &Value) -> Story {
+        let request = self.post("/v1/jobs").header("accept", "text/event-stream");
+        let response = request.json(job).send().await.unwrap();
+        assert_eq!(response.status(), 200, "{job}");
+        Story::read(response).await
+    }
+
+    pub async fn json(&self, path: &str) -> Value {
+        let response = self.get(path).send().await.unwrap();
+        assert_eq!(response.status(), 200, "{path}");
+        response.json().await.unwrap()
+    }
+
+    /// Tells the server to stop and waits until it has.
+    pub async fn stop(mut self) {
+        self.stop.take().unwrap().send(()).unwrap();
+        self.served.await.unwrap().unwrap();
+    }
+}
+
+/// An event as a client sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    pub name: String,
+    pub id: String,
+    pub data: Value,
+}
+
+/// The events of a response, as they come.
+pub fn events(response: Response) -> impl Stream<Item = Event> + Unpin {
+    let events = response.bytes_stream().eventsource();
+    Box::pin(events.map(|event| {
+        let event = event.expect("a well-formed event");
+        Event {
+            name: event.event,
+            id: event.id,
+            data: serde_json::from_str(&event.data).expect("data are JSON"),
+        }
+    }))
+}
+
+/// A whole event stream.
+#[derive(Debug)]
+pub struct Story {
+    pub job: Value,
+    pub iterations: Vec<Value>,
+    pub end: Value,
+}
+
+impl Story {
+    /// Reads a stream to its end and checks its grammar: `job`, iterations without gaps, `end`.
+    pub async fn read(response: Response) -> Self {
+        let mut events = events(response);
+        let job = events.next().await.expect("a job event");
+        assert_eq!((job.name.as_str(), job.id.as_str()), ("job", ""));
+        let mut iterations: Vec<Value> = Vec::new();
+        loop {
+            let event = events.next().await.expect("an event before the end");
+            if event.name == "end" {
+                assert_eq!(event.id, "end");
+                assert!(events.next().await.is_none(), "nothing follows the end");
+                return Self {
+                    job: job.data,
+                    iterations,
+                    end: event.data,
+                };
+            }
+            assert_eq!(event.name, "iteration");
+            assert_eq!(event.id, event.data["iteration"].to_string());
+            if let Some(last) = iterations.last() {
+                let before = last["iteration"].as_u64().unwrap();
+                assert_eq!(event.data["iteration"], json!(before + 1), "no gaps");
+            }
+            iterations.push(event.data);
+        }
+    }
+
+    /// The largest distance at level `k` of a stream from 0 on.
+    pub fn error(&self, k: usize) -> f64 {
+        assert_eq!(self.iterations[k]["iteration"], json!(k));
+        self.iterations[k]["error"]["max"].as_f64().unwrap()
+    }
+
+    pub fn state(&self) -> &str {
+        self.end["state"].as_str().unwrap()
+    }
+}
+
+/// A problem object, after checking what all of them have.
+pub async fn problem(response: Response) -> (u16, Value) {
+    let status = response.status().as_u16();
+    assert_eq!(
+        response.headers()["content-type"],
+        "application/problem+json"
+    );
+    let id = response.headers()["x-request-id"]
+        .to_str()
+        .unwrap()
+        .to_owned();
+    let problem: Value = response.json().await.unwrap();
+    assert_eq!(problem["status"], json!(status));
+    assert_eq!(problem["request_id"], json!(id));
+    assert!(problem["type"].as_str().unwrap().starts_with("/problems/"));
+    assert!(!problem["title"].as_str().unwrap().is_empty());
+    assert!(!problem["detail"].as_str().unwrap().is_empty());
+    (status, problem)
+}
