@@ -39,4 +39,6 @@ pub mod iteration;
 pub mod parameters;
 pub mod points;
 pub mod problem;
+#[cfg(test)]
+mod properties;
 pub mod transform;

@@ -1,0 +1,199 @@
+//! Properties that hold for every fit: affine invariance, interpolation in the limit, independence
+//! of the order of magnitude.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+
+use super::basis::knots::Knots;
+use super::geometry::Geometry;
+use super::iteration::{Iteration, Outcome, System};
+use super::parameters::Parametrization;
+use super::points::{Grid, Points};
+use super::problem::{BasisChoice, DirectionChoice, Problem, Request, Tolerance};
+use super::transform::Method;
+
+/// A basis of one direction that PIA converges quickly with.
+fn basis() -> impl Strategy<Value = BasisChoice> {
+    let knots = prop_oneof![Just(Knots::Data), Just(Knots::Averaged)];
+    prop_oneof![
+        1 => Just(BasisChoice::Bernstein),
+        4 => (1..=4_usize, knots).prop_map(|(degree, knots)| BasisChoice::BSpline { degree, knots }),
+    ]
+}
+
+fn direction() -> impl Strategy<Value = DirectionChoice> {
+    let parameters = prop_oneof![
+        Just(Parametrization::Uniform),
+        Just(Parametrization::ChordLength),
+        Just(Parametrization::Centripetal),
+    ];
+    (basis(), parameters).prop_map(|(basis, parameters)| DirectionChoice { basis, parameters })
+}
+
+/// Points near a regular grid, so that parameters are neither equal nor extremely uneven.
+fn problem() -> impl Strategy<Value = Request> {
+    let grid = prop_oneof![
+        (5..40_usize).prop_map(|rows| Grid { rows, columns: 1 }),
+        (5..9_usize, 5..9_usize).prop_map(|(rows, columns)| Grid { rows, columns }),
+    ];
+    (grid, direction(), direction(), 2..=3_usize).prop_flat_map(|(grid, u, v, dimension)| {
+        let offsets = prop::collection::vec(-0.4..0.4, grid.count() * dimension);
+        offsets.prop_map(move |offsets| {
+            let mut points = Points::new(dimension);
+            for (index, offset) in offsets.chunks(dimension).enumerate() {
+                let base = [
+                    (index / grid.columns) as f64,
+                    (index % grid.columns) as f64,
+                    0.0,
+                ];
+                let point: Vec<f64> = offset.iter().zip(base).map(|(a, b)| a + b).collect();
+                points.push(&point);
+            }
+            Request {
+                points,
+                grid,
+                u: u.clone(),
+                v: (grid.columns > 1).then(|| v.clone()),
+                method: Method::Global,
+                tolerance: Tolerance::Relative(1e-9),
+                max_iterations: 300,
+            }
+        })
+    })
+}
+
+fn start(request: Request) -> Iteration {
+    let problem = Problem::new(request).unwrap();
+    Iteration::start(Arc::new(System::new(Arc::new(problem))))
+}
+
+fn map(points: &Points, f: impl Fn(&[f64]) -> Vec<f64>) -> Points {
+    let mut image = Points::new(points.dimension());
+    for i in 0..points.len() {
+        image.push(&f(&points.point(i).collect::<Vec<_>>()));
+    }
+    image
+}
+
+fn assert_close(a: &Points, b: &Points, tolerance: f64) {
+    for (a, b) in a.lanes().iter().flatten().zip(b.lanes().iter().flatten()) {
+        assert!((a - b).abs() <= tolerance, "{a} {b}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// With the same parameters, fitting commutes with affine maps at every level.
+    #[test]
+    fn fits_are_affinely_invariant(
+        mut request in problem(),
+        matrix in prop::array::uniform9(-2.0..2.0),
+        shift in prop::array::uniform3(-5.0..5.0),
+    ) {
+        request.u.parameters = Parametrization::Uniform;
+        if let Some(v) = &mut request.v {
+            v.parameters = Parametrization::Uniform;
+        }
+        let affine = |x: &[f64]| -> Vec<f64> {
+            (0..x.len())
+                .map(|r| shift[r] + x.iter().enumerate().map(|(c, x)| matrix[3 * r + c] * x).sum::<f64>())
+                .collect()
+        };
+        let mut image = request.clone();
+        image.points = map(&request.points, affine);
+        let (mut original, mut image) = (start(request), start(image));
+        for _ in 0..20 {
+            let expected = map(original.control_points(), affine);
+            // Rounding of coordinates below 200, times the growth of control points.
+            assert_close(image.control_points(), &expected, 1e-10);
+            original.step();
+            image.step();
+        }
+    }
+
+    /// When PIA stops, the curve passes through the data, to the error that it reports.
+    #[test]
+    fn the_limit_interpolates(request in problem()) {
+        let mut iteration = start(request.clone());
+        while iteration.outcome().is_none() {
+            iteration.step();
+        }
+        let problem = Problem::new(request).unwrap();
+        let geometry = Geometry::new(&problem, iteration.control_points());
+        let v = problem.v().map_or(&[][..], |v| &v.parameters);
+        let curve = geometry.evaluate(&problem.u().parameters, v);
+        let error = iteration.level().error;
+        // Two ways to sum up to 81 products of coordinates below 40.
+        let rounding = 1e-12;
+        let distance = |i: usize| {
+            let square: f64 = curve.point(i).zip(problem.points().point(i)).map(|(a, b)| (a - b).powi(2)).sum();
+            square.sqrt()
+        };
+        let largest = (0..curve.len()).map(distance).fold(0.0, f64::max);
+        assert!((largest - error.max).abs() <= rounding);
+        assert!((distance(error.at) - error.max).abs() <= rounding);
+        if iteration.outcome() == Some(Outcome::Converged) {
+            assert!(error.max <= problem.tolerance());
+        }
+    }
+
+    /// Data in other units: everything is in other units.
+    #[test]
+    fn every_order_of_magnitude_is_alike(request in problem(), exponent in -290..290) {
+        let scale = 10f64.powi(exponent);
+        let mut scaled = request.clone();
+        scaled.points = map(&request.points, |x| x.iter().map(|x| x * scale).collect());
+        let (mut original, mut scaled) = (start(request), start(scaled));
+        for _ in 0..10 {
+            let expected = map(original.control_points(), |x| x.iter().map(|x| x * scale).collect());
+            assert_close(scaled.control_points(), &expected, 1e-10 * scale);
+            let (a, b) = (original.level().error, scaled.level().error);
+            for (a, b) in [(a.max, b.max), (a.rms, b.rms), (a.sum, b.sum)] {
+                assert!((a - b / scale).abs() < 1e-10, "{a} {}", b / scale);
+            }
+            original.step();
+            scaled.step();
+        }
+    }
+}
+
+/// With well-conditioned bases global PIA always gets there: rate 2/3 for cubics (LBW05, Thm 2.1).
+#[test]
+fn cubic_splines_converge_within_the_expected_iterations() {
+    for n in [10, 100, 1000] {
+        let mut points = Points::new(2);
+        for i in 0..n {
+            let x = f64::from(i);
+            points.push(&[x, (x * 0.7).sin()]);
+        }
+        let direction = DirectionChoice {
+            basis: BasisChoice::BSpline {
+                degree: 3,
+                knots: Knots::Data,
+            },
+            parameters: Parametrization::Uniform,
+        };
+        let mut iteration = start(Request {
+            points,
+            grid: Grid {
+                rows: n as usize,
+                columns: 1,
+            },
+            u: direction,
+            v: None,
+            method: Method::Global,
+            tolerance: Tolerance::Absolute(1e-9),
+            max_iterations: 1000,
+        });
+        let mut rates = Vec::new();
+        while iteration.outcome().is_none() {
+            let before = iteration.level().error.rms;
+            rates.push(iteration.step().error.rms / before);
+        }
+        assert_eq!(iteration.outcome(), Some(Outcome::Converged));
+        assert!(rates.iter().all(|&rate| rate < 2.0 / 3.0 + 1e-6));
+        assert!(rates.len() < 50);
+    }
+}
