@@ -1,0 +1,22 @@
+# A static binary in an empty image.
+#
+#   docker build -t piad .
+#   docker run --rm -p 8080:8080 piad
+
+FROM rust:1-slim-bookworm AS build
+WORKDIR /build
+COPY Cargo.toml Cargo.lock ./
+COPY src ./src
+ENV RUSTFLAGS="-C target-feature=+crt-static"
+RUN target="$(uname -m)-unknown-linux-gnu" \
+ && cargo build --release --locked --target "$target" \
+ && cp "target/$target/release/piad" /piad
+
+FROM scratch
+COPY --from=build /piad /piad
+USER 65532:65532
+ENV PIAD_LISTEN=0.0.0.0:8080
+EXPOSE 8080
+STOPSIGNAL SIGTERM
+HEALTHCHECK --interval=10s --timeout=5s --start-period=2s CMD ["/piad", "health"]
+ENTRYPOINT ["/piad"]
