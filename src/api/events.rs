@@ -130,7 +130,8 @@ pub fn stream(app: &App, job: Arc<Job>, framing: Framing, seen: Option<usize>) -
 /// Where a stream is.
 enum Stage {
     Opening,
-    Description,
+    /// Before the `job` event, which tells numbers that are known when the job has begun.
+    Waiting,
     Iterations,
     Over,
 }
@@ -163,18 +164,13 @@ impl Feed {
             }
             match self.stage {
                 Stage::Opening => {
-                    self.stage = Stage::Description;
+                    self.stage = Stage::Waiting;
                     // Proxies hold the answer back until there is something to pass on.
                     if self.framing == Framing::Sse {
                         return Some(Bytes::from_static(b": piad\nretry: 2000\n\n"));
                     }
                 }
-                Stage::Description => {
-                    self.stage = Stage::Iterations;
-                    let data = describe(&self.job).await;
-                    self.push("job", None, data);
-                }
-                Stage::Iterations => self.advance().await,
+                Stage::Waiting | Stage::Iterations => self.advance().await,
                 Stage::Over => return None,
             }
         }
@@ -187,6 +183,14 @@ impl Feed {
             () = sleep(self.heartbeat) => Happened::Nothing,
             _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
         };
+        if matches!(
+            (&self.stage, &happened),
+            (Stage::Waiting, Happened::Next(_))
+        ) {
+            self.stage = Stage::Iterations;
+            let data = describe(&self.job).await;
+            self.push("job", None, data);
+        }
         match happened {
             Happened::Next(Next::Frame(frame)) => {
                 let data = encode(&self.job, &frame).await;
@@ -246,7 +250,8 @@ async fn describe(job: &Arc<Job>) -> Bytes {
     job.description(|| {
         let numbers = job.problem().grid().count();
         let described = Arc::clone(job);
-        off_network(job, numbers, move || view::description(&described))
+        let levels = job.status().levels;
+        off_network(job, numbers, move || view::description(&described, levels))
     })
     .await
 }

@@ -10,9 +10,12 @@ use serde::Deserialize;
 
 use super::problem::{Kind, Problem};
 use super::{App, events, jobs, negotiate, no_store, view};
+use crate::fit::iteration::Iteration;
+use crate::fit::limit::{MOST_ADJUSTED, NoLimit, local_limit};
 use crate::fit::points::{Grid, Points};
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
+use crate::job::scheduler::Lane;
 use crate::job::state::Levels;
 
 /// The most points that are sampled.
@@ -118,11 +121,38 @@ pub async fn result(
     Ok(json_response(json))
 }
 
+/// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
+pub async fn limit(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    negotiate::json(&headers)?;
+    let job = jobs::find(&app, &id).await?;
+    let computed = Arc::clone(&job);
+    let compute = move || {
+        let start = Iteration::start(computed.system());
+        local_limit(&start).map(|limit| view::limit(computed.problem(), &limit))
+    };
+    let limit = app.jobs.scheduler().compute(Lane::Heavy, compute).await?;
+    limit.map(json_response).map_err(|reason| {
+        let detail = match reason {
+            NoLimit::NotLocal => "only local fits have points that stay".to_owned(),
+            NoLimit::TooMany(count) => format!(
+                "{count} points are adjusted; the closed form is computed for up to {MOST_ADJUSTED}"
+            ),
+            NoLimit::Singular => "the matrix of the adjusted points is singular".to_owned(),
+        };
+        Problem::new(Kind::NoLimit, detail)
+    })
+}
+
 /// How long sampling takes, in numbers that are written.
 fn work(grid: Grid, job: &Job) -> usize {
-    let widths = |direction: &crate::fit::problem::Direction| direction.basis.support_width();
-    let problem = job.problem();
-    let functions = widths(problem.u()) * problem.v().map_or(1, widths);
+    let directions = job.problem().directions();
+    let functions: usize = directions
+        .map(|direction| direction.basis.support_width())
+        .product();
     grid.count().saturating_mul(functions)
 }
 

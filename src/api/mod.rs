@@ -89,6 +89,7 @@ pub fn router(app: App) -> Router {
         .route("/v1/jobs/{id}/events", get(events::get))
         .route("/v1/jobs/{id}/iterations/{k}", get(geometry::iteration))
         .route("/v1/jobs/{id}/result", get(geometry::result))
+        .route("/v1/jobs/{id}/limit", get(geometry::limit))
         .fallback(not_found)
         .method_not_allowed_fallback(method_not_allowed)
         .layer(layers)

@@ -227,3 +227,89 @@ impl<'de> Visitor<'de> for NameOrNumbersVisitor {
         Ok(NameOrNumbers::Numbers(numbers))
     }
 }
+
+/// Weights: a list of numbers, or rows of them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WeightList {
+    /// A list.
+    Line(Vec<f64>),
+    /// Rows of equal length.
+    Grid {
+        /// The weights, row by row.
+        values: Vec<f64>,
+        /// The length of the rows.
+        columns: usize,
+    },
+}
+
+impl<'de> Deserialize<'de> for WeightList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(WeightListVisitor)
+    }
+}
+
+struct WeightListVisitor;
+
+impl<'de> Visitor<'de> for WeightListVisitor {
+    type Value = WeightList;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of weights, or rows of them")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<WeightList, A::Error> {
+        let mut values = Vec::new();
+        let mut columns = None;
+        while let Some(length) = list.next_element_seed(WeightElement(&mut values))? {
+            if *columns.get_or_insert(length) != length {
+                return Err(A::Error::custom(
+                    "all rows of weights must have the same length",
+                ));
+            }
+        }
+        Ok(match columns.flatten() {
+            None => WeightList::Line(values),
+            Some(columns) => WeightList::Grid { values, columns },
+        })
+    }
+}
+
+/// A weight, or a row of weights, of which the length is given.
+struct WeightElement<'a>(&'a mut Vec<f64>);
+
+impl<'de> DeserializeSeed<'de> for WeightElement<'_> {
+    type Value = Option<usize>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for WeightElement<'_> {
+    type Value = Option<usize>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a weight or a row of weights")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+        self.0.push(value);
+        Ok(None)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+        let before = self.0.len();
+        while let Some(Number(x)) = list.next_element()? {
+            self.0.push(x);
+        }
+        Ok(Some(self.0.len() - before))
+    }
+}

@@ -24,6 +24,7 @@ pub enum Kind {
     UnknownJob,
     NoSuchIteration,
     NoResult,
+    NoLimit,
     MethodNotAllowed,
     NotAcceptable,
     BodyTimeout,
@@ -51,7 +52,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::NotJson,
         Self::InvalidRequest,
         Self::InvalidFit,
@@ -59,6 +60,7 @@ impl Kind {
         Self::UnknownJob,
         Self::NoSuchIteration,
         Self::NoResult,
+        Self::NoLimit,
         Self::MethodNotAllowed,
         Self::NotAcceptable,
         Self::BodyTimeout,
@@ -126,6 +128,12 @@ impl Kind {
                 S::CONFLICT,
                 "The job has no result",
                 "The job has not ended yet, or it ended without any geometry.",
+            ),
+            Self::NoLimit => (
+                "no-limit",
+                S::CONFLICT,
+                "The job has no limit to be computed",
+                "The closed form of the limit is for local fits that adjust not too many points.",
             ),
             Self::MethodNotAllowed => (
                 "method-not-allowed",

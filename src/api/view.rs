@@ -1,18 +1,22 @@
 //! The JSON of answers.
 
 use bytes::Bytes;
-use serde::ser::{SerializeSeq, SerializeStruct};
+use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::problem as api;
+use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
-use crate::fit::iteration::{FitError, Level};
+use crate::fit::iteration::Level;
+use crate::fit::limit::LocalLimit;
+use crate::fit::method::{Method, Start, Variant};
+use crate::fit::norms::FitError;
 use crate::fit::points::{Grid, Points};
-use crate::fit::problem::{Direction, Problem};
-use crate::fit::transform::Method;
+use crate::fit::problem::Problem;
+use crate::fit::system::Forecast;
 use crate::job::Job;
-use crate::job::state::Status;
+use crate::job::state::{Levels, Reason, Status};
 
 /// A value as bytes of JSON. The values of this module always have a JSON form.
 pub fn to_bytes(value: &impl Serialize) -> Bytes {
@@ -25,16 +29,33 @@ pub fn to_bytes(value: &impl Serialize) -> Bytes {
     }
 }
 
-/// The distances of a level from the data. On surfaces `at` is `[row, column]`.
+/// The distances of a level from the data. On surfaces `at` is `[row, column]`. Distances that are
+/// infinite, of points whose weight is not positive, are null.
 pub fn error(error: &FitError, problem: &Problem) -> Value {
-    let at = match problem.v() {
-        None => json!(error.at),
+    let at = point_index(error.at, problem);
+    let mut value = json!({"max": error.max, "rms": error.rms, "sum": error.sum, "at": at});
+    let more = [
+        ("fixed_max", error.fixed_max),
+        ("homogeneous", error.homogeneous),
+        ("gradient", error.gradient),
+    ];
+    for (name, number) in more {
+        if let Some(number) = number {
+            value[name] = json!(number);
+        }
+    }
+    value
+}
+
+/// The index of a data point: on surfaces `[row, column]`.
+fn point_index(index: usize, problem: &Problem) -> Value {
+    match problem.v() {
+        None => json!(index),
         Some(_) => {
             let columns = problem.grid().columns;
-            json!([error.at / columns, error.at % columns])
+            json!([index / columns, index % columns])
         }
-    };
-    json!({"max": error.max, "rms": error.rms, "sum": error.sum, "at": at})
+    }
 }
 
 /// The job as a resource.
@@ -48,8 +69,9 @@ pub fn job(job: &Job) -> Value {
         "name": job.name(),
         "kind": kind(problem),
         "state": status.state.name(),
+        "reason": status.reason.map(Reason::name),
         "points": problem.grid().count(),
-        "method": method(problem),
+        "method": method(problem, status.levels.map(|levels| levels.forecast)),
         "stop": stop(problem),
         "iteration": level.map(|level| level.iteration),
         "error": level.map(|level| error(&level.error, problem)),
@@ -71,6 +93,7 @@ fn links(job: &Job) -> Value {
         "self": base,
         "events": format!("{base}/events"),
         "result": format!("{base}/result"),
+        "limit": format!("{base}/limit"),
         "cancel": format!("{base}/cancel"),
     })
 }
@@ -87,10 +110,46 @@ fn kind(problem: &Problem) -> &'static str {
     }
 }
 
-fn method(problem: &Problem) -> Value {
-    match problem.method() {
-        Method::Global => json!({"kind": "global"}),
+/// The method with its settings, and with the numbers that were computed for it.
+fn method(problem: &Problem, forecast: Option<Forecast>) -> Value {
+    let method = problem.method();
+    let mut value = json!({"kind": method.name()});
+    match method {
+        Method::Weighted { omega } => {
+            value["omega"] = json!(forecast.and_then(|it| it.omega).or(*omega));
+        }
+        Method::Local(selection) => {
+            let adjusted = selection
+                .indices
+                .as_ref()
+                .map_or(problem.grid().count(), Vec::len);
+            value["adjusted"] = json!(adjusted);
+            value["row_by_row"] = json!(selection.row_by_row);
+        }
+        Method::Adaptive { threshold } => value["threshold"] = json!(threshold),
+        Method::Extended { start } => {
+            value["start"] = json!(match start {
+                Start::Transformed => "transformed",
+                Start::Data => "data",
+            });
+        }
+        Method::LeastSquares(settings) => {
+            value["control_points"] = match problem.v() {
+                None => json!(settings.u),
+                Some(_) => json!({"u": settings.u, "v": settings.v}),
+            };
+            value["variant"] = json!(match settings.variant {
+                Variant::Diagonal => "diagonal",
+                Variant::Lspia { .. } => "lspia",
+                Variant::ConjugateGradients => "cg",
+            });
+        }
+        _ => {}
     }
+    if let Some(lambda_min) = forecast.and_then(|it| it.lambda_min) {
+        value["lambda_min"] = json!(lambda_min);
+    }
+    value
 }
 
 fn stop(problem: &Problem) -> Value {
@@ -117,7 +176,7 @@ enum OneOrTwo<T> {
 }
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
-pub fn description(job: &Job) -> Bytes {
+pub fn description(job: &Job, levels: Option<Levels>) -> Bytes {
     #[derive(Serialize)]
     struct Description<'a, D, B, K, P> {
         id: uuid::Uuid,
@@ -126,9 +185,13 @@ pub fn description(job: &Job) -> Bytes {
         points: usize,
         basis: B,
         degree: D,
+        closed: Value,
+        rational: Option<&'static str>,
         method: Value,
+        predicted: Value,
         stop: Value,
         links: Value,
+        weights: Value,
         knots: K,
         parameters: P,
     }
@@ -140,12 +203,42 @@ pub fn description(job: &Job) -> Bytes {
         points: problem.grid().count(),
         basis: per_direction(problem, |direction| direction.basis.name()),
         degree: per_direction(problem, |direction| direction.basis.degree()),
-        method: method(problem),
+        closed: json!(per_direction(problem, Direction::is_closed)),
+        rational: rational(problem),
+        method: method(problem, levels.map(|levels| levels.forecast)),
+        predicted: json!({
+            "rate": levels.and_then(|levels| levels.forecast.rate),
+            "iterations": levels.and_then(|levels| {
+                levels.forecast.iterations(levels.first.error.max, problem.tolerance())
+            }),
+        }),
         stop: stop(problem),
         links: links(job),
-        knots: per_direction(problem, |direction| direction.basis.clamped_knots()),
+        weights: fixed_weights(problem),
+        knots: per_direction(problem, |direction| direction.basis.knots()),
         parameters: per_direction(problem, |direction| direction.parameters.clone()),
     })
+}
+
+fn rational(problem: &Problem) -> Option<&'static str> {
+    if problem.is_homogeneous() {
+        Some("homogeneous")
+    } else if problem.directions().any(Direction::is_rational) {
+        Some("fixed")
+    } else {
+        None
+    }
+}
+
+/// Weights that stay: one for each control point of a direction, end copies included.
+fn fixed_weights(problem: &Problem) -> Value {
+    if problem.directions().any(Direction::is_rational) {
+        json!(per_direction(problem, |direction| direction
+            .weights()
+            .map(<[f64]>::to_vec)))
+    } else {
+        Value::Null
+    }
 }
 
 /// The data of an `iteration` event: the level with its complete control points.
@@ -154,14 +247,33 @@ pub fn iteration(problem: &Problem, level: &Level, control_points: &Points) -> B
     struct Iteration<'a> {
         iteration: usize,
         error: Value,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        rate: Option<f64>,
         moved: usize,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        bad_weight: Option<Value>,
         control_points: Net<'a>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        weights: Option<NetWeights<'a>>,
     }
+    let geometry = Geometry::new(problem, control_points);
     to_bytes(&Iteration {
         iteration: level.iteration,
         error: error(&level.error, problem),
+        rate: level.rate,
         moved: level.moved,
-        control_points: Net(Geometry::new(problem, control_points)),
+        bad_weight: level.bad_weight.map(|bad| bad_weight(bad, problem)),
+        control_points: Net(geometry),
+        weights: geometry.is_homogeneous().then_some(NetWeights(geometry)),
+    })
+}
+
+/// What is wrong with a homogeneous level: no CAD kernel takes a weight that is not positive.
+fn bad_weight((index, weight): (usize, f64), problem: &Problem) -> Value {
+    json!({
+        "control_point": point_index(index, problem),
+        "weight": weight,
+        "detail": "a weight of a control point is not positive at this level",
     })
 }
 
@@ -174,6 +286,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
         .map(|(start, end)| end.duration_since(start).as_secs_f64());
     let mut value = json!({
         "state": status.state.name(),
+        "reason": status.reason.map(Reason::name),
         "iterations": level.map_or(0, |level| level.iteration),
         "error": level.map(|level| error(&level.error, job.problem())),
         "elapsed": elapsed,
@@ -188,18 +301,37 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
 /// The result: geometry that can be read without anything else.
 pub fn result(job: &Job, status: &Status, level: &Level, control_points: &Points) -> Bytes {
     #[derive(Serialize)]
-    struct ResultView<'a, D, K> {
+    struct ResultView<'a, B, D, K> {
         id: uuid::Uuid,
         name: Option<&'a str>,
         kind: &'static str,
         state: &'static str,
         iteration: usize,
         error: Value,
+        basis: B,
         degree: D,
+        closed: Value,
+        rational: Option<&'static str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        bad_weight: Option<Value>,
         knots: K,
         control_points: Net<'a>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        weights: Option<ResultWeights<'a>>,
+    }
+    #[derive(Serialize)]
+    #[serde(untagged)]
+    enum ResultWeights<'a> {
+        Net(NetWeights<'a>),
+        Fixed(Value),
     }
     let problem = job.problem();
+    let geometry = Geometry::new(problem, control_points);
+    let weights = match rational(problem) {
+        None => None,
+        Some("homogeneous") => Some(ResultWeights::Net(NetWeights(geometry))),
+        Some(_) => Some(ResultWeights::Fixed(fixed_weights(problem))),
+    };
     to_bytes(&ResultView {
         id: job.id(),
         name: job.name(),
@@ -207,10 +339,29 @@ pub fn result(job: &Job, status: &Status, level: &Level, control_points: &Points
         state: status.state.name(),
         iteration: level.iteration,
         error: error(&level.error, problem),
+        basis: per_direction(problem, |direction| direction.basis.name()),
         degree: per_direction(problem, |direction| direction.basis.degree()),
-        knots: per_direction(problem, |direction| direction.basis.clamped_knots()),
-        control_points: Net(Geometry::new(problem, control_points)),
+        closed: json!(per_direction(problem, Direction::is_closed)),
+        rational: rational(problem),
+        bad_weight: level.bad_weight.map(|bad| bad_weight(bad, problem)),
+        knots: per_direction(problem, |direction| direction.basis.knots()),
+        control_points: Net(geometry),
+        weights,
     })
+}
+
+/// Where the difference vectors of the fixed points of a local fit end.
+pub fn limit(problem: &Problem, limit: &LocalLimit) -> Bytes {
+    let indices = limit.fixed.iter();
+    let indices: Vec<Value> = indices.map(|&index| point_index(index, problem)).collect();
+    let count = limit.differences.len();
+    let largest = (0..count)
+        .map(|i| limit.differences.point(i).fold(0.0, f64::hypot))
+        .fold(0.0, f64::max);
+    let differences: Vec<Vec<f64>> = (0..count)
+        .map(|i| limit.differences.point(i).collect())
+        .collect();
+    to_bytes(&json!({"points": indices, "differences": differences, "max": largest}))
 }
 
 /// Points of the curve or surface of a level, at equal steps of the parameters.
@@ -256,31 +407,50 @@ struct Net<'a>(Geometry<'a>);
 
 impl Serialize for Net<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let geometry = self.0;
-        match geometry.columns() {
-            None => serializer.collect_seq(
-                (0..geometry.rows())
-                    .flat_map(|row| geometry.row(row))
-                    .map(|index| Point(geometry.control_points(), index)),
-            ),
-            Some(_) => {
-                serializer.collect_seq((0..geometry.rows()).map(|row| NetRow(geometry, row)))
-            }
-        }
+        serialize_net(self.0, serializer, |index| Place(self.0, index))
     }
 }
 
-struct NetRow<'a>(Geometry<'a>, usize);
+/// The weights of the complete control net of a homogeneous fit.
+struct NetWeights<'a>(Geometry<'a>);
 
-impl Serialize for NetRow<'_> {
+impl Serialize for NetWeights<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self(geometry, row) = *self;
-        let points = geometry.row(row).collect::<Vec<_>>();
-        serializer.collect_seq(
-            points
-                .into_iter()
-                .map(|index| Point(geometry.control_points(), index)),
-        )
+        serialize_net(self.0, serializer, |index| self.0.weight(index))
+    }
+}
+
+/// Something of each control point: a list for a curve, rows for a surface.
+fn serialize_net<S: Serializer, T: Serialize>(
+    geometry: Geometry<'_>,
+    serializer: S,
+    of: impl Fn(usize) -> T + Copy,
+) -> Result<S::Ok, S::Error> {
+    let rows = 0..geometry.rows();
+    match geometry.columns() {
+        None => serializer.collect_seq(rows.flat_map(|row| geometry.row(row)).map(of)),
+        Some(_) => serializer.collect_seq(rows.map(|row| NetRow { geometry, row, of })),
+    }
+}
+
+struct NetRow<'a, F> {
+    geometry: Geometry<'a>,
+    row: usize,
+    of: F,
+}
+
+impl<T: Serialize, F: Fn(usize) -> T + Copy> Serialize for NetRow<'_, F> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.geometry.row(self.row).map(self.of))
+    }
+}
+
+/// The coordinates of a control point.
+struct Place<'a>(Geometry<'a>, usize);
+
+impl Serialize for Place<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.place(self.1))
     }
 }
 
@@ -309,10 +479,6 @@ struct Point<'a>(&'a Points, usize);
 
 impl Serialize for Point<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut sequence = serializer.serialize_seq(Some(self.0.dimension()))?;
-        for coordinate in self.0.point(self.1) {
-            sequence.serialize_element(&coordinate)?;
-        }
-        sequence.end()
+        serializer.collect_seq(self.0.point(self.1))
     }
 }

@@ -1,53 +1,70 @@
 //! The collocation matrix `B[i][j] = B_j(t_i)` as an operator.
 //!
-//! A direction has one matrix, banded for B-splines and dense for polynomial bases. The matrix of a
-//! surface is the tensor product `B_u ⊗ B_v`, applied one direction after the other and never
-//! formed: with the points as a grid `X`, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`.
+//! A direction has one matrix, banded for B-splines and dense for polynomial bases: a row for each
+//! data point, a column for each free control point. The matrix of a surface is the tensor product
+//! `B_u ⊗ B_v`, applied one direction after the other and never formed: with the points as a grid
+//! `X`, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
-use super::basis::Basis;
+use super::direction::Direction;
+use super::linear::Inverse;
+use super::linear::banded::{Banded, Columns};
+use super::linear::qr::Orthogonal;
 use super::points::Grid;
-use super::problem::{Direction, Problem};
+use super::problem::Problem;
 
-/// The collocation matrix of one direction; square, one row for each parameter.
+/// The collocation matrix of one direction.
 #[derive(Clone, Debug)]
 pub enum Collocation {
     /// Local basis: few entries in each row.
     Banded(Banded),
     /// Global basis.
-    Dense(DMatrix<f64>),
-}
-
-/// A matrix whose rows hold `width` consecutive entries each.
-#[derive(Clone, Debug)]
-pub struct Banded {
-    width: usize,
-    /// The column of the first entry of each row.
-    first: Vec<u32>,
-    /// The entries, row by row.
-    values: Vec<f64>,
+    Dense {
+        /// The matrix.
+        matrix: DMatrix<f64>,
+        /// Its transpose.
+        transposed: DMatrix<f64>,
+    },
 }
 
 impl Collocation {
     /// The matrix of a direction with respect to its free control points: the columns of end
     /// copies are added to the column of the control point that they copy.
     pub fn new(direction: &Direction) -> Self {
-        match direction.basis {
-            Basis::Bernstein { .. } => Self::Dense(dense(direction)),
-            Basis::BSpline { .. } => Self::Banded(banded(direction)),
+        if direction.basis.is_local() {
+            Self::Banded(banded(direction))
+        } else {
+            let matrix = dense(direction);
+            let transposed = matrix.transpose();
+            Self::Dense { matrix, transposed }
         }
     }
 
     /// Bytes of the matrix of a direction.
     pub fn memory(direction: &Direction) -> usize {
-        let rows = direction.free();
-        match direction.basis {
-            Basis::Bernstein { .. } => rows * rows * size_of::<f64>(),
-            Basis::BSpline { .. } => {
-                let width = direction.basis.support_width().min(rows);
-                rows * (width * size_of::<f64>() + size_of::<u32>())
-            }
+        let (rows, columns) = (direction.parameters.len(), direction.free());
+        if direction.basis.is_local() {
+            let width = direction.basis.support_width().min(columns);
+            rows * (width * size_of::<f64>() + size_of::<u32>())
+        } else {
+            2 * rows * columns * size_of::<f64>()
+        }
+    }
+
+    /// The number of rows, one for each data point.
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::Banded(banded) => banded.rows(),
+            Self::Dense { matrix, .. } => matrix.nrows(),
+        }
+    }
+
+    /// The number of columns, one for each free control point.
+    pub fn columns(&self) -> usize {
+        match self {
+            Self::Banded(banded) => banded.columns(),
+            Self::Dense { matrix, .. } => matrix.ncols(),
         }
     }
 
@@ -55,93 +72,97 @@ impl Collocation {
     pub fn apply_to_lines(&self, x: &[f64], y: &mut [f64]) {
         match self {
             Self::Banded(banded) => {
-                let n = banded.first.len();
-                for (x, y) in x.chunks_exact(n).zip(y.chunks_exact_mut(n)) {
+                let lines = x.chunks_exact(banded.columns());
+                for (x, y) in lines.zip(y.chunks_exact_mut(banded.rows())) {
                     banded.apply(x, y);
                 }
             }
-            Self::Dense(matrix) => {
-                // A row-major grid is the column-major matrix of its transpose.
-                let n = matrix.nrows();
-                let lines = x.len() / n;
-                let x = DMatrixView::from_slice(x, n, lines);
-                DMatrixViewMut::from_slice(y, n, lines).gemm(1.0, matrix, &x, 0.0);
-            }
+            Self::Dense { matrix, .. } => multiply_lines(matrix, x, y),
         }
     }
 
-    /// `Y = B X`: applies B across the lines of `x`, a row-major grid with as many rows as B has.
-    pub fn apply_across_lines(&self, x: &[f64], y: &mut [f64]) {
+    /// `Y = X B`: applies Bᵀ to each line of `x`, a row-major grid with as many columns as B has rows.
+    pub fn apply_transposed_to_lines(&self, x: &[f64], y: &mut [f64]) {
         match self {
-            Self::Banded(banded) => banded.apply_across(x, y),
-            Self::Dense(matrix) => {
-                let n = matrix.nrows();
-                let line = x.len() / n;
-                let x = DMatrixView::from_slice(x, line, n);
-                DMatrixViewMut::from_slice(y, line, n).gemm(1.0, &x, &matrix.transpose(), 0.0);
+            Self::Banded(banded) => {
+                let lines = x.chunks_exact(banded.rows());
+                for (x, y) in lines.zip(y.chunks_exact_mut(banded.columns())) {
+                    banded.apply_transposed(x, y);
+                }
             }
+            Self::Dense { transposed, .. } => multiply_lines(transposed, x, y),
+        }
+    }
+
+    /// `Y = B X`: applies B across the lines of `x`, a row-major grid with as many rows as B has
+    /// columns.
+    pub fn apply_across_lines(&self, x: &[f64], y: &mut [f64]) {
+        let line = x.len() / self.columns();
+        match self {
+            Self::Banded(banded) => banded.apply_across(x, y, line),
+            Self::Dense { transposed, .. } => multiply_across(transposed, x, y, line),
+        }
+    }
+
+    /// `Y = Bᵀ X`: applies Bᵀ across the lines of `x`, a row-major grid with as many rows as B has.
+    pub fn apply_transposed_across_lines(&self, x: &[f64], y: &mut [f64]) {
+        let line = x.len() / self.rows();
+        match self {
+            Self::Banded(banded) => banded.apply_transposed_across(x, y, line),
+            Self::Dense { matrix, .. } => multiply_across(matrix, x, y, line),
+        }
+    }
+
+    /// The entries by columns.
+    pub fn by_columns(&self) -> Columns {
+        match self {
+            Self::Banded(banded) => {
+                let row = |i| banded.row(i).map(move |(j, value)| (i, j, value));
+                Columns::new(banded.columns(), (0..banded.rows()).flat_map(row))
+            }
+            Self::Dense { matrix, .. } => {
+                let row = |i| (0..matrix.ncols()).map(move |j| (i, j, matrix[(i, j)]));
+                Columns::new(matrix.ncols(), (0..matrix.nrows()).flat_map(row))
+            }
+        }
+    }
+
+    /// `B⁻¹`, for a square matrix.
+    pub fn inverse(&self) -> Inverse {
+        match self {
+            Self::Banded(banded) => Inverse::of_banded(banded),
+            Self::Dense { matrix, .. } => Inverse::of_dense(matrix),
+        }
+    }
+
+    /// `H Qᵀ`, for a square matrix (Deng13 (9)).
+    pub fn orthogonal(&self) -> Orthogonal {
+        match self {
+            Self::Banded(banded) => Orthogonal::of_banded(banded),
+            Self::Dense { matrix, .. } => Orthogonal::of_dense(matrix),
         }
     }
 }
 
-impl Banded {
-    fn row(&self, i: usize) -> (usize, &[f64]) {
-        let values = &self.values[i * self.width..(i + 1) * self.width];
-        (self.first[i] as usize, values)
-    }
-
-    /// `y = B x`, with the inner loop unrolled for the usual widths.
-    fn apply(&self, x: &[f64], y: &mut [f64]) {
-        match self.width {
-            1 => self.apply_width::<1>(x, y),
-            2 => self.apply_width::<2>(x, y),
-            3 => self.apply_width::<3>(x, y),
-            4 => self.apply_width::<4>(x, y),
-            5 => self.apply_width::<5>(x, y),
-            6 => self.apply_width::<6>(x, y),
-            _ => {
-                for (i, y) in y.iter_mut().enumerate() {
-                    let (first, values) = self.row(i);
-                    *y = dot(values, &x[first..]);
-                }
-            }
-        }
-    }
-
-    fn apply_width<const W: usize>(&self, x: &[f64], y: &mut [f64]) {
-        let (rows, _) = self.values.as_chunks::<W>();
-        for ((y, row), &first) in y.iter_mut().zip(rows).zip(&self.first) {
-            let first = first as usize;
-            *y = dot(row, &x[first..first + W]);
-        }
-    }
-
-    fn apply_across(&self, x: &[f64], y: &mut [f64]) {
-        let line = x.len() / self.first.len();
-        for (i, y) in y.chunks_exact_mut(line).enumerate() {
-            let (first, values) = self.row(i);
-            y.fill(0.0);
-            for (k, value) in values.iter().enumerate() {
-                let x = &x[(first + k) * line..(first + k + 1) * line];
-                for (y, x) in y.iter_mut().zip(x) {
-                    *y += value * x;
-                }
-            }
-        }
-    }
+/// A row-major grid is the column-major matrix of its transpose: `Yᵀ = M Xᵀ`.
+fn multiply_lines(matrix: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
+    let lines = x.len() / matrix.ncols();
+    let x = DMatrixView::from_slice(x, matrix.ncols(), lines);
+    DMatrixViewMut::from_slice(y, matrix.nrows(), lines).gemm(1.0, matrix, &x, 0.0);
 }
 
-/// The sum of products, from the left.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+/// `Yᵀ = Xᵀ Mᵀ`, with the transpose given.
+fn multiply_across(transposed: &DMatrix<f64>, x: &[f64], y: &mut [f64], line: usize) {
+    let x = DMatrixView::from_slice(x, line, transposed.nrows());
+    DMatrixViewMut::from_slice(y, line, transposed.ncols()).gemm(1.0, &x, transposed, 0.0);
 }
 
 fn dense(direction: &Direction) -> DMatrix<f64> {
-    let n = direction.free();
-    let mut values = vec![0.0; n];
-    let mut matrix = DMatrix::zeros(n, n);
+    let columns = direction.free();
+    let mut values = vec![0.0; columns];
+    let mut matrix = DMatrix::zeros(direction.parameters.len(), columns);
     for (i, &t) in direction.parameters.iter().enumerate() {
-        direction.basis.evaluate(t, &mut values);
+        direction.evaluate(t, &mut values);
         for (j, &value) in values.iter().enumerate() {
             matrix[(i, j)] = value;
         }
@@ -149,87 +170,80 @@ fn dense(direction: &Direction) -> DMatrix<f64> {
     matrix
 }
 
-/// Evaluates the rows, then packs them to the width of the widest: at a simple knot one B-spline
-/// fewer differs from zero than elsewhere, and end copies share a column.
 fn banded(direction: &Direction) -> Banded {
-    let n = direction.free();
+    let columns = direction.free();
     let support = direction.basis.support_width();
-    let mut wide = vec![0.0; n * support];
-    let mut columns = Vec::with_capacity(n);
+    // End copies share a column, so that a row can be shorter than the support, but never longer.
+    let width = support.min(columns);
+    let mut wide = vec![0.0; direction.parameters.len() * width];
+    let mut starts = Vec::with_capacity(direction.parameters.len());
     let mut values = vec![0.0; support];
-    for (row, &t) in wide.chunks_exact_mut(support).zip(&direction.parameters) {
-        let start = direction.basis.evaluate(t, &mut values);
+    for (row, &t) in wide.chunks_exact_mut(width).zip(&direction.parameters) {
+        let start = direction.evaluate(t, &mut values);
         let first = direction.free_index(start);
         for (k, &value) in values.iter().enumerate() {
-            row[direction.free_index(start + k) - first] += value;
+            let column = direction.free_index(start + k);
+            row[(column + columns - first) % columns] += value;
         }
-        columns.push(first);
+        starts.push(first);
     }
-    pack(&wide, support, &columns)
-}
-
-/// Rows of `support` entries that start at the given columns, without the zeros at their ends.
-fn pack(wide: &[f64], support: usize, columns: &[usize]) -> Banded {
-    let n = columns.len();
-    let rows = || wide.chunks_exact(support).zip(columns);
-    let filled = |row: &[f64]| {
-        let low = row.iter().position(|&x| x != 0.0).unwrap_or(0);
-        let high = row.iter().rposition(|&x| x != 0.0).unwrap_or(0);
-        (low, high + 1)
-    };
-    let width = rows()
-        .map(|(row, _)| filled(row))
-        .map(|(low, high)| high - low)
-        .max()
-        .unwrap_or(1);
-    let mut packed = Banded {
-        width,
-        first: Vec::with_capacity(n),
-        values: Vec::with_capacity(n * width),
-    };
-    for (row, &column) in rows() {
-        let (low, high) = filled(row);
-        // Rows near the end start earlier, so that they do not reach beyond the last column.
-        let first = (column + low).min(n - width);
-        let lead = column + low - first;
-        let start = packed.values.len();
-        packed.first.push(first as u32);
-        packed.values.resize(start + width, 0.0);
-        packed.values[start + lead..start + lead + high - low].copy_from_slice(&row[low..high]);
-    }
-    packed
+    Banded::pack(&wide, width, &starts, columns)
 }
 
 /// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
 #[derive(Clone, Debug)]
 pub struct Tensor {
-    grid: Grid,
-    u: Collocation,
-    v: Option<Collocation>,
+    data: Grid,
+    control: Grid,
+    /// The matrix of a curve, or of the u direction.
+    pub u: Collocation,
+    /// The matrix of the v direction of a surface.
+    pub v: Option<Collocation>,
 }
 
 impl Tensor {
     /// The collocation matrices of both directions of a problem.
     pub fn new(problem: &Problem) -> Self {
         Self {
-            grid: problem.grid(),
+            data: problem.grid(),
+            control: problem.control_grid(),
             u: Collocation::new(problem.u()),
             v: problem.v().map(Collocation::new),
         }
     }
 
-    /// Numbers of scratch space that [`apply`](Self::apply) needs.
-    pub fn scratch(&self) -> usize {
-        self.v.as_ref().map_or(0, |_| self.grid.count())
+    /// One direction or both.
+    pub fn directions(&self) -> impl Iterator<Item = &Collocation> + Clone {
+        std::iter::once(&self.u).chain(&self.v)
     }
 
-    /// `y = (B_u ⊗ B_v) x` for one coordinate of all points.
+    /// Numbers of scratch space that the maps of this matrix need.
+    pub fn scratch(&self) -> usize {
+        self.v.as_ref().map_or(0, |_| {
+            (self.control.rows * self.data.columns).max(self.data.count())
+        })
+    }
+
+    /// `y = (B_u ⊗ B_v) x` for one coordinate of all control points.
     pub fn apply(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
         match &self.v {
             None => self.u.apply_to_lines(x, y),
             Some(v) => {
+                let scratch = &mut scratch[..self.control.rows * self.data.columns];
                 v.apply_to_lines(x, scratch);
                 self.u.apply_across_lines(scratch, y);
+            }
+        }
+    }
+
+    /// `y = (B_u ⊗ B_v)ᵀ x` for one coordinate of all data points.
+    pub fn apply_transposed(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
+        match &self.v {
+            None => self.u.apply_transposed_to_lines(x, y),
+            Some(v) => {
+                let scratch = &mut scratch[..self.control.rows * self.data.columns];
+                self.u.apply_transposed_across_lines(x, scratch);
+                v.apply_transposed_to_lines(scratch, y);
             }
         }
     }
@@ -238,46 +252,59 @@ impl Tensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::basis::knots;
+    use crate::fit::basis::{Polynomial, knots::Knots};
+    use crate::fit::direction::{BasisChoice, DirectionChoice};
+    use crate::fit::invalid::Axis;
+    use crate::fit::linear::{LineMap, apply_tensor};
+    use crate::fit::parameters::Parametrization;
+    use crate::fit::points::Points;
 
     impl Collocation {
         /// The matrix itself, by applying the operator to the unit vectors.
-        pub(crate) fn to_matrix(&self, n: usize) -> DMatrix<f64> {
-            let identity = DMatrix::identity(n, n);
-            let mut lines = vec![0.0; n * n];
+        pub(crate) fn to_matrix(&self) -> DMatrix<f64> {
+            let (rows, columns) = (self.rows(), self.columns());
+            let identity = DMatrix::identity(columns, columns);
+            let mut lines = vec![0.0; rows * columns];
             self.apply_to_lines(identity.as_slice(), &mut lines);
-            DMatrix::from_row_slice(n, n, &lines).transpose()
+            DMatrix::from_column_slice(rows, columns, &lines)
         }
+    }
+
+    fn direction(basis: BasisChoice, t: Vec<f64>, closed: bool) -> Direction {
+        let rows = t.len() - usize::from(closed);
+        let grid = Grid { rows, columns: 1 };
+        let choice = DirectionChoice {
+            basis,
+            parameters: Parametrization::Explicit(t),
+            closed,
+            control_points: None,
+            weights: None,
+        };
+        Direction::new(choice, &Points::zeros(1, rows), grid, Axis::U).unwrap()
+    }
+
+    fn polynomial(kind: Polynomial, n: usize) -> Direction {
+        let t = (0..=n).map(|i| i as f64 / n as f64).collect();
+        direction(BasisChoice::Polynomial(kind), t, false)
     }
 
     fn bernstein(n: usize) -> Direction {
-        Direction {
-            basis: Basis::Bernstein { degree: n },
-            parameters: (0..=n).map(|i| i as f64 / n as f64).collect(),
-            front_copies: 0,
-        }
+        polynomial(Polynomial::Bernstein, n)
     }
 
     fn at_data(t: Vec<f64>, degree: usize) -> Direction {
-        Direction {
-            basis: Basis::BSpline {
-                degree,
-                knots: knots::at_data(&t, degree),
-            },
-            parameters: t,
-            front_copies: degree / 2,
-        }
+        let knots = Knots::Data;
+        direction(BasisChoice::BSpline { degree, knots }, t, false)
     }
 
     fn averaged(t: Vec<f64>, degree: usize) -> Direction {
-        Direction {
-            basis: Basis::BSpline {
-                degree,
-                knots: knots::averaged(&t, degree),
-            },
-            parameters: t,
-            front_copies: 0,
-        }
+        let knots = Knots::Averaged;
+        direction(BasisChoice::BSpline { degree, knots }, t, false)
+    }
+
+    fn closed(n: usize, degree: usize) -> Direction {
+        let knots = Knots::Data;
+        direction(BasisChoice::BSpline { degree, knots }, uneven(n + 1), true)
     }
 
     /// Uneven parameters: 0, 1, 1.5, 3.5, 3.75, …
@@ -293,7 +320,7 @@ mod tests {
     }
 
     fn directions(n: usize) -> Vec<Direction> {
-        let mut all = vec![bernstein(n - 1)];
+        let mut all = vec![bernstein(n - 1), polynomial(Polynomial::SaidBall, n - 1)];
         for degree in 1..=5 {
             all.push(at_data(uneven(n), degree));
             if degree < n {
@@ -303,14 +330,22 @@ mod tests {
         all
     }
 
+    /// Those, and bases that are not totally positive.
+    fn all_directions(n: usize) -> Vec<Direction> {
+        let mut all = directions(n);
+        all.push(polynomial(Polynomial::WangBall, n - 1));
+        all.extend((1..n.min(6)).map(|degree| closed(n, degree)));
+        all
+    }
+
     fn matrix(direction: &Direction) -> DMatrix<f64> {
-        Collocation::new(direction).to_matrix(direction.free())
+        Collocation::new(direction).to_matrix()
     }
 
     #[test]
     fn rows_sum_to_one() {
         for n in [2, 3, 6, 20] {
-            for direction in directions(n) {
+            for direction in all_directions(n) {
                 for row in matrix(&direction).row_iter() {
                     assert!((row.sum() - 1.0).abs() < 1e-14, "{:?}", direction.basis);
                 }
@@ -323,7 +358,7 @@ mod tests {
         let Collocation::Banded(cubic) = Collocation::new(&at_data(uneven(12), 3)) else {
             panic!("a B-spline collocation is banded");
         };
-        assert_eq!(cubic.width, 3);
+        assert_eq!(cubic.width(), 3);
         let cubic = matrix(&at_data(uneven(12), 3));
         assert_eq!(cubic[(0, 0)], 1.0);
         assert_eq!(cubic[(11, 11)], 1.0);
@@ -383,26 +418,86 @@ mod tests {
         assert!((1.0 - least - 0.6551).abs() < 5e-5);
     }
 
+    /// Columns of end copies and periods are where they belong: the functions reproduce constants
+    /// and, on the period, are shifted copies of each other for uniform knots.
+    #[test]
+    fn uniform_closed_matrices_are_circulant() {
+        for degree in 1..=6 {
+            let t = (0..=9).map(f64::from).collect();
+            let knots = Knots::Data;
+            let matrix = matrix(&direction(BasisChoice::BSpline { degree, knots }, t, true));
+            for i in 0..9 {
+                for j in 0..9 {
+                    let shifted = matrix[((i + 1) % 9, (j + 1) % 9)];
+                    assert!((matrix[(i, j)] - shifted).abs() < 1e-14);
+                    assert!((matrix[(i, j)] - matrix[(j, i)]).abs() < 1e-14);
+                }
+                assert!(matrix[(i, i)] >= matrix.row(i).max());
+            }
+        }
+    }
+
+    #[test]
+    fn inverses_and_orthogonal_transforms_are_what_they_say() {
+        for n in [2, 3, 6, 9] {
+            for direction in all_directions(n) {
+                let collocation = Collocation::new(&direction);
+                let matrix = collocation.to_matrix();
+                // Columns of B as lines: their images are the columns of B⁻¹ B and U B.
+                let mut lines = matrix.as_slice().to_vec();
+                collocation.inverse().apply(&mut lines);
+                let identity = DMatrix::from_column_slice(n, n, &lines);
+                let deviation = (identity - DMatrix::<f64>::identity(n, n)).amax();
+                assert!(deviation < 1e-9, "{:?}: {deviation}", direction.basis);
+                let mut lines = matrix.as_slice().to_vec();
+                collocation.orthogonal().apply(&mut lines);
+                let upper = DMatrix::from_column_slice(n, n, &lines);
+                // Closed curves are factorized in a folded order.
+                let fold = crate::fit::linear::banded::folded(n);
+                let wraps = matches!(&collocation, Collocation::Banded(b) if b.is_cyclic());
+                let place = |i| if wraps { fold(i) } else { i };
+                for i in 0..n {
+                    assert!((upper[(i, i)] - 1.0).abs() < 1e-10);
+                    for j in (0..n).filter(|&j| place(j) < place(i)) {
+                        assert!(upper[(i, j)].abs() < 1e-9, "{:?}", direction.basis);
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn tensor_products_equal_kronecker_products() {
         let (rows, columns) = (6, 9);
-        for u in directions(rows) {
-            for v in directions(columns) {
+        let grid = Grid { rows, columns };
+        for u in all_directions(rows) {
+            for v in all_directions(columns) {
                 let kronecker = matrix(&u).kronecker(&matrix(&v));
                 let tensor = Tensor {
-                    grid: Grid { rows, columns },
+                    data: grid,
+                    control: grid,
                     u: Collocation::new(&u),
                     v: Some(Collocation::new(&v)),
                 };
                 let x: Vec<f64> = (0..rows * columns)
                     .map(|i| (i as f64 * 0.7).sin())
                     .collect();
+                let mut scratch = vec![0.0; tensor.scratch()];
                 let mut y = vec![0.0; x.len()];
-                tensor.apply(&x, &mut y, &mut vec![0.0; tensor.scratch()]);
-                let expected = kronecker * nalgebra::DVector::from_vec(x);
-                for (y, expected) in y.iter().zip(expected.iter()) {
-                    assert!((y - expected).abs() < 1e-14);
-                }
+                let vector = nalgebra::DVector::from_column_slice(&x);
+                let assert_equal = |y: &[f64], expected: nalgebra::DVector<f64>, tolerance| {
+                    for (y, expected) in y.iter().zip(expected.iter()) {
+                        assert!((y - expected).abs() < tolerance);
+                    }
+                };
+                tensor.apply(&x, &mut y, &mut scratch);
+                assert_equal(&y, &kronecker * &vector, 1e-14);
+                let mut back = y.clone();
+                let (inverse_u, inverse_v) = (tensor.u.inverse(), Collocation::new(&v).inverse());
+                apply_tensor(&inverse_u, Some(&inverse_v), grid, &mut back, &mut scratch);
+                assert_equal(&back, vector.clone(), 1e-8);
+                tensor.apply_transposed(&x, &mut y, &mut scratch);
+                assert_equal(&y, kronecker.transpose() * &vector, 1e-14);
             }
         }
     }

@@ -1,8 +1,9 @@
 //! The curve or surface of some control points: evaluation and sampling.
 
 use super::basis::Basis;
+use super::direction::Direction;
 use super::points::Points;
-use super::problem::{Direction, Problem};
+use super::problem::Problem;
 
 /// The fitted curve or surface with the control points of one level.
 #[derive(Clone, Copy, Debug)]
@@ -33,24 +34,40 @@ impl<'a> Geometry<'a> {
     /// The complete control net as a CAD kernel stores it: the indices of the free control points,
     /// row by row, where end copies repeat theirs.
     pub fn row(&self, row: usize) -> impl Iterator<Item = usize> + 'a {
-        let columns = self.problem.grid().columns;
+        let columns = self.problem.control_grid().columns;
         let problem = self.problem;
         let start = problem.u().free_index(row) * columns;
         (0..self.columns().unwrap_or(1))
             .map(move |j| start + problem.v().map_or(0, |v| v.free_index(j)))
     }
 
-    /// The control points that the indices of [`row`](Self::row) mean.
-    pub fn control_points(&self) -> &'a Points {
+    /// Whether the control points have weights of their own.
+    pub fn is_homogeneous(&self) -> bool {
+        self.problem.is_homogeneous()
+    }
+
+    /// The place of free control point `index`.
+    pub fn place(&self, index: usize) -> impl ExactSizeIterator<Item = f64> + 'a {
+        let weight = self.weight(index).unwrap_or(1.0);
+        let dimension = self.problem.dimension();
         self.control_points
+            .point(index)
+            .take(dimension)
+            .map(move |x| x / weight)
+    }
+
+    /// The weight of free control point `index` of a homogeneous fit.
+    pub fn weight(&self, index: usize) -> Option<f64> {
+        let weights = self.control_points.lanes().last()?;
+        self.is_homogeneous().then(|| weights[index])
     }
 
     /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row
     /// by row. Parameters lie in the domains of the bases.
     pub fn evaluate(&self, u: &[f64], v: &[f64]) -> Points {
         let dimension = self.control_points.dimension();
-        let mut result = Points::new(dimension);
-        let columns = self.problem.grid().columns;
+        let mut result = Points::new(self.problem.dimension());
+        let columns = self.problem.control_grid().columns;
         let curve = [vec![(0, 1.0)]];
         let across = self
             .problem
@@ -67,6 +84,10 @@ impl<'a> Geometry<'a> {
                             *x += a * b * control;
                         }
                     }
+                }
+                // From homogeneous coordinates to a point.
+                if let (true, Some(&weight)) = (self.is_homogeneous(), point.last()) {
+                    point.iter_mut().for_each(|x| *x /= weight);
                 }
                 result.push(&point);
             }
@@ -93,7 +114,7 @@ fn rows_of(direction: &Direction, parameters: &[f64]) -> Vec<Vec<(usize, f64)>> 
     parameters
         .iter()
         .map(|&t| {
-            let start = direction.basis.evaluate(t, &mut values);
+            let start = direction.evaluate(t, &mut values);
             values
                 .iter()
                 .enumerate()

@@ -32,6 +32,26 @@ pub enum Place {
     Parameters(Axis),
     /// One explicit parameter.
     Parameter(Axis, usize),
+    /// The number of control points of a least-squares fit in a direction.
+    ControlPoints(Axis),
+    /// Whether a direction is closed.
+    Closed(Axis),
+    /// All weights.
+    Weights,
+    /// The weight of the data point with this index.
+    Weight(usize),
+    /// The fixed weights of a direction.
+    AxisWeights(Axis),
+    /// One fixed weight of a direction.
+    AxisWeight(Axis, usize),
+    /// How weights are used.
+    Rational,
+    /// The method.
+    Method,
+    /// A setting of the method.
+    Setting(&'static str),
+    /// One of the indices of a local fit.
+    Index(usize),
     /// The absolute tolerance.
     Tolerance,
     /// The tolerance relative to the bounding box.
@@ -70,6 +90,102 @@ pub enum Invalid {
         index: usize,
         rule: &'static str,
     },
+    #[error(
+        "the last point equals the first: a closed curve returns to its first point by itself, leave the last one out"
+    )]
+    FirstRepeated { axis: Axis, index: usize },
+    #[error("a closed curve is a periodic B-spline: polynomials cannot be closed")]
+    ClosedPolynomial { axis: Axis },
+    #[error(
+        "a closed B-spline has its knots at the data: \"averaged\" and explicit knots are for open ones"
+    )]
+    ClosedKnots { axis: Axis },
+    #[error("degree {degree} needs at least {needed} control points on a closed curve, {count} given", needed = degree + 1)]
+    ClosedDegree {
+        axis: Axis,
+        degree: usize,
+        count: usize,
+    },
+    #[error(
+        "{given} parameters given, {expected} needed: one for each point, and the one at which the closed curve is back at the first"
+    )]
+    ClosedParameterCount {
+        axis: Axis,
+        given: usize,
+        expected: usize,
+    },
+    #[error(
+        "{free} control points for {count} data points: there must be at least 2 and not more than data points"
+    )]
+    ControlPointCount {
+        axis: Axis,
+        free: usize,
+        count: usize,
+    },
+    #[error("parameter {index} is {value}, outside the range of the knots, {low} to {high}")]
+    ParameterOutside {
+        axis: Axis,
+        index: usize,
+        value: f64,
+        low: f64,
+        high: f64,
+    },
+    #[error("{given} weights for {expected} points")]
+    WeightCount { given: usize, expected: usize },
+    #[error("weight {index} is {value}; weights are finite and greater than 0")]
+    Weight { index: usize, value: f64 },
+    #[error(
+        "the products of weights and coordinates exceed the range of 64-bit numbers: scale them down"
+    )]
+    WeightsTooLarge,
+    #[error("weight {index} is {value}; weights are finite and greater than 0")]
+    AxisWeight {
+        axis: Axis,
+        index: usize,
+        value: f64,
+    },
+    #[error(
+        "{given} weights given; {free} are needed (one for each free control point) or {functions} (end copies included)"
+    )]
+    AxisWeightCount {
+        axis: Axis,
+        given: usize,
+        free: usize,
+        functions: usize,
+    },
+    #[error(
+        "the grid of fixed weights is not a product of weights of the rows and of the columns, as the rational basis of a surface needs: use \"homogeneous\", or {{\"u\": […], \"v\": […]}}"
+    )]
+    NotSeparable,
+    #[error("omega is {value}; weighted PIA converges for omega between 0 and 2 only")]
+    Omega { value: f64 },
+    #[error("{name} is {value}; it must be a finite number greater than 0")]
+    NotPositive { name: &'static str, value: f64 },
+    #[error("there is no index to adjust")]
+    NoIndices,
+    #[error("index {index} is {value}, but there are {count} points")]
+    IndexOutside {
+        index: usize,
+        value: usize,
+        count: usize,
+    },
+    #[error("index {index} repeats an earlier one")]
+    IndexRepeated { index: usize },
+    #[error("row_by_row is for surfaces; a curve has no rows")]
+    RowsOfCurve,
+    #[error("{method} fits only planar curves (two coordinates, not homogeneous): {found}")]
+    NotPlanar {
+        method: &'static str,
+        found: &'static str,
+    },
+    #[error(
+        "{method} PIA diverges: with this basis and these parameters the error grows by {rate:.3} per iteration; use extended or direct"
+    )]
+    Diverges { method: &'static str, rate: f64 },
+    #[error(
+        "{method} needs a collocation matrix with positive real eigenvalues, and this one, of a basis that is not totally positive, has others; use extended or direct"
+    )]
+    ComplexSpectrum { method: &'static str },
     #[error("{given} parameters for {expected} points")]
     ParameterCount {
         axis: Axis,
@@ -197,6 +313,25 @@ impl Invalid {
             | Self::KnotNotFinite { axis, index, .. }
             | Self::KnotsNotClamped { axis, index, .. }
             | Self::KnotMultiplicity { axis, index, .. } => Place::Knot(axis, index),
+            Self::FirstRepeated { axis, index } => Place::Line(axis, index),
+            Self::ClosedPolynomial { axis } => Place::Closed(axis),
+            Self::ClosedKnots { axis } => Place::Knots(axis),
+            Self::ClosedDegree { axis, .. } => Place::Degree(axis),
+            Self::ClosedParameterCount { axis, .. } => Place::Parameters(axis),
+            Self::ControlPointCount { axis, .. } => Place::ControlPoints(axis),
+            Self::ParameterOutside { axis, index, .. } => Place::Parameter(axis, index),
+            Self::WeightCount { .. } | Self::NotSeparable | Self::WeightsTooLarge => Place::Weights,
+            Self::Weight { index, .. } => Place::Weight(index),
+            Self::AxisWeight { axis, index, .. } => Place::AxisWeight(axis, index),
+            Self::AxisWeightCount { axis, .. } => Place::AxisWeights(axis),
+            Self::Omega { .. } => Place::Setting("omega"),
+            Self::NotPositive { name, .. } => Place::Setting(name),
+            Self::NoIndices => Place::Setting("indices"),
+            Self::IndexOutside { index, .. } | Self::IndexRepeated { index } => Place::Index(index),
+            Self::RowsOfCurve => Place::Setting("row_by_row"),
+            Self::NotPlanar { .. } | Self::Diverges { .. } | Self::ComplexSpectrum { .. } => {
+                Place::Method
+            }
             Self::Tolerance {
                 relative: false, ..
             } => Place::Tolerance,

@@ -2,75 +2,14 @@
 
 use std::sync::Arc;
 
-use super::collocation::Tensor;
+use super::method::Method;
+use super::norms::{FitError, Norms};
 use super::points::Points;
-use super::problem::Problem;
-use super::transform::Transform;
+use super::system::System;
+use super::update::{self, Change, Stall, State, Update};
 
-/// What does not change from level to level: the data, the collocation matrix and the transform.
-/// Iterations of the same problem share one.
-#[derive(Debug)]
-pub struct System {
-    problem: Arc<Problem>,
-    collocation: Tensor,
-    transform: Transform,
-    /// A power of two that brings the data to the order of one, so that squares of distances
-    /// neither over- nor underflow.
-    scale: f64,
-}
-
-impl System {
-    /// Evaluates the collocation matrix and prepares the transform.
-    pub fn new(problem: Arc<Problem>) -> Self {
-        Self {
-            collocation: Tensor::new(&problem),
-            transform: Transform::new(problem.method()),
-            // Equal points leave rounding errors of their magnitude.
-            scale: normalizing_scale(
-                problem
-                    .diagonal()
-                    .max(problem.points().magnitude() * f64::EPSILON),
-            ),
-            problem,
-        }
-    }
-
-    /// The problem.
-    pub fn problem(&self) -> &Arc<Problem> {
-        &self.problem
-    }
-
-    /// Writes `Δ = P − B X` and returns its norms.
-    fn measure(
-        &self,
-        control_points: &Points,
-        residual: &mut Points,
-        scratch: &mut [f64],
-    ) -> FitError {
-        let data = self.problem.points().lanes();
-        let lanes = residual.lanes_mut().iter_mut();
-        for ((residual, x), data) in lanes.zip(control_points.lanes()).zip(data) {
-            self.collocation.apply(x, residual, scratch);
-            for (residual, data) in residual.iter_mut().zip(data) {
-                *residual = data - *residual;
-            }
-        }
-        distances(residual, self.scale)
-    }
-}
-
-/// Distances of the curve from the data, in data units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FitError {
-    /// The largest distance: the fitting error of the papers and of the stop rule.
-    pub max: f64,
-    /// The index of the data point with the largest distance, the first if there are several.
-    pub at: usize,
-    /// The root of the mean of the squared distances.
-    pub rms: f64,
-    /// The sum of the distances (the error of Lin 2010).
-    pub sum: f64,
-}
+/// A least-squares fit whose rms error falls by less than this part in one iteration has converged.
+const STATIONARY: f64 = 1e-6;
 
 /// A level of the iteration: how far the curve of these control points is from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,8 +18,12 @@ pub struct Level {
     pub iteration: usize,
     /// The distances from the data.
     pub error: FitError,
+    /// By how much the last update has reduced the largest distance.
+    pub rate: Option<f64>,
     /// How many control points the last update moved.
     pub moved: usize,
+    /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
+    pub bad_weight: Option<(usize, f64)>,
 }
 
 /// Why an iteration ended.
@@ -88,8 +31,12 @@ pub struct Level {
 pub enum Outcome {
     /// The largest distance is within the tolerance.
     Converged,
+    /// A least-squares fit is at its minimum.
+    Stationary,
     /// The last allowed level is reached, and the tolerance is not.
     Exhausted,
+    /// The method cannot go on.
+    Stalled(Stall),
     /// The distances are not finite numbers any more.
     Overflow,
 }
@@ -98,30 +45,59 @@ pub enum Outcome {
 #[derive(Debug)]
 pub struct Iteration {
     system: Arc<System>,
-    control_points: Points,
-    residual: Points,
-    scratch: Vec<f64>,
+    update: Box<dyn Update>,
+    state: State,
+    norms: Norms,
     level: Level,
+    /// The relative decrease of the rms error in the last update.
+    decrease: f64,
 }
 
 impl Iteration {
-    /// Level 0: the data are the control points.
+    /// Level 0: of most methods, the data are the control points.
     pub fn start(system: Arc<System>) -> Self {
-        let control_points = system.problem.points().clone();
-        let mut residual = Points::zeros(control_points.dimension(), control_points.len());
-        let mut scratch = vec![0.0; system.collocation.scratch()];
-        let error = system.measure(&control_points, &mut residual, &mut scratch);
-        Self {
-            control_points,
-            residual,
-            scratch,
-            level: Level {
-                iteration: 0,
-                error,
-                moved: 0,
-            },
-            system,
+        let problem = Arc::clone(system.problem());
+        let data = problem.data();
+        let mut state = State {
+            control_points: update::start(&system),
+            residual: Points::zeros(data.dimension(), data.len()),
+            scratch: vec![0.0; system.collocation().scratch()],
+            changed: Vec::new(),
+        };
+        let mut norms = Norms::new(
+            data,
+            problem.diagonal(),
+            problem.is_homogeneous(),
+            update::adjusted(&system),
+        );
+        let mut update = update::new(&system);
+        compute_residual(&system, &mut state);
+        if matches!(problem.method(), Method::Adaptive { .. }) {
+            state.changed.extend(0..data.len());
         }
+        update.measured(&system, &mut state);
+        let mut error = norms.measure(data, &state.residual);
+        error.gradient = update.gradient();
+        let level = Level {
+            iteration: 0,
+            error,
+            rate: None,
+            moved: 0,
+            bad_weight: bad_weight(&system, &state),
+        };
+        Self {
+            system,
+            update,
+            state,
+            norms,
+            level,
+            decrease: 1.0,
+        }
+    }
+
+    /// What does not change from level to level.
+    pub fn system(&self) -> &Arc<System> {
+        &self.system
     }
 
     /// The current level.
@@ -129,36 +105,70 @@ impl Iteration {
         self.level
     }
 
-    /// The free control points of the current level.
+    /// The free control points of the current level, in homogeneous coordinates if the fit is.
     pub fn control_points(&self) -> &Points {
-        &self.control_points
+        &self.state.control_points
+    }
+
+    /// `Δ = P − B X`.
+    pub fn residual(&self) -> &Points {
+        &self.state.residual
     }
 
     /// Moves on to the next level.
     pub fn step(&mut self) -> Level {
-        let system = &self.system;
-        let moved = system
-            .transform
-            .update(&mut self.control_points, &self.residual);
-        let error = system.measure(&self.control_points, &mut self.residual, &mut self.scratch);
+        let Self {
+            system,
+            update,
+            state,
+            norms,
+            ..
+        } = self;
+        let change = update.update(system, state);
+        if let Change::All { .. } = change {
+            compute_residual(system, state);
+        }
+        update.measured(system, state);
+        let data = system.problem().data();
+        let (moved, mut error) = match change {
+            Change::All { moved } | Change::Residual { moved } => {
+                (moved, norms.measure(data, &state.residual))
+            }
+            Change::Some { moved } => {
+                let changed = &state.changed;
+                (moved, norms.measure_again(data, &state.residual, changed))
+            }
+        };
+        error.gradient = update.gradient();
+        let before = self.level.error;
+        self.decrease = 1.0 - error.rms / before.rms;
+        let rate = error.max / before.max;
         self.level = Level {
             iteration: self.level.iteration + 1,
             error,
+            rate: rate.is_finite().then_some(rate),
             moved,
+            bad_weight: bad_weight(&self.system, &self.state),
         };
         self.level
     }
 
     /// Whether the iteration ends at the current level, and why.
     pub fn outcome(&self) -> Option<Outcome> {
-        let problem = &self.system.problem;
+        let problem = self.system.problem();
         let Level {
             iteration, error, ..
         } = self.level;
-        if !error.sum.is_finite() {
+        let finite = error.sum.is_finite() || error.homogeneous.is_some_and(f64::is_finite);
+        let least_squares = matches!(problem.method(), Method::LeastSquares(_));
+        if !finite {
             Some(Outcome::Overflow)
         } else if error.max <= problem.tolerance() {
             Some(Outcome::Converged)
+        } else if least_squares && iteration > 0 && self.decrease < STATIONARY {
+            Some(Outcome::Stationary)
+        } else if let Some(stall) = self.update.stalled() {
+            Some(Outcome::Stalled(stall))
         } else if iteration >= problem.max_iterations() {
             Some(Outcome::Exhausted)
         } else {
@@ -167,58 +177,24 @@ impl Iteration {
     }
 }
 
-/// A power of two near `1 / length`.
-fn normalizing_scale(length: f64) -> f64 {
-    if length > 0.0 {
-        (-length.log2().floor()).clamp(-1022.0, 1022.0).exp2()
-    } else {
-        1.0
-    }
-}
-
-/// Norms of the residual; squares are formed of coordinates times `scale`.
-fn distances(residual: &Points, scale: f64) -> FitError {
-    let mut squares = Squares::default();
-    match residual.lanes() {
-        [x] => x
-            .iter()
-            .for_each(|x| squares.add((x * scale) * (x * scale))),
-        [x, y] => x.iter().zip(y).for_each(|(x, y)| {
-            let (x, y) = (x * scale, y * scale);
-            squares.add(x * x + y * y);
-        }),
-        lanes => (0..residual.len()).for_each(|i| {
-            let square = lanes.iter().map(|lane| lane[i] * scale);
-            squares.add(square.fold(0.0, |sum, x| sum + x * x));
-        }),
-    }
-    FitError {
-        max: squares.max.sqrt() / scale,
-        at: squares.at,
-        rms: (squares.sum / residual.len() as f64).sqrt() / scale,
-        sum: squares.roots / scale,
-    }
-}
-
-/// Running largest value and sums of squared distances.
-#[derive(Default)]
-struct Squares {
-    count: usize,
-    max: f64,
-    at: usize,
-    sum: f64,
-    roots: f64,
-}
-
-impl Squares {
-    #[inline]
-    fn add(&mut self, square: f64) {
-        if square > self.max {
-            self.max = square;
-            self.at = self.count;
+/// `Δ = P − B X`.
+fn compute_residual(system: &System, state: &mut State) {
+    let data = system.problem().data().lanes();
+    let lanes = state.residual.lanes_mut().iter_mut();
+    for ((residual, x), data) in lanes.zip(state.control_points.lanes()).zip(data) {
+        system.collocation().apply(x, residual, &mut state.scratch);
+        for (residual, data) in residual.iter_mut().zip(data) {
+            *residual = data - *residual;
         }
-        self.sum += square;
-        self.roots += square.sqrt();
-        self.count += 1;
     }
+}
+
+/// A control point that has no place, or whose curve may leave the hull of its control points.
+fn bad_weight(system: &System, state: &State) -> Option<(usize, f64)> {
+    if !system.problem().is_homogeneous() {
+        return None;
+    }
+    let weights = state.control_points.lanes().last()?;
+    let index = weights.iter().position(|weight| *weight <= 0.0)?;
+    Some((index, weights[index]))
 }

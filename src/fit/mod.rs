@@ -11,34 +11,50 @@
 //! X ← X + U Δ        update
 //! ```
 //!
-//! Every method is a choice of the transform `U` ([`transform`]). A surface is the same loop with
-//! `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ` ([`collocation`]).
+//! Every method is a choice of the transform `U` and of level 0 (Deng13). A surface is the same loop
+//! with `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ`. A homogeneous fit is the same
+//! loop with one coordinate more, the weight.
 //!
 //! # Vocabulary, in the order in which a fit is made
 //!
 //! - [`points`]: ordered data points and control points, coordinate by coordinate;
 //! - [`parameters`]: where on the curve each data point lies;
-//! - [`basis`]: Bernstein and B-spline, with [`basis::knots`];
-//! - [`problem`]: a validated fitting problem, and everything that can be wrong with one;
-//! - [`collocation`]: `B` as banded or dense operator, and tensor products;
-//! - [`mod@transform`]: the transform `U`, which is the method;
-//! - [`iteration`]: the loop, its errors and its stop rules;
-//! - [`geometry`]: the curve or surface of some control points: evaluation and sampling.
+//! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
+//! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
+//! - [`method`]: what is asked for of U;
+//! - [`problem`]: a validated fitting problem; [`invalid`]: everything that can be wrong with one;
+//! - [`collocation`]: `B` as banded or dense operator, and tensor products, over [`linear`];
+//! - [`spectrum`]: eigenvalues and rates;
+//! - [`system`]: the collocation matrix with its transform `U`;
+//! - [`mod@update`]: the steps of the methods;
+//! - [`norms`], [`iteration`]: the loop, its errors and its stop rules;
+//! - [`geometry`]: the curve or surface of some control points: evaluation and sampling;
+//! - [`limit`]: where local fits end, in closed form.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
 //! Comput. Math. Appl. 50 (2005) — **LBW05**; Lin, Wang, Dong, *Constructing iterative non-uniform
 //! B-spline curve and surface to fit data points*, Science in China F 47 (2004) — **LWD04**;
 //! Delgado, Peña, *Progressive iterative approximation and bases with the fastest convergence
-//! rates*, CAGD 24 (2007) — **DP07**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
+//! rates*, CAGD 24 (2007) — **DP07**; Lin, *Local progressive-iterative approximation format for
+//! blending curves and patches*, CAGD 27 (2010) — **Lin10**; Deng, Guan, Wang, Deng, *An extension of
+//! a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
 pub mod basis;
 pub mod collocation;
+pub mod direction;
 pub mod geometry;
 pub mod invalid;
 pub mod iteration;
+pub mod limit;
+pub mod linear;
+pub mod method;
+pub mod norms;
 pub mod parameters;
 pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
-pub mod transform;
+pub mod spectrum;
+pub mod system;
+pub mod update;
+pub mod weights;

@@ -17,26 +17,40 @@ pub enum Parametrization {
     Explicit(Vec<f64>),
 }
 
-/// The parameters of the points of `grid` in direction `axis`: finite and strictly increasing.
+/// Parameters of data points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parametrized {
+    /// One for each data point, finite and strictly increasing.
+    pub values: Vec<f64>,
+    /// How much later a closed curve is back at its first point.
+    pub period: f64,
+}
+
+/// The parameters of the points of `grid` in direction `axis`. On closed curves the last step leads
+/// back to the first point.
 pub fn parameters(
     choice: Parametrization,
     points: &Points,
     grid: Grid,
     axis: Axis,
-) -> Result<Vec<f64>, Invalid> {
-    let count = match axis {
-        Axis::U => grid.rows,
-        Axis::V => grid.columns,
-    };
-    match choice {
-        Parametrization::Uniform => {
-            let n = (count - 1) as f64;
-            Ok((0..count).map(|i| i as f64 / n).collect())
+    closed: bool,
+) -> Result<Parametrized, Invalid> {
+    let count = grid.along(axis);
+    let steps = if closed { count } else { count - 1 };
+    let all = match choice {
+        Parametrization::Uniform => (0..=steps).map(|i| i as f64 / steps as f64).collect(),
+        Parametrization::ChordLength => {
+            by_distance(points, grid, axis, steps, "chord-length", |d| d)?
         }
-        Parametrization::ChordLength => by_distance(points, grid, axis, "chord-length", |d| d),
-        Parametrization::Centripetal => by_distance(points, grid, axis, "centripetal", f64::sqrt),
-        Parametrization::Explicit(values) => explicit(values, count, axis),
-    }
+        Parametrization::Centripetal => {
+            by_distance(points, grid, axis, steps, "centripetal", f64::sqrt)?
+        }
+        Parametrization::Explicit(values) => explicit(values, steps + 1, closed, axis)?,
+    };
+    let period = all[steps] - all[0];
+    let mut values = all;
+    values.truncate(count);
+    Ok(Parametrized { values, period })
 }
 
 /// Parameters whose steps are a function of the distances of successive points.
@@ -44,6 +58,7 @@ fn by_distance(
     points: &Points,
     grid: Grid,
     axis: Axis,
+    steps: usize,
     rule: &'static str,
     step: impl Fn(f64) -> f64,
 ) -> Result<Vec<f64>, Invalid> {
@@ -53,24 +68,28 @@ fn by_distance(
         Axis::U => (rows, columns, columns, 1),
         Axis::V => (columns, rows, 1, columns),
     };
-    let mut t = Vec::with_capacity(count);
+    let mut t = Vec::with_capacity(steps + 1);
     let mut last = 0.0;
     t.push(last);
-    for k in 1..count {
+    for k in 1..=steps {
+        let index = k % count;
         let total: f64 = (0..lines)
-            .map(|line| line * line_stride + k * stride)
-            .map(|index| step(points.distance(index - stride, index)))
+            .map(|line| line * line_stride)
+            .map(|start| (start + (k - 1) * stride, start + index * stride))
+            .map(|(from, to)| step(points.distance(from, to)))
             .sum();
         let next = last + total / lines as f64;
         if !next.is_finite() {
             return Err(Invalid::TooLarge);
         }
         if next <= last {
-            let index = k;
-            return Err(if grid.columns == 1 {
-                Invalid::EqualPoints { axis, index, rule }
-            } else {
-                Invalid::EqualLines { axis, index, rule }
+            return Err(match (k == count, columns == 1) {
+                (true, _) => Invalid::FirstRepeated {
+                    axis,
+                    index: count - 1,
+                },
+                (false, true) => Invalid::EqualPoints { axis, index, rule },
+                (false, false) => Invalid::EqualLines { axis, index, rule },
             });
         }
         t.push(next);
@@ -79,13 +98,26 @@ fn by_distance(
     Ok(t)
 }
 
-fn explicit(values: Vec<f64>, expected: usize, axis: Axis) -> Result<Vec<f64>, Invalid> {
+fn explicit(
+    values: Vec<f64>,
+    expected: usize,
+    closed: bool,
+    axis: Axis,
+) -> Result<Vec<f64>, Invalid> {
     if values.len() != expected {
         let given = values.len();
-        return Err(Invalid::ParameterCount {
-            axis,
-            given,
-            expected,
+        return Err(if closed {
+            Invalid::ClosedParameterCount {
+                axis,
+                given,
+                expected,
+            }
+        } else {
+            Invalid::ParameterCount {
+                axis,
+                given,
+                expected,
+            }
         });
     }
     for (index, &value) in values.iter().enumerate() {
@@ -142,7 +174,11 @@ mod tests {
     #[test]
     fn lengths_accumulate() {
         let (points, grid) = curve(&[[0.0, 0.0], [3.0, 4.0], [3.0, 5.0], [12.0, 5.0]]);
-        let t = |choice| parameters(choice, &points, grid, Axis::U).unwrap();
+        let t = |choice| {
+            parameters(choice, &points, grid, Axis::U, false)
+                .unwrap()
+                .values
+        };
         assert_eq!(t(Parametrization::ChordLength), [0.0, 5.0, 6.0, 15.0]);
         let root = 5f64.sqrt();
         assert_eq!(
@@ -156,9 +192,21 @@ mod tests {
     }
 
     #[test]
+    fn closed_curves_return_to_the_first_point() {
+        let (points, grid) = curve(&[[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]);
+        let closed = |choice| parameters(choice, &points, grid, Axis::U, true).unwrap();
+        let chord = closed(Parametrization::ChordLength);
+        assert_eq!((chord.values, chord.period), (vec![0.0, 3.0, 7.0], 12.0));
+        let uniform = closed(Parametrization::Uniform);
+        assert_eq!(uniform.values, [0.0, 1.0 / 3.0, 2.0 / 3.0]);
+        assert_eq!(uniform.period, 1.0);
+    }
+
+    #[test]
     fn equal_neighbours_are_named() {
         let (points, grid) = curve(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
-        let error = parameters(Parametrization::ChordLength, &points, grid, Axis::U).unwrap_err();
+        let error =
+            parameters(Parametrization::ChordLength, &points, grid, Axis::U, false).unwrap_err();
         assert!(matches!(error, Invalid::EqualPoints { index: 2, .. }));
     }
 
@@ -173,8 +221,13 @@ mod tests {
             rows: 2,
             columns: 2,
         };
-        let u = parameters(Parametrization::ChordLength, &points, grid, Axis::U).unwrap();
-        let v = parameters(Parametrization::ChordLength, &points, grid, Axis::V).unwrap();
+        let steps = |axis| {
+            let choice = Parametrization::ChordLength;
+            parameters(choice, &points, grid, axis, false)
+                .unwrap()
+                .values
+        };
+        let (u, v) = (steps(Axis::U), steps(Axis::V));
         assert_eq!(u, [0.0, 2.0]);
         assert_eq!(v, [0.0, (1.0 + 5f64.sqrt()) / 2.0]);
     }

@@ -1,5 +1,7 @@
 //! Ordered points, stored coordinate by coordinate.
 
+use super::invalid::Axis;
+
 /// Points of R^d as `d` arrays of coordinates ("lanes") of equal length.
 ///
 /// Kernels run over one coordinate at a time, so each coordinate is contiguous. The points of a
@@ -22,6 +24,16 @@ impl Points {
         Self {
             lanes: vec![vec![0.0; count]; dimension],
         }
+    }
+
+    /// Points of given lanes of equal length.
+    pub fn from_lanes(lanes: Vec<Vec<f64>>) -> Self {
+        Self { lanes }
+    }
+
+    /// The lanes themselves.
+    pub fn into_lanes(self) -> Vec<Vec<f64>> {
+        self.lanes
     }
 
     /// Appends one point; coordinates beyond the dimension are not looked at.
@@ -110,6 +122,14 @@ impl Grid {
     /// Number of points.
     pub fn count(self) -> usize {
         self.rows * self.columns
+    }
+
+    /// Number of points along a direction.
+    pub fn along(self, axis: Axis) -> usize {
+        match axis {
+            Axis::U => self.rows,
+            Axis::V => self.columns,
+        }
     }
 }
 

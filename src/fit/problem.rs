@@ -1,40 +1,12 @@
 //! A fitting problem: from what was asked for to what can be iterated.
 
-use super::basis::{
-    Basis, MAX_DEGREE,
-    knots::{self, Knots},
-};
 use super::collocation::Collocation;
+use super::direction::{Direction, DirectionChoice};
 use super::invalid::{Axis, Invalid};
-use super::parameters::{Parametrization, parameters, rescale};
+use super::method::{LeastSquares, Method, Variant};
 use super::points::{Grid, Points};
-use super::transform::Method;
-
-/// Parameters and knots further out than this would overflow in sums of a few of them.
-const PARAMETER_RANGE: f64 = 1e300;
-
-/// The basis asked for in one direction.
-#[derive(Clone, Debug, PartialEq)]
-pub enum BasisChoice {
-    /// Bernstein polynomials of degree points − 1.
-    Bernstein,
-    /// B-splines.
-    BSpline {
-        /// The degree p ≥ 1.
-        degree: usize,
-        /// How the knots are chosen.
-        knots: Knots,
-    },
-}
-
-/// What is asked for in one direction of the parameter domain.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DirectionChoice {
-    /// The basis.
-    pub basis: BasisChoice,
-    /// The parameters of the data points.
-    pub parameters: Parametrization,
-}
+use super::spectrum;
+use super::weights;
 
 /// When to stop, as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +15,18 @@ pub enum Tolerance {
     Absolute(f64),
     /// In units of the diagonal of the data's bounding box.
     Relative(f64),
+}
+
+/// The weights of a rational fit, as asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Weights {
+    /// None: the curve is polynomial in each span.
+    None,
+    /// One for each data point: the fit is made in homogeneous coordinates (Lin10, section 2.1).
+    Homogeneous(Vec<f64>),
+    /// Fixed weights of the directions are in their [`DirectionChoice`]s; these are a grid of
+    /// fixed weights of a surface, to be separated.
+    FixedGrid(Vec<f64>),
 }
 
 /// A fitting problem as asked for.
@@ -56,6 +40,8 @@ pub struct Request {
     pub u: DirectionChoice,
     /// The second direction of a surface.
     pub v: Option<DirectionChoice>,
+    /// Weights that are not of a single direction.
+    pub weights: Weights,
     /// The method.
     pub method: Method,
     /// The largest allowed distance of the curve from a data point.
@@ -64,35 +50,11 @@ pub struct Request {
     pub max_iterations: usize,
 }
 
-/// One direction of a validated problem.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Direction {
-    /// The basis.
-    pub basis: Basis,
-    /// Strictly increasing parameters of the data, within the domain of the basis.
-    pub parameters: Vec<f64>,
-    /// Copies of the first control point in front of it: with knots at the data there are more
-    /// basis functions than data points (LBW05 (3.2)).
-    pub front_copies: usize,
-}
-
-impl Direction {
-    /// The number of free control points, which is the number of data points.
-    pub fn free(&self) -> usize {
-        self.parameters.len()
-    }
-
-    /// The free control point that basis function `j` is multiplied with. End copies move with
-    /// their control point.
-    pub fn free_index(&self, j: usize) -> usize {
-        j.saturating_sub(self.front_copies).min(self.free() - 1)
-    }
-}
-
 /// A validated fitting problem. It can be iterated, and every error left is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    points: Points,
+    data: Points,
+    homogeneous: bool,
     grid: Grid,
     u: Direction,
     v: Option<Direction>,
@@ -104,8 +66,8 @@ pub struct Problem {
 
 impl Problem {
     /// Validates a request, computes parameters and knots and resolves the tolerance.
-    pub fn new(request: Request) -> Result<Self, Invalid> {
-        let Request { points, grid, .. } = request;
+    pub fn new(mut request: Request) -> Result<Self, Invalid> {
+        let grid = request.grid;
         if grid.rows < 2 || (request.v.is_some() && grid.columns < 2) {
             let count = if grid.rows < 2 {
                 grid.rows
@@ -114,19 +76,40 @@ impl Problem {
             };
             return Err(Invalid::TooFewPoints { count });
         }
-        check_finite(&points)?;
-        let diagonal = points.bounding_diagonal();
+        check_finite(&request.points)?;
+        let diagonal = request.points.bounding_diagonal();
         if !diagonal.is_finite() {
             return Err(Invalid::TooLarge);
         }
         let tolerance = resolve_tolerance(request.tolerance, diagonal)?;
-        let u = direction(request.u, &points, grid, Axis::U)?;
+        check_method(&request)?;
+        if let Weights::FixedGrid(values) = &request.weights
+            && let Some(v) = &mut request.v
+        {
+            let (rows, columns) = weights::separate(values, grid)?;
+            request.u.weights = Some(rows);
+            v.weights = Some(columns);
+        }
+        if let Method::LeastSquares(LeastSquares { u, v, .. }) = request.method {
+            request.u.control_points = Some(u);
+            if let Some(choice) = &mut request.v {
+                choice.control_points = Some(v);
+            }
+        }
+        let points = &request.points;
+        let u = Direction::new(request.u, points, grid, Axis::U)?;
         let v = request
             .v
-            .map(|choice| direction(choice, &points, grid, Axis::V))
+            .map(|choice| Direction::new(choice, points, grid, Axis::V))
             .transpose()?;
-        Ok(Self {
-            points,
+        let homogeneous = matches!(request.weights, Weights::Homogeneous(_));
+        let data = match request.weights {
+            Weights::Homogeneous(values) => weights::lift(request.points, &values)?,
+            _ => request.points,
+        };
+        let problem = Self {
+            data,
+            homogeneous,
             grid,
             u,
             v,
@@ -134,17 +117,38 @@ impl Problem {
             tolerance,
             max_iterations: request.max_iterations,
             diagonal,
-        })
+        };
+        spectrum::check_convergence(&problem)?;
+        Ok(problem)
     }
 
-    /// The data points; of a surface row by row.
-    pub fn points(&self) -> &Points {
-        &self.points
+    /// The points that the iteration approaches; of a surface row by row. In homogeneous fits they
+    /// are `(w_i P_i, w_i)`, with one coordinate more than the data.
+    pub fn data(&self) -> &Points {
+        &self.data
+    }
+
+    /// Whether the last coordinate of data and control points is a weight.
+    pub fn is_homogeneous(&self) -> bool {
+        self.homogeneous
+    }
+
+    /// The number of coordinates of the data points.
+    pub fn dimension(&self) -> usize {
+        self.data.dimension() - usize::from(self.homogeneous)
     }
 
     /// The arrangement of the data points.
     pub fn grid(&self) -> Grid {
         self.grid
+    }
+
+    /// The arrangement of the free control points.
+    pub fn control_grid(&self) -> Grid {
+        Grid {
+            rows: self.u.free(),
+            columns: self.v.as_ref().map_or(1, Direction::free),
+        }
     }
 
     /// The direction of a curve, or u of a surface.
@@ -157,14 +161,23 @@ impl Problem {
         self.v.as_ref()
     }
 
+    /// One direction or both.
+    pub fn directions(&self) -> impl Iterator<Item = &Direction> + Clone {
+        std::iter::once(&self.u).chain(&self.v)
+    }
+
     /// The method.
-    pub fn method(&self) -> Method {
-        self.method
+    pub fn method(&self) -> &Method {
+        &self.method
     }
 
     /// The largest allowed distance of the curve from a data point, in data units.
     pub fn tolerance(&self) -> f64 {
-        self.tolerance
+        match self.method {
+            // Points that are nearer than the threshold are left alone.
+            Method::Adaptive { threshold } => self.tolerance.max(threshold),
+            _ => self.tolerance,
+        }
     }
 
     /// The last level that is computed.
@@ -180,25 +193,31 @@ impl Problem {
     /// Bytes that iterating this problem once takes, the data included.
     pub fn memory(&self) -> usize {
         let points = self.grid.count();
-        // Data, control points and residual; one coordinate of scratch on surfaces.
+        // Data, control points, residual and what the method needs besides; scratch on surfaces.
+        let vectors = 3 + match self.method {
+            Method::Global | Method::Weighted { .. } => 0,
+            Method::LeastSquares(_) => 3,
+            _ => 1,
+        };
+        let factors = match self.method {
+            Method::Global | Method::Convex => 1,
+            _ => 4,
+        };
         let scratch = usize::from(self.v.is_some());
-        let vectors = (3 * self.points.dimension() + scratch) * points * size_of::<f64>();
-        let directions = [Some(&self.u), self.v.as_ref()];
-        directions
-            .into_iter()
-            .flatten()
-            .map(|direction| {
-                2 * direction.free() * size_of::<f64>() + Collocation::memory(direction)
-            })
-            .sum::<usize>()
-            + vectors
+        let arrays = (vectors * self.data.dimension() + scratch) * points * size_of::<f64>();
+        let directions = self.directions().map(|direction| {
+            2 * direction.parameters.len() * size_of::<f64>()
+                + factors * Collocation::memory(direction)
+        });
+        directions.sum::<usize>() + arrays
     }
 
-    /// Multiplications of one iteration, set-up spread over it: the measure of how long a step takes.
+    /// Multiplications of one iteration: the measure of how long a step takes.
     pub fn step_cost(&self) -> usize {
-        let width = |direction: &Direction| direction.basis.support_width();
-        let widths = width(&self.u) + self.v.as_ref().map_or(0, width);
-        self.points.dimension() * self.grid.count() * widths
+        let widths = self
+            .directions()
+            .map(|direction| direction.basis.support_width());
+        self.data.dimension() * self.grid.count() * widths.sum::<usize>()
     }
 }
 
@@ -227,94 +246,68 @@ fn resolve_tolerance(tolerance: Tolerance, diagonal: f64) -> Result<f64, Invalid
     }
 }
 
-/// Parameters, basis and knots of one direction.
-fn direction(
-    choice: DirectionChoice,
-    points: &Points,
-    grid: Grid,
-    axis: Axis,
-) -> Result<Direction, Invalid> {
-    let given = matches!(choice.parameters, Parametrization::Explicit(_));
-    let mut t = parameters(choice.parameters, points, grid, axis)?;
-    check_range(&t, axis)?;
-    match choice.basis {
-        BasisChoice::Bernstein => {
-            let degree = t.len() - 1;
-            check_degree(degree, axis)?;
-            rescale(&mut t, 0.0, 1.0, axis)?;
-            Ok(Direction {
-                basis: Basis::Bernstein { degree },
-                parameters: t,
-                front_copies: 0,
-            })
-        }
-        BasisChoice::BSpline { degree, knots } => {
-            check_degree(degree, axis)?;
-            bspline_direction(degree, knots, t, given, axis)
-        }
-    }
-}
-
-fn bspline_direction(
-    degree: usize,
-    choice: Knots,
-    mut t: Vec<f64>,
-    parameters_given: bool,
-    axis: Axis,
-) -> Result<Direction, Invalid> {
-    let mut front_copies = 0;
-    let knots = match choice {
-        Knots::Data => {
-            // ⌈(p−1)/2⌉ copies of the first control point in front, ⌊(p−1)/2⌋ of the last behind.
-            front_copies = degree / 2;
-            knots::at_data(&t, degree)
-        }
-        Knots::Averaged => {
-            let count = t.len();
-            if degree >= count {
-                return Err(Invalid::DegreeTooHigh {
-                    axis,
-                    degree,
-                    count,
-                });
-            }
-            knots::averaged(&t, degree)
-        }
-        Knots::Explicit(knots) => {
-            knots::check(&knots, degree, t.len(), axis)?;
-            check_range(&knots, axis)?;
-            if !parameters_given {
-                rescale(&mut t, knots[0], knots[knots.len() - 1], axis)?;
-            }
-            knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
-            knots
+fn check_method(request: &Request) -> Result<(), Invalid> {
+    let positive = |name, value: f64| {
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Invalid::NotPositive { name, value })
         }
     };
-    Ok(Direction {
-        basis: Basis::BSpline { degree, knots },
-        parameters: t,
-        front_copies,
-    })
-}
-
-fn check_degree(degree: usize, axis: Axis) -> Result<(), Invalid> {
-    let limit = MAX_DEGREE;
-    match degree {
-        0 => Err(Invalid::DegreeTooLow { axis, degree }),
-        _ if degree > limit => Err(Invalid::DegreeAboveLimit {
-            axis,
-            degree,
-            limit,
-        }),
+    match &request.method {
+        Method::Weighted { omega: Some(value) } if !(*value > 0.0 && *value < 2.0) => {
+            Err(Invalid::Omega { value: *value })
+        }
+        Method::Adaptive { threshold } => positive("threshold", *threshold),
+        Method::LeastSquares(LeastSquares {
+            variant: Variant::Lspia { mu: Some(mu) },
+            ..
+        }) => positive("mu", *mu),
+        Method::Local(selection) if selection.row_by_row && request.v.is_none() => {
+            Err(Invalid::RowsOfCurve)
+        }
+        Method::Local(selection) => match &selection.indices {
+            None => Ok(()),
+            Some(indices) => check_indices(indices, request.grid.count()),
+        },
+        Method::Convex => check_planar(request),
         _ => Ok(()),
     }
 }
 
-fn check_range(values: &[f64], axis: Axis) -> Result<(), Invalid> {
-    let ends = [values[0], values[values.len() - 1]];
-    if ends.iter().all(|x| x.abs() <= PARAMETER_RANGE) {
-        Ok(())
-    } else {
-        Err(Invalid::ParameterRange { axis })
+fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
+    if indices.is_empty() {
+        return Err(Invalid::NoIndices);
     }
+    let mut seen = vec![false; count];
+    for (index, &value) in indices.iter().enumerate() {
+        match seen.get_mut(value) {
+            None => {
+                return Err(Invalid::IndexOutside {
+                    index,
+                    value,
+                    count,
+                });
+            }
+            Some(true) => return Err(Invalid::IndexRepeated { index }),
+            Some(seen) => *seen = true,
+        }
+    }
+    Ok(())
+}
+
+fn check_planar(request: &Request) -> Result<(), Invalid> {
+    let found = if request.v.is_some() {
+        "this is a surface"
+    } else if request.points.dimension() != 2 {
+        "the points have not two coordinates"
+    } else if matches!(request.weights, Weights::Homogeneous(_)) {
+        "the weights are homogeneous"
+    } else {
+        return Ok(());
+    };
+    Err(Invalid::NotPlanar {
+        method: "convex",
+        found,
+    })
 }

@@ -5,21 +5,33 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::basis::knots::Knots;
+use super::basis::{Polynomial, knots::Knots};
+use super::direction::{BasisChoice, DirectionChoice};
 use super::geometry::Geometry;
-use super::iteration::{Iteration, Outcome, System};
+use super::iteration::{Iteration, Outcome};
+use super::method::Method;
 use super::parameters::Parametrization;
 use super::points::{Grid, Points};
-use super::problem::{BasisChoice, DirectionChoice, Problem, Request, Tolerance};
-use super::transform::Method;
+use super::problem::{Problem, Request, Tolerance, Weights};
+use super::system::System;
 
 /// A basis of one direction that PIA converges quickly with.
 fn basis() -> impl Strategy<Value = BasisChoice> {
     let knots = prop_oneof![Just(Knots::Data), Just(Knots::Averaged)];
     prop_oneof![
-        1 => Just(BasisChoice::Bernstein),
+        1 => Just(BasisChoice::Polynomial(Polynomial::Bernstein)),
         4 => (1..=4_usize, knots).prop_map(|(degree, knots)| BasisChoice::BSpline { degree, knots }),
     ]
+}
+
+fn choice(basis: BasisChoice, parameters: Parametrization) -> DirectionChoice {
+    DirectionChoice {
+        basis,
+        parameters,
+        closed: false,
+        control_points: None,
+        weights: None,
+    }
 }
 
 fn direction() -> impl Strategy<Value = DirectionChoice> {
@@ -28,7 +40,7 @@ fn direction() -> impl Strategy<Value = DirectionChoice> {
         Just(Parametrization::ChordLength),
         Just(Parametrization::Centripetal),
     ];
-    (basis(), parameters).prop_map(|(basis, parameters)| DirectionChoice { basis, parameters })
+    (basis(), parameters).prop_map(|(basis, parameters)| choice(basis, parameters))
 }
 
 /// Points near a regular grid, so that parameters are neither equal nor extremely uneven.
@@ -55,6 +67,7 @@ fn problem() -> impl Strategy<Value = Request> {
                 grid,
                 u: u.clone(),
                 v: (grid.columns > 1).then(|| v.clone()),
+                weights: Weights::None,
                 method: Method::Global,
                 tolerance: Tolerance::Relative(1e-9),
                 max_iterations: 300,
@@ -128,7 +141,7 @@ proptest! {
         // Two ways to sum up to 81 products of coordinates below 40.
         let rounding = 1e-12;
         let distance = |i: usize| {
-            let square: f64 = curve.point(i).zip(problem.points().point(i)).map(|(a, b)| (a - b).powi(2)).sum();
+            let square: f64 = curve.point(i).zip(problem.data().point(i)).map(|(a, b)| (a - b).powi(2)).sum();
             square.sqrt()
         };
         let largest = (0..curve.len()).map(distance).fold(0.0, f64::max);
@@ -168,13 +181,11 @@ fn cubic_splines_converge_within_the_expected_iterations() {
             let x = f64::from(i);
             points.push(&[x, (x * 0.7).sin()]);
         }
-        let direction = DirectionChoice {
-            basis: BasisChoice::BSpline {
-                degree: 3,
-                knots: Knots::Data,
-            },
-            parameters: Parametrization::Uniform,
+        let basis = BasisChoice::BSpline {
+            degree: 3,
+            knots: Knots::Data,
         };
+        let direction = choice(basis, Parametrization::Uniform);
         let mut iteration = start(Request {
             points,
             grid: Grid {
@@ -183,6 +194,7 @@ fn cubic_splines_converge_within_the_expected_iterations() {
             },
             u: direction,
             v: None,
+            weights: Weights::None,
             method: Method::Global,
             tolerance: Tolerance::Absolute(1e-9),
             max_iterations: 1000,

@@ -30,6 +30,7 @@ use uuid::Uuid;
 
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::fit::system::System;
 use run::{Attached, Run, SharedSystem};
 use scheduler::Scheduler;
 use state::{State, Status};
@@ -115,6 +116,12 @@ impl Job {
     /// The free control points of the last level, once the job has ended.
     pub fn result(&self) -> Option<&Arc<Points>> {
         self.result.get()
+    }
+
+    /// The system of the problem, shared with the job's runs. It can take long to make: not for the
+    /// threads that serve the network.
+    pub fn system(&self) -> Arc<System> {
+        self.system.get()
     }
 
     /// Waits until the job has ended.

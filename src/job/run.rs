@@ -12,8 +12,9 @@ use tokio::sync::futures::Notified;
 use super::frame::Frame;
 use super::scheduler::{Lane, Scheduler, Turn, Work};
 use super::state::Levels;
-use crate::fit::iteration::{Iteration, Level, Outcome, System};
+use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::problem::Problem;
+use crate::fit::system::{Forecast, System};
 
 /// How many levels a run may be ahead of its readers.
 const LOOK_AHEAD: usize = 32;
@@ -35,7 +36,8 @@ impl SharedSystem {
         }
     }
 
-    fn get(&self) -> Arc<System> {
+    /// The system, which lives as long as somebody holds it.
+    pub fn get(&self) -> Arc<System> {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {
             let system = Arc::new(System::new(Arc::clone(&self.problem)));
@@ -110,7 +112,7 @@ impl Run {
         ring_bytes: usize,
     ) -> Arc<Self> {
         let problem = &system.problem;
-        let weight = Frame::weight(problem.points().dimension(), problem.points().len());
+        let weight = Frame::weight(problem.data().dimension(), problem.control_grid().count());
         let capacity = (ring_bytes / weight).max(1);
         Arc::new(Self {
             lane: Lane::of(problem.step_cost()),
@@ -211,7 +213,7 @@ impl Run {
         } else {
             state.ring.clear();
         }
-        state.reached(level);
+        state.reached(level, iteration.system().forecast());
         if let Some(outcome) = outcome {
             state.end(Ending::Outcome(outcome));
         }
@@ -249,9 +251,13 @@ impl RunState {
         self.readers > 0 && level >= self.keep_from
     }
 
-    fn reached(&mut self, level: Level) {
+    fn reached(&mut self, level: Level, forecast: Forecast) {
         let first = self.levels.map_or(level, |levels| levels.first);
-        self.levels = Some(Levels { first, last: level });
+        self.levels = Some(Levels {
+            first,
+            last: level,
+            forecast,
+        });
     }
 
     fn end(&mut self, ending: Ending) {

@@ -15,7 +15,7 @@ use super::Job;
 use super::frame::Frame;
 use super::run::Ending;
 use super::scheduler::{Lane, Scheduler};
-use super::state::{Failure, State, Status};
+use super::state::{Failure, Reason, State, Status};
 use super::store::{Record, Retention, Selection, Store, StoreError};
 use crate::fit::iteration::Outcome;
 use crate::fit::problem::Problem;
@@ -211,10 +211,11 @@ impl Jobs {
             () = job.cancel_requested() => (Ending::Stopped, None),
             memory = self.memory_for(&job) => self.run(&job, memory).await,
         };
-        let (state, failure) = verdict(ending);
+        let (state, reason, failure) = verdict(ending);
         let status = Status {
             state,
             finished: Some(Timestamp::now()),
+            reason,
             failure,
             ..job.status()
         };
@@ -265,13 +266,17 @@ impl Jobs {
 }
 
 /// What the end of its run means for a job.
-fn verdict(ending: Ending) -> (State, Option<Failure>) {
+fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
     match ending {
-        Ending::Outcome(Outcome::Converged) => (State::Converged, None),
-        Ending::Outcome(Outcome::Exhausted) => (State::Exhausted, None),
-        Ending::Outcome(Outcome::Overflow) => (State::Failed, Some(Failure::Overflow)),
-        Ending::Broken => (State::Failed, Some(Failure::Defect)),
-        Ending::Stopped => (State::Cancelled, None),
+        Ending::Outcome(outcome) => match outcome {
+            Outcome::Converged => (State::Converged, None, None),
+            Outcome::Stationary => (State::Converged, Some(Reason::Stationary), None),
+            Outcome::Exhausted => (State::Exhausted, None, None),
+            Outcome::Stalled(stall) => (State::Stalled, Some(Reason::Stalled(stall)), None),
+            Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
+        },
+        Ending::Broken => (State::Failed, None, Some(Failure::Defect)),
+        Ending::Stopped => (State::Cancelled, None, None),
     }
 }
 

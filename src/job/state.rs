@@ -7,6 +7,8 @@ use jiff::Timestamp;
 
 use crate::fit::iteration::Level;
 use crate::fit::problem::Problem;
+use crate::fit::system::Forecast;
+use crate::fit::update::Stall;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,8 @@ pub enum State {
     Converged,
     /// Ended at `max_iterations`.
     Exhausted,
+    /// Ended because the method cannot go on.
+    Stalled,
     /// Ended because of an error.
     Failed,
     /// Ended because a client asked for it.
@@ -27,11 +31,12 @@ pub enum State {
 
 impl State {
     /// All states, in the order of a job's life.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Queued,
         Self::Running,
         Self::Converged,
         Self::Exhausted,
+        Self::Stalled,
         Self::Failed,
         Self::Cancelled,
     ];
@@ -43,6 +48,7 @@ impl State {
             Self::Running => "running",
             Self::Converged => "converged",
             Self::Exhausted => "exhausted",
+            Self::Stalled => "stalled",
             Self::Failed => "failed",
             Self::Cancelled => "cancelled",
         }
@@ -81,6 +87,8 @@ pub struct Levels {
     pub first: Level,
     /// The level reached.
     pub last: Level,
+    /// What is known of the convergence.
+    pub forecast: Forecast,
 }
 
 /// Why a job failed.
@@ -103,8 +111,29 @@ pub struct Status {
     pub started: Option<Timestamp>,
     /// When it ended.
     pub finished: Option<Timestamp>,
+    /// Why it ended, where the state does not say it.
+    pub reason: Option<Reason>,
     /// Why it failed.
     pub failure: Option<Failure>,
+}
+
+/// Why a job ended as it did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// The distances do not fall any more: a least-squares fit is at its minimum.
+    Stationary,
+    /// The method cannot go on.
+    Stalled(Stall),
+}
+
+impl Reason {
+    /// The name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stationary => "stationary",
+            Self::Stalled(stall) => stall.name(),
+        }
+    }
 }
 
 impl Status {
@@ -114,16 +143,20 @@ impl Status {
         levels: None,
         started: None,
         finished: None,
+        reason: None,
         failure: None,
     };
 
     /// How far the fit is, in [0, 1]. PIA converges geometrically, so that with a tolerance it is
     /// `log(e₀/e) / log(e₀/tolerance)`; without one the part of the iterations that are allowed.
     pub fn progress(&self, problem: &Problem) -> f64 {
-        if matches!(self.state, State::Converged | State::Exhausted) {
+        if matches!(
+            self.state,
+            State::Converged | State::Exhausted | State::Stalled
+        ) {
             return 1.0;
         }
-        let Some(Levels { first, last }) = self.levels else {
+        let Some(Levels { first, last, .. }) = self.levels else {
             return 0.0;
         };
         let (initial, current) = (first.error.max, last.error.max);

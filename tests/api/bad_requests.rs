@@ -395,7 +395,7 @@ fn wrong_rules() -> Vec<Bad> {
         bad(
             method(json!({"kind": "global", "omega": 1})),
             "/method/omega",
-            "unknown field `omega`",
+            "a setting of the method \"weighted\"",
         ),
         bad(
             stop(json!({"tolerance": -1})),

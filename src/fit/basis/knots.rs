@@ -26,6 +26,50 @@ pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, interior)
 }
 
+/// Knots for fewer control points than data points: `u_{p+j} = (1 − α) t_{i−1} + α t_i` with
+/// `d = (m + 1) / (n − p + 1)`, `i = ⌊j d⌋`, `α = j d − i` (PT97 (9.68)–(9.69)).
+pub fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
+    let spans = control_points - degree;
+    let d = t.len() as f64 / spans as f64;
+    let interior = (1..spans).map(|j| {
+        let x = j as f64 * d;
+        let i = (x as usize).clamp(1, t.len() - 1);
+        let alpha = x - i as f64;
+        (1.0 - alpha) * t[i - 1] + alpha * t[i]
+    });
+    clamped(t, degree, interior)
+}
+
+/// Knots of a closed B-spline with as many control points as asked for: those of a period, from
+/// the start of the domain, and p more on either side.
+///
+/// The sites are the parameters, or with fewer control points than parameters interpolated
+/// between them at equal distances. Odd degrees have their knots at the sites, even degrees
+/// midway between them: at the sites the collocation matrix of an even number of points would be
+/// singular.
+pub fn periodic(t: &[f64], period: f64, degree: usize, control_points: usize) -> Vec<f64> {
+    let sites = |j: isize| -> f64 {
+        let n = control_points as isize;
+        let turns = j.div_euclid(n) as f64;
+        let x = j.rem_euclid(n) as f64 * t.len() as f64 / n as f64;
+        let i = x as usize;
+        let alpha = x - i as f64;
+        let next = t.get(i + 1).copied().unwrap_or(t[0] + period);
+        let site = if alpha == 0.0 {
+            t[i]
+        } else {
+            (1.0 - alpha) * t[i] + alpha * next
+        };
+        site + turns * period
+    };
+    let knot = |j: isize| match degree % 2 {
+        0 => (sites(j - 1) + sites(j)) / 2.0,
+        _ => sites(j),
+    };
+    let p = degree as isize;
+    (-p..=control_points as isize + p).map(knot).collect()
+}
+
 fn clamped(t: &[f64], degree: usize, interior: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut knots = Vec::with_capacity(t.len() + 2 * degree);
     knots.resize(degree + 1, t[0]);

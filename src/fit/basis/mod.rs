@@ -1,5 +1,6 @@
 //! Bases: the functions that are blended with the control points.
 
+pub mod ball;
 pub mod bernstein;
 pub mod bspline;
 pub mod knots;
@@ -10,25 +11,51 @@ pub const MAX_DEGREE: usize = 1000;
 /// A normalized basis (its functions sum to one) of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Basis {
-    /// Bernstein polynomials on [0, 1]: `degree + 1` functions.
-    Bernstein {
+    /// Polynomials on [0, 1]: `degree + 1` functions.
+    Polynomial {
+        /// Which polynomials.
+        kind: Polynomial,
         /// The degree m.
         degree: usize,
     },
-    /// B-splines on a clamped knot vector: `knots.len() − degree − 1` functions.
+    /// B-splines: `knots.len() − degree − 1` functions on the interval from knot `degree` to knot
+    /// `knots.len() − degree − 1`.
     BSpline {
         /// The degree p ≥ 1.
         degree: usize,
-        /// Non-decreasing knots; the first and the last p + 1 are equal.
+        /// Non-decreasing knots. Open curves: the first and the last p + 1 are equal. Closed ones:
+        /// the knots of a period, continued periodically by p on both sides.
         knots: Vec<f64>,
     },
+}
+
+/// A basis of the polynomials of some degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Polynomial {
+    /// Bernstein polynomials: Bézier curves.
+    Bernstein,
+    /// The Said–Ball basis.
+    SaidBall,
+    /// The Wang–Ball basis.
+    WangBall,
+}
+
+impl Polynomial {
+    /// The name of the kind of basis.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bernstein => "bernstein",
+            Self::SaidBall => "said_ball",
+            Self::WangBall => "wang_ball",
+        }
+    }
 }
 
 impl Basis {
     /// The name of the kind of basis.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Bernstein { .. } => "bernstein",
+            Self::Polynomial { kind, .. } => kind.name(),
             Self::BSpline { .. } => "bspline",
         }
     }
@@ -36,14 +63,14 @@ impl Basis {
     /// The polynomial degree.
     pub fn degree(&self) -> usize {
         match self {
-            Self::Bernstein { degree } | Self::BSpline { degree, .. } => *degree,
+            Self::Polynomial { degree, .. } | Self::BSpline { degree, .. } => *degree,
         }
     }
 
     /// The number of basis functions, one for each control point.
     pub fn functions(&self) -> usize {
         match self {
-            Self::Bernstein { degree } => degree + 1,
+            Self::Polynomial { degree, .. } => degree + 1,
             Self::BSpline { degree, knots } => knots.len() - degree - 1,
         }
     }
@@ -51,7 +78,7 @@ impl Basis {
     /// The interval on which the basis is defined.
     pub fn domain(&self) -> (f64, f64) {
         match self {
-            Self::Bernstein { .. } => (0.0, 1.0),
+            Self::Polynomial { .. } => (0.0, 1.0),
             Self::BSpline { degree, knots } => (knots[*degree], knots[knots.len() - degree - 1]),
         }
     }
@@ -61,14 +88,23 @@ impl Basis {
         self.degree() + 1
     }
 
+    /// Whether only a few functions differ from zero at a parameter.
+    pub fn is_local(&self) -> bool {
+        matches!(self, Self::BSpline { .. })
+    }
+
     /// Writes the values at `t` of the functions that can differ from zero there into `values`
     /// (`support_width` numbers) and returns the index of the first of them.
     ///
     /// `t` lies in the [domain](Self::domain); at its right end the basis is continuous from the left.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
         match self {
-            Self::Bernstein { degree } => {
-                bernstein::evaluate(*degree, t, values);
+            Self::Polynomial { kind, degree } => {
+                match kind {
+                    Polynomial::Bernstein => bernstein::evaluate(*degree, t, values),
+                    Polynomial::SaidBall => ball::said_ball(*degree, t, values),
+                    Polynomial::WangBall => ball::wang_ball(*degree, t, values),
+                }
                 0
             }
             Self::BSpline { degree, knots } => {
@@ -79,16 +115,20 @@ impl Basis {
         }
     }
 
-    /// The knot vector of the same space as a CAD kernel stores it: Bernstein polynomials are the
-    /// B-splines without interior knots.
-    pub fn clamped_knots(&self) -> Vec<f64> {
+    /// The knot vector with which a CAD kernel stores the curve. Bernstein polynomials are the
+    /// B-splines without interior knots; the Ball bases are no B-splines.
+    pub fn knots(&self) -> Option<Vec<f64>> {
         match self {
-            Self::Bernstein { degree } => {
+            Self::Polynomial {
+                kind: Polynomial::Bernstein,
+                degree,
+            } => {
                 let mut knots = vec![0.0; degree + 1];
                 knots.resize(2 * (degree + 1), 1.0);
-                knots
+                Some(knots)
             }
-            Self::BSpline { knots, .. } => knots.clone(),
+            Self::Polynomial { .. } => None,
+            Self::BSpline { knots, .. } => Some(knots.clone()),
         }
     }
 }

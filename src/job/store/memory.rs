@@ -96,16 +96,14 @@ impl Store for MemoryStore {
 fn size(record: &Record) -> usize {
     let problem = &record.problem;
     let result = record.result.as_deref();
-    let coordinates = [Some(problem.points()), result]
+    let coordinates = [Some(problem.data()), result]
         .into_iter()
         .flatten()
         .map(|points| points.dimension() * points.len())
         .sum::<usize>();
-    let directions = [Some(problem.u()), problem.v()];
-    let parameters_and_knots = directions
-        .into_iter()
-        .flatten()
-        .map(|direction| 2 * direction.free() + direction.basis.degree())
+    let parameters_and_knots = problem
+        .directions()
+        .map(|direction| 2 * direction.parameters.len() + direction.basis.degree())
         .sum::<usize>();
     (coordinates + parameters_and_knots) * size_of::<f64>() + size_of::<Record>()
 }

@@ -1,17 +1,23 @@
 //! The JSON of a job, and its way to a fitting problem.
 
+mod method;
+mod places;
+
 use serde::Deserialize;
 
-use super::numbers::{NameOrNumbers, Number, PointGrid, PointList};
+use super::numbers::{NameOrNumbers, Number, PointGrid, PointList, WeightList};
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
 use crate::config::Config;
-use crate::fit::basis::knots::Knots;
-use crate::fit::invalid::{Axis, Invalid, Place};
+use crate::fit::basis::{Polynomial, knots::Knots};
+use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::invalid::Axis;
+use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
-use crate::fit::problem::{self as fit, BasisChoice, DirectionChoice, Tolerance};
-use crate::fit::transform::Method;
+use crate::fit::problem::{self as fit, Tolerance, Weights};
+use method::MethodRequest;
+use places::Places;
 
 const DEFAULT_DEGREE: usize = 3;
 const DEFAULT_TOLERANCE: Tolerance = Tolerance::Relative(1e-6);
@@ -25,6 +31,7 @@ pub struct JobRequest {
     name: Option<String>,
     curve: Option<CurveRequest>,
     surface: Option<SurfaceRequest>,
+    rational: Option<RationalRequest>,
     method: Option<MethodRequest>,
     #[serde(default)]
     stop: StopRequest,
@@ -36,6 +43,8 @@ struct CurveRequest {
     points: PointList,
     basis: Option<BasisRequest>,
     parameters: Option<NameOrNumbers>,
+    weights: Option<WeightList>,
+    closed: Option<bool>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -44,6 +53,8 @@ struct SurfaceRequest {
     points: PointGrid,
     basis: Option<PerDirection<BasisRequest>>,
     parameters: Option<PerDirection<NameOrNumbers>>,
+    weights: Option<PerDirection<WeightList>>,
+    closed: Option<PerDirection<bool>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -59,18 +70,15 @@ struct BasisRequest {
 enum BasisKind {
     Bspline,
     Bernstein,
+    SaidBall,
+    WangBall,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MethodRequest {
-    kind: MethodKind,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
-enum MethodKind {
-    Global,
+enum RationalRequest {
+    Homogeneous,
+    Fixed,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -99,9 +107,9 @@ impl JobRequest {
             let detail = format!("the name is longer than {LONGEST_NAME} characters");
             return Err(invalid("/name", detail));
         }
-        let shape = match (self.curve, self.surface) {
-            (Some(curve), None) => curve.shape()?,
-            (None, Some(surface)) => surface.shape()?,
+        let mut shape = match (self.curve, self.surface) {
+            (Some(curve), None) => curve.shape(self.rational)?,
+            (None, Some(surface)) => surface.shape(self.rational)?,
             (None, None) => return Err(invalid("", "a curve or a surface is needed")),
             (Some(_), Some(_)) => {
                 let detail = "the job has a curve, so it cannot have a surface as well";
@@ -110,8 +118,12 @@ impl JobRequest {
         };
         check_count(&shape, config.max_points)?;
         let (tolerance, max_iterations) = self.stop.rules(config.max_iterations)?;
-        let method = match self.method.map(|method| method.kind) {
-            None | Some(MethodKind::Global) => Method::Global,
+        let method = match self.method {
+            None => Method::Global,
+            Some(method) => {
+                shape.places.control_points_each = method.has_control_points_each();
+                method.method(shape.grid, shape.v.is_some())?
+            }
         };
         let places = shape.places;
         let request = fit::Request {
@@ -119,6 +131,7 @@ impl JobRequest {
             grid: shape.grid,
             u: shape.u,
             v: shape.v,
+            weights: shape.weights,
             method,
             tolerance,
             max_iterations,
@@ -138,15 +151,30 @@ struct Shape {
     grid: Grid,
     u: DirectionChoice,
     v: Option<DirectionChoice>,
+    weights: Weights,
     places: Places,
 }
 
 impl CurveRequest {
-    fn shape(self) -> Result<Shape, Problem> {
+    fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
         let PointList(points) = self.points;
         let grid = Grid {
             rows: points.len(),
             columns: 1,
+        };
+        let weights = match self.weights {
+            None => None,
+            Some(WeightList::Line(weights)) => Some(weights),
+            Some(WeightList::Grid { .. }) => {
+                let detail = "the weights of a curve are a list of numbers";
+                return Err(invalid("/curve/weights", detail));
+            }
+        };
+        let (weights, fixed) = match (rational, weights) {
+            (None, None) => (Weights::None, None),
+            (Some(_), None) => return Err(no_weights()),
+            (Some(RationalRequest::Fixed), Some(weights)) => (Weights::None, Some(weights)),
+            (_, Some(weights)) => (Weights::Homogeneous(weights), None),
         };
         Ok(Shape {
             points,
@@ -154,45 +182,128 @@ impl CurveRequest {
             u: DirectionChoice {
                 basis: basis(self.basis, "/curve/basis")?,
                 parameters: parametrization(self.parameters, "/curve/parameters")?,
+                closed: self.closed.unwrap_or(false),
+                control_points: None,
+                weights: fixed,
             },
             v: None,
-            places: Places {
-                surface_columns: None,
-                basis_each: false,
-                parameters_each: false,
-            },
+            weights,
+            places: Places::default(),
         })
     }
 }
 
 impl SurfaceRequest {
-    fn shape(self) -> Result<Shape, Problem> {
+    fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
         let PointGrid {
             points,
             rows,
             columns,
         } = self.points;
+        let grid = Grid { rows, columns };
         let places = Places {
             surface_columns: Some(columns),
             basis_each: self.basis.as_ref().is_some_and(PerDirection::is_each),
             parameters_each: self.parameters.as_ref().is_some_and(PerDirection::is_each),
+            closed_each: self.closed.is_some_and(|closed| closed.is_each()),
+            weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
+            control_points_each: false,
         };
+        let (weights, fixed) = surface_weights(self.weights, rational, grid)?;
         let (basis_u, basis_v) = self.basis.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
-        let direction = |axis, basis_request, parameters| {
+        let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
+        let (fixed_u, fixed_v) = fixed.unzip();
+        let direction = |axis, basis_request, parameters, closed: Option<bool>, weights| {
             Ok::<_, Problem>(DirectionChoice {
                 basis: basis(basis_request, &places.basis(axis))?,
                 parameters: parametrization(parameters, &places.parameters(axis))?,
+                closed: closed.unwrap_or(false),
+                control_points: None,
+                weights,
             })
         };
         Ok(Shape {
             points,
-            grid: Grid { rows, columns },
-            u: direction(Axis::U, basis_u, parameters_u)?,
-            v: Some(direction(Axis::V, basis_v, parameters_v)?),
+            grid,
+            u: direction(Axis::U, basis_u, parameters_u, closed_u, fixed_u)?,
+            v: Some(direction(
+                Axis::V,
+                basis_v,
+                parameters_v,
+                closed_v,
+                fixed_v,
+            )?),
+            weights,
             places,
         })
     }
+}
+
+/// Fixed weights of both directions.
+type FixedWeights = Option<(Vec<f64>, Vec<f64>)>;
+
+/// Weights of a surface: a grid, or one list for each direction whose products they are.
+fn surface_weights(
+    weights: Option<PerDirection<WeightList>>,
+    rational: Option<RationalRequest>,
+    grid: Grid,
+) -> Result<(Weights, FixedWeights), Problem> {
+    const POINTER: &str = "/surface/weights";
+    let Some(weights) = weights else {
+        return match rational {
+            None => Ok((Weights::None, None)),
+            Some(_) => Err(no_weights()),
+        };
+    };
+    let fixed = rational == Some(RationalRequest::Fixed);
+    match weights {
+        PerDirection::Both(WeightList::Grid { values, columns }) => {
+            let rows = values.len() / columns.max(1);
+            if (rows, columns) != (grid.rows, grid.columns) {
+                let detail = format!(
+                    "{rows} rows of {columns} weights for {} rows of {} points",
+                    grid.rows, grid.columns
+                );
+                return Err(invalid(POINTER, detail));
+            }
+            let weights = if fixed {
+                Weights::FixedGrid(values)
+            } else {
+                Weights::Homogeneous(values)
+            };
+            Ok((weights, None))
+        }
+        PerDirection::Each {
+            u: WeightList::Line(u),
+            v: WeightList::Line(v),
+        } => {
+            if fixed {
+                return Ok((Weights::None, Some((u, v))));
+            }
+            for (name, given, expected) in [("u", u.len(), grid.rows), ("v", v.len(), grid.columns)]
+            {
+                if given != expected {
+                    let detail = format!("{given} weights for {expected} points");
+                    return Err(invalid(&format!("{POINTER}/{name}"), detail));
+                }
+            }
+            let products = u.iter().flat_map(|u| v.iter().map(move |v| u * v));
+            Ok((Weights::Homogeneous(products.collect()), None))
+        }
+        _ => {
+            let detail =
+                "the weights of a surface are rows of numbers, or {\"u\": […], \"v\": […]}";
+            Err(invalid(POINTER, detail))
+        }
+    }
+}
+
+fn no_weights() -> Problem {
+    invalid(
+        "/rational",
+        "rational says how weights are used, but there are no weights",
+    )
 }
 
 fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Problem> {
@@ -202,21 +313,27 @@ fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Pr
             knots: Knots::Data,
         });
     };
-    match request.kind {
-        BasisKind::Bspline => Ok(BasisChoice::BSpline {
-            degree: request.degree.unwrap_or(DEFAULT_DEGREE),
-            knots: knots(request.knots, pointer)?,
-        }),
-        BasisKind::Bernstein => {
-            let given = request.degree.map(|_| "degree");
-            match given.or(request.knots.map(|_| "knots")) {
-                None => Ok(BasisChoice::Bernstein),
-                Some(field) => Err(invalid(
-                    &format!("{pointer}/{field}"),
-                    format!("a bernstein basis has no {field} to choose: its degree is points − 1"),
-                )),
-            }
+    let kind = match request.kind {
+        BasisKind::Bspline => {
+            return Ok(BasisChoice::BSpline {
+                degree: request.degree.unwrap_or(DEFAULT_DEGREE),
+                knots: knots(request.knots, pointer)?,
+            });
         }
+        BasisKind::Bernstein => Polynomial::Bernstein,
+        BasisKind::SaidBall => Polynomial::SaidBall,
+        BasisKind::WangBall => Polynomial::WangBall,
+    };
+    let given = request.degree.map(|_| "degree");
+    match given.or(request.knots.map(|_| "knots")) {
+        None => Ok(BasisChoice::Polynomial(kind)),
+        Some(field) => Err(invalid(
+            &format!("{pointer}/{field}"),
+            format!(
+                "a {} basis has no {field} to choose: its degree is control points − 1",
+                kind.name()
+            ),
+        )),
     }
 }
 
@@ -291,61 +408,4 @@ fn check_count(shape: &Shape, limit: usize) -> Result<(), Problem> {
 
 fn invalid(pointer: &str, detail: impl Into<String>) -> Problem {
     Problem::at_pointer(Kind::InvalidFit, pointer.to_owned(), detail)
-}
-
-/// Where in the request the parts of a problem stand.
-#[derive(Clone, Copy)]
-struct Places {
-    /// The number of columns of a surface; `None` for a curve.
-    surface_columns: Option<usize>,
-    basis_each: bool,
-    parameters_each: bool,
-}
-
-impl Places {
-    fn root(&self) -> &'static str {
-        match self.surface_columns {
-            None => "/curve",
-            Some(_) => "/surface",
-        }
-    }
-
-    fn part(&self, name: &str, each: bool, axis: Axis) -> String {
-        let direction = match (each, axis) {
-            (false, _) => "",
-            (true, Axis::U) => "/u",
-            (true, Axis::V) => "/v",
-        };
-        format!("{}/{name}{direction}", self.root())
-    }
-
-    fn basis(&self, axis: Axis) -> String {
-        self.part("basis", self.basis_each, axis)
-    }
-
-    fn parameters(&self, axis: Axis) -> String {
-        self.part("parameters", self.parameters_each, axis)
-    }
-
-    /// The JSON pointer to what is wrong.
-    fn pointer(&self, error: &Invalid) -> String {
-        let points = format!("{}/points", self.root());
-        match error.place() {
-            Place::Points => points,
-            Place::Point(index) => match self.surface_columns {
-                None => format!("{points}/{index}"),
-                Some(columns) => format!("{points}/{}/{}", index / columns, index % columns),
-            },
-            Place::Line(Axis::U, index) => format!("{points}/{index}"),
-            Place::Line(Axis::V, index) => format!("{points}/0/{index}"),
-            Place::Basis(axis) => self.basis(axis),
-            Place::Degree(axis) => format!("{}/degree", self.basis(axis)),
-            Place::Knots(axis) => format!("{}/knots", self.basis(axis)),
-            Place::Knot(axis, index) => format!("{}/knots/{index}", self.basis(axis)),
-            Place::Parameters(axis) => self.parameters(axis),
-            Place::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
-            Place::Tolerance => "/stop/tolerance".to_owned(),
-            Place::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
-        }
-    }
 }

@@ -1,0 +1,297 @@
+//! The JSON of a method, and its settings.
+
+use std::fmt;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+
+use super::invalid;
+use crate::api::numbers::Number;
+use crate::api::per_direction::PerDirection;
+use crate::api::problem::Problem;
+use crate::fit::method::{LeastSquares, Method, Selection, Start, Variant};
+use crate::fit::points::Grid;
+
+/// A method as clients write it. Which settings belong to which kind is checked later, so that
+/// the error can say it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MethodRequest {
+    kind: Kind,
+    omega: Option<Omega>,
+    indices: Option<Vec<Index>>,
+    row_by_row: Option<bool>,
+    threshold: Option<Number>,
+    start: Option<StartRequest>,
+    control_points: Option<PerDirection<usize>>,
+    variant: Option<VariantRequest>,
+    mu: Option<Number>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Global,
+    Weighted,
+    Local,
+    Adaptive,
+    Extended,
+    Transpose,
+    Convex,
+    Chebyshev,
+    Direct,
+    LeastSquares,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum StartRequest {
+    Transformed,
+    Data,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "snake_case")]
+enum VariantRequest {
+    Diagonal,
+    Lspia,
+    Cg,
+}
+
+impl Kind {
+    /// The kind of method that settings of its own belong to, as clients write it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Global => "global",
+            Self::Weighted => "weighted",
+            Self::Local => "local",
+            Self::Adaptive => "adaptive",
+            Self::Extended => "extended",
+            Self::Transpose => "transpose",
+            Self::Convex => "convex",
+            Self::Chebyshev => "chebyshev",
+            Self::Direct => "direct",
+            Self::LeastSquares => "least_squares",
+        }
+    }
+}
+
+impl MethodRequest {
+    /// Whether the two directions have numbers of control points of their own.
+    pub(super) fn has_control_points_each(&self) -> bool {
+        self.control_points.is_some_and(|count| count.is_each())
+    }
+
+    /// The method for data points arranged in `grid`.
+    pub(super) fn method(self, grid: Grid, surface: bool) -> Result<Method, Problem> {
+        self.check_settings()?;
+        Ok(match self.kind {
+            Kind::Global => Method::Global,
+            Kind::Weighted => Method::Weighted {
+                omega: match self.omega {
+                    None | Some(Omega::Auto) => None,
+                    Some(Omega::Given(omega)) => Some(omega),
+                },
+            },
+            Kind::Local => Method::Local(self.selection(grid, surface)?),
+            Kind::Adaptive => match self.threshold {
+                Some(Number(threshold)) => Method::Adaptive { threshold },
+                None => {
+                    return Err(invalid(
+                        "/method",
+                        "adaptive needs a threshold, in data units",
+                    ));
+                }
+            },
+            Kind::Extended => Method::Extended {
+                start: match self.start {
+                    None | Some(StartRequest::Transformed) => Start::Transformed,
+                    Some(StartRequest::Data) => Start::Data,
+                },
+            },
+            Kind::Transpose => Method::Transpose,
+            Kind::Convex => Method::Convex,
+            Kind::Chebyshev => Method::Chebyshev,
+            Kind::Direct => Method::Direct,
+            Kind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
+        })
+    }
+
+    /// Refuses settings of other methods.
+    fn check_settings(&self) -> Result<(), Problem> {
+        let settings = [
+            ("omega", self.omega.is_some(), Kind::Weighted),
+            ("indices", self.indices.is_some(), Kind::Local),
+            ("row_by_row", self.row_by_row.is_some(), Kind::Local),
+            ("threshold", self.threshold.is_some(), Kind::Adaptive),
+            ("start", self.start.is_some(), Kind::Extended),
+            (
+                "control_points",
+                self.control_points.is_some(),
+                Kind::LeastSquares,
+            ),
+            ("variant", self.variant.is_some(), Kind::LeastSquares),
+            ("mu", self.mu.is_some(), Kind::LeastSquares),
+        ];
+        for (name, given, kind) in settings {
+            if given && kind != self.kind {
+                return Err(invalid(
+                    &format!("/method/{name}"),
+                    format!("{name} is a setting of the method {:?}", kind.name()),
+                ));
+            }
+        }
+        if self.mu.is_some() && self.variant != Some(VariantRequest::Lspia) {
+            return Err(invalid(
+                "/method/mu",
+                "mu is a setting of the variant \"lspia\"",
+            ));
+        }
+        Ok(())
+    }
+
+    fn selection(&self, grid: Grid, surface: bool) -> Result<Selection, Problem> {
+        let row_by_row = self.row_by_row.unwrap_or(false);
+        let Some(given) = &self.indices else {
+            return if row_by_row {
+                Ok(Selection {
+                    indices: None,
+                    row_by_row,
+                })
+            } else {
+                Err(invalid(
+                    "/method",
+                    "local needs the indices of the points to adjust, or row_by_row",
+                ))
+            };
+        };
+        let mut indices = Vec::with_capacity(given.len());
+        for (k, index) in given.iter().enumerate() {
+            let wrong = |detail: String| invalid(&format!("/method/indices/{k}"), detail);
+            indices.push(match (*index, surface) {
+                (Index::Single(i), false) => i,
+                (Index::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
+                    i * grid.columns + j
+                }
+                (Index::Pair(i, j), true) => {
+                    let Grid { rows, columns } = grid;
+                    return Err(wrong(format!(
+                        "[{i}, {j}] lies outside the {rows} rows and {columns} columns"
+                    )));
+                }
+                (Index::Pair(..), false) => {
+                    return Err(wrong(
+                        "the points of a curve have single indices".to_owned(),
+                    ));
+                }
+                (Index::Single(_), true) => {
+                    return Err(wrong(
+                        "the points of a surface have indices [row, column]".to_owned(),
+                    ));
+                }
+            });
+        }
+        Ok(Selection {
+            indices: Some(indices),
+            row_by_row,
+        })
+    }
+
+    fn least_squares(&self, surface: bool) -> Result<LeastSquares, Problem> {
+        let Some(control_points) = self.control_points else {
+            let detail = "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}";
+            return Err(invalid("/method", detail));
+        };
+        if control_points.is_each() && !surface {
+            let detail = "a curve has one number of control points";
+            return Err(invalid("/method/control_points", detail));
+        }
+        let (u, v) = control_points.split();
+        let variant = match self.variant {
+            None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
+            Some(VariantRequest::Lspia) => Variant::Lspia {
+                mu: self.mu.map(|Number(mu)| mu),
+            },
+            Some(VariantRequest::Cg) => Variant::ConjugateGradients,
+        };
+        Ok(LeastSquares { u, v, variant })
+    }
+}
+
+/// The relaxation of weighted PIA: a number or `"auto"`.
+#[derive(Clone, Copy, Debug)]
+enum Omega {
+    Auto,
+    Given(f64),
+}
+
+impl<'de> Deserialize<'de> for Omega {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct OmegaVisitor;
+        impl Visitor<'_> for OmegaVisitor {
+            type Value = Omega;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a number between 0 and 2, or \"auto\"")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Omega, E> {
+                match text {
+                    "auto" => Ok(Omega::Auto),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
+                }
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Omega, E> {
+                Ok(Omega::Given(value))
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Omega, E> {
+                Ok(Omega::Given(value as f64))
+            }
+
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Omega, E> {
+                Ok(Omega::Given(value as f64))
+            }
+        }
+        deserializer.deserialize_any(OmegaVisitor)
+    }
+}
+
+/// The index of a point: of a curve `i`, of a surface `[row, column]`.
+#[derive(Clone, Copy, Debug)]
+enum Index {
+    Single(usize),
+    Pair(usize, usize),
+}
+
+impl<'de> Deserialize<'de> for Index {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct IndexVisitor;
+        impl<'de> Visitor<'de> for IndexVisitor {
+            type Value = Index;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the index of a point, or [row, column]")
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Index, E> {
+                // Too large for this machine is too large for any list of points.
+                Ok(Index::Single(usize::try_from(value).unwrap_or(usize::MAX)))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Index, A::Error> {
+                let row = list.next_element()?;
+                let column = list.next_element()?;
+                let more: Option<usize> = list.next_element()?;
+                match (row, column, more) {
+                    (Some(row), Some(column), None) => Ok(Index::Pair(row, column)),
+                    _ => Err(A::Error::custom(
+                        "an index of a surface has two numbers, [row, column]",
+                    )),
+                }
+            }
+        }
+        deserializer.deserialize_any(IndexVisitor)
+    }
+}

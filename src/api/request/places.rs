@@ -1,0 +1,89 @@
+//! Where in a request the parts of a problem stand.
+
+use crate::fit::invalid::{Axis, Invalid, Place};
+
+/// Which parts of the request have a value for each direction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Places {
+    /// The number of columns of a surface; `None` for a curve.
+    pub(super) surface_columns: Option<usize>,
+    pub(super) basis_each: bool,
+    pub(super) parameters_each: bool,
+    pub(super) closed_each: bool,
+    pub(super) weights_each: bool,
+    pub(super) control_points_each: bool,
+}
+
+impl Places {
+    pub(super) fn root(&self) -> &'static str {
+        match self.surface_columns {
+            None => "/curve",
+            Some(_) => "/surface",
+        }
+    }
+
+    pub(super) fn basis(&self, axis: Axis) -> String {
+        self.part("basis", self.basis_each, axis)
+    }
+
+    pub(super) fn parameters(&self, axis: Axis) -> String {
+        self.part("parameters", self.parameters_each, axis)
+    }
+
+    fn weights(&self, axis: Axis) -> String {
+        self.part("weights", self.weights_each, axis)
+    }
+
+    fn part(&self, name: &str, each: bool, axis: Axis) -> String {
+        format!("{}/{name}{}", self.root(), direction(each, axis))
+    }
+
+    /// A point or its weight in a list or a grid.
+    fn element(&self, name: &str, index: usize) -> String {
+        let root = self.root();
+        match self.surface_columns {
+            None => format!("{root}/{name}/{index}"),
+            Some(columns) => format!("{root}/{name}/{}/{}", index / columns, index % columns),
+        }
+    }
+
+    /// The JSON pointer to what is wrong.
+    pub(super) fn pointer(&self, error: &Invalid) -> String {
+        let root = self.root();
+        match error.place() {
+            Place::Points => format!("{root}/points"),
+            Place::Point(index) => self.element("points", index),
+            Place::Line(Axis::U, index) => format!("{root}/points/{index}"),
+            Place::Line(Axis::V, index) => format!("{root}/points/0/{index}"),
+            Place::Basis(axis) => self.basis(axis),
+            Place::Degree(axis) => format!("{}/degree", self.basis(axis)),
+            Place::Knots(axis) => format!("{}/knots", self.basis(axis)),
+            Place::Knot(axis, index) => format!("{}/knots/{index}", self.basis(axis)),
+            Place::Parameters(axis) => self.parameters(axis),
+            Place::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
+            Place::Closed(axis) => self.part("closed", self.closed_each, axis),
+            Place::Weights => format!("{root}/weights"),
+            Place::Weight(index) => self.element("weights", index),
+            Place::AxisWeights(axis) => self.weights(axis),
+            Place::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
+            Place::Rational => "/rational".to_owned(),
+            Place::Method => "/method".to_owned(),
+            Place::Setting(name) => format!("/method/{name}"),
+            Place::Index(index) => format!("/method/indices/{index}"),
+            Place::ControlPoints(axis) => format!(
+                "/method/control_points{}",
+                direction(self.control_points_each, axis)
+            ),
+            Place::Tolerance => "/stop/tolerance".to_owned(),
+            Place::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
+        }
+    }
+}
+
+fn direction(each: bool, axis: Axis) -> &'static str {
+    match (each, axis) {
+        (false, _) => "",
+        (true, Axis::U) => "/u",
+        (true, Axis::V) => "/v",
+    }
+}

@@ -1,0 +1,343 @@
+//! One direction of the parameter domain: its basis at the parameters of the data.
+
+use super::basis::{
+    Basis, MAX_DEGREE, Polynomial,
+    knots::{self, Knots},
+};
+use super::invalid::{Axis, Invalid};
+use super::parameters::{Parametrization, Parametrized, parameters, rescale};
+use super::points::{Grid, Points};
+
+/// Parameters and knots further out than this would overflow in sums of a few of them.
+const PARAMETER_RANGE: f64 = 1e300;
+
+/// The basis asked for in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BasisChoice {
+    /// Polynomials of degree control points − 1.
+    Polynomial(Polynomial),
+    /// B-splines.
+    BSpline {
+        /// The degree p ≥ 1.
+        degree: usize,
+        /// How the knots are chosen.
+        knots: Knots,
+    },
+}
+
+/// What is asked for in one direction of the parameter domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectionChoice {
+    /// The basis.
+    pub basis: BasisChoice,
+    /// The parameters of the data points.
+    pub parameters: Parametrization,
+    /// The last point is followed by the first.
+    pub closed: bool,
+    /// The number of control points of a least-squares fit; otherwise one for each data point.
+    pub control_points: Option<usize>,
+    /// Fixed weights: one for each control point, end copies included, or one for each data point.
+    pub weights: Option<Vec<f64>>,
+}
+
+/// One direction of a validated problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Direction {
+    /// The basis, without weights.
+    pub basis: Basis,
+    /// Strictly increasing parameters of the data, within the domain of the basis.
+    pub parameters: Vec<f64>,
+    free: usize,
+    ends: Ends,
+    /// Weights of the basis functions, for rational bases.
+    weights: Option<Vec<f64>>,
+}
+
+/// How basis functions share control points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ends {
+    /// The first control point is repeated so often in front, the last one behind: with knots at
+    /// the data there are more basis functions than data points (LBW05 (3.2)).
+    Open { front_copies: usize },
+    /// The first control points follow the last ones.
+    Closed,
+}
+
+impl Direction {
+    /// Computes parameters and knots and checks them.
+    pub fn new(
+        choice: DirectionChoice,
+        points: &Points,
+        grid: Grid,
+        axis: Axis,
+    ) -> Result<Self, Invalid> {
+        let count = grid.along(axis);
+        let free = choice.control_points.unwrap_or(count);
+        let fewer = choice.control_points.is_some();
+        if free < 2 || free > count {
+            return Err(Invalid::ControlPointCount { axis, free, count });
+        }
+        let given = matches!(choice.parameters, Parametrization::Explicit(_));
+        let placed = parameters(choice.parameters, points, grid, axis, choice.closed)?;
+        check_range(&placed.values, axis)?;
+        let mut direction = match choice.basis {
+            BasisChoice::Polynomial(_) if choice.closed => {
+                return Err(Invalid::ClosedPolynomial { axis });
+            }
+            BasisChoice::Polynomial(kind) => polynomial(kind, placed.values, free, axis)?,
+            BasisChoice::BSpline { degree, knots } => {
+                check_degree(degree, axis)?;
+                if choice.closed {
+                    periodic(degree, &knots, placed, free, axis)?
+                } else if fewer {
+                    least_squares(degree, knots, placed.values, free, given, axis)?
+                } else {
+                    clamped(degree, knots, placed.values, given, axis)?
+                }
+            }
+        };
+        direction.weights = choice
+            .weights
+            .map(|weights| direction.complete_weights(weights, axis))
+            .transpose()?;
+        Ok(direction)
+    }
+
+    /// The number of free control points.
+    pub fn free(&self) -> usize {
+        self.free
+    }
+
+    /// Whether the last point is followed by the first.
+    pub fn is_closed(&self) -> bool {
+        self.ends == Ends::Closed
+    }
+
+    /// Whether the basis has weights.
+    pub fn is_rational(&self) -> bool {
+        self.weights.is_some()
+    }
+
+    /// The weights of the basis functions of a rational basis.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
+    }
+
+    /// The free control point that basis function `j` is multiplied with.
+    pub fn free_index(&self, j: usize) -> usize {
+        match self.ends {
+            Ends::Open { front_copies } => j.saturating_sub(front_copies).min(self.free - 1),
+            // Basis function p/2 is centred on the first data point.
+            Ends::Closed => (j + self.free - self.basis.degree() / 2 % self.free) % self.free,
+        }
+    }
+
+    /// Writes the values at `t` of the functions that can differ from zero there, with their
+    /// weights, and returns the index of the first of them.
+    pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
+        let start = self.basis.evaluate(t, values);
+        if let Some(weights) = &self.weights {
+            // w_j B_j / Σ w_k B_k (LBW05 (3.7)).
+            let mut sum = 0.0;
+            for (value, weight) in values.iter_mut().zip(&weights[start..]) {
+                *value *= weight;
+                sum += *value;
+            }
+            values.iter_mut().for_each(|value| *value /= sum);
+        }
+        start
+    }
+
+    /// One weight for each basis function.
+    fn complete_weights(&self, weights: Vec<f64>, axis: Axis) -> Result<Vec<f64>, Invalid> {
+        for (index, &value) in weights.iter().enumerate() {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Invalid::AxisWeight { axis, index, value });
+            }
+        }
+        let functions = self.basis.functions();
+        let given = weights.len();
+        if given == self.free {
+            Ok((0..functions)
+                .map(|j| weights[self.free_index(j)])
+                .collect())
+        } else if given == functions && !self.is_closed() {
+            Ok(weights)
+        } else {
+            Err(Invalid::AxisWeightCount {
+                axis,
+                given,
+                free: self.free,
+                functions,
+            })
+        }
+    }
+
+    fn open(basis: Basis, parameters: Vec<f64>, free: usize, front_copies: usize) -> Self {
+        Self {
+            basis,
+            parameters,
+            free,
+            ends: Ends::Open { front_copies },
+            weights: None,
+        }
+    }
+}
+
+fn polynomial(
+    kind: Polynomial,
+    mut t: Vec<f64>,
+    free: usize,
+    axis: Axis,
+) -> Result<Direction, Invalid> {
+    let degree = free - 1;
+    check_degree(degree, axis)?;
+    rescale(&mut t, 0.0, 1.0, axis)?;
+    Ok(Direction::open(
+        Basis::Polynomial { kind, degree },
+        t,
+        free,
+        0,
+    ))
+}
+
+fn clamped(
+    degree: usize,
+    choice: Knots,
+    mut t: Vec<f64>,
+    parameters_given: bool,
+    axis: Axis,
+) -> Result<Direction, Invalid> {
+    let free = t.len();
+    let mut front_copies = 0;
+    let knots = match choice {
+        Knots::Data => {
+            // ⌈(p−1)/2⌉ copies of the first control point in front, ⌊(p−1)/2⌋ of the last behind.
+            front_copies = degree / 2;
+            knots::at_data(&t, degree)
+        }
+        Knots::Averaged => {
+            check_enough(degree, free, axis)?;
+            knots::averaged(&t, degree)
+        }
+        Knots::Explicit(knots) => {
+            explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
+            knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
+            knots
+        }
+    };
+    let basis = Basis::BSpline { degree, knots };
+    Ok(Direction::open(basis, t, free, front_copies))
+}
+
+/// Fewer control points than data: knots by PT97 (9.68)–(9.69), unless they are given.
+fn least_squares(
+    degree: usize,
+    choice: Knots,
+    mut t: Vec<f64>,
+    free: usize,
+    parameters_given: bool,
+    axis: Axis,
+) -> Result<Direction, Invalid> {
+    check_enough(degree, free, axis)?;
+    let knots = match choice {
+        Knots::Data | Knots::Averaged => knots::least_squares(&t, degree, free),
+        Knots::Explicit(knots) => {
+            explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
+            knots
+        }
+    };
+    let (low, high) = (knots[0], knots[knots.len() - 1]);
+    if let Some(index) = t.iter().position(|t| !(low..=high).contains(t)) {
+        return Err(Invalid::ParameterOutside {
+            axis,
+            index,
+            value: t[index],
+            low,
+            high,
+        });
+    }
+    Ok(Direction::open(
+        Basis::BSpline { degree, knots },
+        t,
+        free,
+        0,
+    ))
+}
+
+fn periodic(
+    degree: usize,
+    choice: &Knots,
+    placed: Parametrized,
+    free: usize,
+    axis: Axis,
+) -> Result<Direction, Invalid> {
+    if *choice != Knots::Data {
+        return Err(Invalid::ClosedKnots { axis });
+    }
+    if degree >= free {
+        return Err(Invalid::ClosedDegree {
+            axis,
+            degree,
+            count: free,
+        });
+    }
+    let knots = knots::periodic(&placed.values, placed.period, degree, free);
+    Ok(Direction {
+        basis: Basis::BSpline { degree, knots },
+        parameters: placed.values,
+        free,
+        ends: Ends::Closed,
+        weights: None,
+    })
+}
+
+/// Checks given knots, and scales parameters to their range unless these are given, too.
+fn explicit(
+    knots: &[f64],
+    degree: usize,
+    t: &mut [f64],
+    free: usize,
+    parameters_given: bool,
+    axis: Axis,
+) -> Result<(), Invalid> {
+    knots::check(knots, degree, free, axis)?;
+    check_range(knots, axis)?;
+    if !parameters_given {
+        rescale(t, knots[0], knots[knots.len() - 1], axis)?;
+    }
+    Ok(())
+}
+
+fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
+    if degree >= count {
+        return Err(Invalid::DegreeTooHigh {
+            axis,
+            degree,
+            count,
+        });
+    }
+    Ok(())
+}
+
+fn check_degree(degree: usize, axis: Axis) -> Result<(), Invalid> {
+    let limit = MAX_DEGREE;
+    match degree {
+        0 => Err(Invalid::DegreeTooLow { axis, degree }),
+        _ if degree > limit => Err(Invalid::DegreeAboveLimit {
+            axis,
+            degree,
+            limit,
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn check_range(values: &[f64], axis: Axis) -> Result<(), Invalid> {
+    let ends = [values[0], values[values.len() - 1]];
+    if ends.iter().all(|x| x.abs() <= PARAMETER_RANGE) {
+        Ok(())
+    } else {
+        Err(Invalid::ParameterRange { axis })
+    }
+}

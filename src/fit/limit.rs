@@ -1,0 +1,99 @@
+//! The limit of a local fit, in closed form.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::iteration::Iteration;
+use super::method::{Method, Selection};
+use super::points::Points;
+use super::system::System;
+
+/// The most adjusted points for which the limit is computed: it takes O(n³).
+pub const MOST_ADJUSTED: usize = 1000;
+
+/// Where the difference vectors of the fixed points end.
+#[derive(Clone, Debug)]
+pub struct LocalLimit {
+    /// The fixed points, by index.
+    pub fixed: Vec<usize>,
+    /// Their difference vectors, in homogeneous coordinates if the fit is.
+    pub differences: Points,
+}
+
+/// Why there is no limit to be had.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoLimit {
+    /// The method is not local.
+    NotLocal,
+    /// Too many points are adjusted.
+    TooMany(usize),
+    /// `B_II` is singular to working precision.
+    Singular,
+}
+
+/// `Δ_J = Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` for the adjusted points I and the fixed points J (Lin10, Theorem 2).
+///
+/// `start` is the iteration at level 0.
+pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
+    let system = start.system();
+    let problem = system.problem();
+    let Method::Local(Selection { indices, .. }) = problem.method() else {
+        return Err(NoLimit::NotLocal);
+    };
+    let count = problem.grid().count();
+    let mut adjusted: Vec<usize> = match indices {
+        Some(indices) => indices.clone(),
+        None => (0..count).collect(),
+    };
+    adjusted.sort_unstable();
+    if adjusted.len() > MOST_ADJUSTED {
+        return Err(NoLimit::TooMany(adjusted.len()));
+    }
+    let mut place = vec![None; count];
+    for (k, &index) in adjusted.iter().enumerate() {
+        place[index] = Some(k);
+    }
+    let fixed: Vec<usize> = (0..count).filter(|&index| place[index].is_none()).collect();
+    let residual = start.residual();
+    let lu = principal_matrix(system, &adjusted, &place).lu();
+
+    // The adjusted points move by δ = B_II⁻¹ Δ_I in all; the others stay.
+    let mut differences = Points::zeros(residual.dimension(), fixed.len());
+    let mut scratch = vec![0.0; system.collocation().scratch()];
+    let (mut moves, mut image) = (vec![0.0; count], vec![0.0; count]);
+    let lanes = differences.lanes_mut().iter_mut();
+    for (differences, residual) in lanes.zip(residual.lanes()) {
+        let right = DVector::from_iterator(adjusted.len(), adjusted.iter().map(|&i| residual[i]));
+        let delta = lu.solve(&right).ok_or(NoLimit::Singular)?;
+        for (&index, delta) in adjusted.iter().zip(delta.iter()) {
+            moves[index] = *delta;
+        }
+        system.collocation().apply(&moves, &mut image, &mut scratch);
+        for (difference, &index) in differences.iter_mut().zip(&fixed) {
+            *difference = residual[index] - image[index];
+        }
+    }
+    Ok(LocalLimit { fixed, differences })
+}
+
+/// `B_II`.
+fn principal_matrix(system: &System, adjusted: &[usize], place: &[Option<usize>]) -> DMatrix<f64> {
+    let collocation = system.collocation();
+    let columns = system.problem().grid().columns;
+    let columns_u = collocation.u.by_columns();
+    let columns_v = collocation.v.as_ref().map(|v| v.by_columns());
+    let mut matrix = DMatrix::zeros(adjusted.len(), adjusted.len());
+    for (k, &index) in adjusted.iter().enumerate() {
+        for &(i, a) in columns_u.column(index / columns) {
+            let single = [(0, 1.0)];
+            let across = columns_v
+                .as_ref()
+                .map_or(&single[..], |v| v.column(index % columns));
+            for &(j, b) in across {
+                if let Some(row) = place[i as usize * columns + j as usize] {
+                    matrix[(row, k)] = a * b;
+                }
+            }
+        }
+    }
+    matrix
+}

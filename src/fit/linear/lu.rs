@@ -1,0 +1,101 @@
+//! LU decomposition of banded matrices with partial pivoting.
+
+use super::LineMap;
+use super::banded::{Band, Banded, in_order};
+
+/// `P L U = B`: solves in O(n · bandwidth).
+#[derive(Debug)]
+pub struct BandedLu {
+    n: usize,
+    lower: usize,
+    upper: usize,
+    /// Row by row: the diagonal of U and what is right of it.
+    u: Vec<f64>,
+    /// Column by column: the multipliers below the diagonal.
+    l: Vec<f64>,
+    /// The row that was swapped with each row.
+    pivots: Vec<u32>,
+    order: Option<Vec<u32>>,
+}
+
+impl BandedLu {
+    /// Factorizes a square matrix, which may be cyclic.
+    pub fn new(matrix: &Banded) -> Self {
+        let n = matrix.rows();
+        let mut band = Band::new(matrix);
+        let (lower, upper) = (band.lower, band.upper);
+        let mut l = vec![0.0; n * lower];
+        let mut pivots = Vec::with_capacity(n);
+        for k in 0..n {
+            let below = lower.min(n - 1 - k);
+            let right = upper.min(n - 1 - k);
+            let pivot = (k..=k + below)
+                .rev()
+                .max_by(|&a, &b| f64::total_cmp(&band.at(a, k).abs(), &band.at(b, k).abs()))
+                .unwrap_or(k);
+            pivots.push(pivot as u32);
+            if pivot != k {
+                for j in k..=k + right.min(upper + lower) {
+                    if j + lower >= pivot && j <= pivot + upper {
+                        let a = *band.at(k, j);
+                        let b = std::mem::replace(band.at(pivot, j), a);
+                        *band.at(k, j) = b;
+                    }
+                }
+            }
+            let diagonal = *band.at(k, k);
+            for r in 1..=below {
+                let factor = *band.at(k + r, k) / diagonal;
+                l[k * lower + r - 1] = factor;
+                if factor != 0.0 {
+                    for j in k + 1..=k + right {
+                        let above = *band.at(k, j);
+                        *band.at(k + r, j) -= factor * above;
+                    }
+                }
+            }
+        }
+        let width = band.width();
+        let mut u = Vec::with_capacity(n * (upper + 1));
+        for row in band.rows.chunks_exact(width) {
+            u.extend_from_slice(&row[lower..]);
+        }
+        Self {
+            n,
+            lower,
+            upper,
+            u,
+            l,
+            pivots,
+            order: band.order,
+        }
+    }
+
+    fn solve(&self, x: &mut [f64]) {
+        let n = self.n;
+        for k in 0..n {
+            x.swap(k, self.pivots[k] as usize);
+            let pivot = x[k];
+            let below = self.lower.min(n - 1 - k);
+            let factors = &self.l[k * self.lower..k * self.lower + below];
+            for (x, factor) in x[k + 1..].iter_mut().zip(factors) {
+                *x -= factor * pivot;
+            }
+        }
+        for k in (0..n).rev() {
+            let right = self.upper.min(n - 1 - k);
+            let row = &self.u[k * (self.upper + 1)..k * (self.upper + 1) + right + 1];
+            let known = row[1..].iter().zip(&x[k + 1..]);
+            let sum = known.fold(x[k], |sum, (u, x)| sum - u * x);
+            x[k] = sum / row[0];
+        }
+    }
+}
+
+impl LineMap for BandedLu {
+    fn apply(&self, lines: &mut [f64]) {
+        for line in lines.chunks_exact_mut(self.n) {
+            in_order(self.order.as_ref(), line, |line| self.solve(line));
+        }
+    }
+}

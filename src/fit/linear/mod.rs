@@ -1,0 +1,94 @@
+//! Linear algebra along the lines of a grid: banded matrices, and factorizations that solve.
+
+pub mod banded;
+pub mod lu;
+pub mod qr;
+
+use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
+
+use super::points::Grid;
+use banded::Banded;
+
+/// A linear map of lines, applied in place.
+pub trait LineMap {
+    /// Maps each line of `lines`, which are as long as the map is wide and follow one another.
+    fn apply(&self, lines: &mut [f64]);
+}
+
+/// Applies `u ⊗ v` to a row-major grid: `v` along the rows, `u` across them. `scratch` is as large
+/// as the grid; a curve needs none.
+pub fn apply_tensor(
+    u: &impl LineMap,
+    v: Option<&impl LineMap>,
+    grid: Grid,
+    values: &mut [f64],
+    scratch: &mut [f64],
+) {
+    match v {
+        None => u.apply(values),
+        Some(v) => {
+            v.apply(values);
+            transpose(grid.rows, grid.columns, values, scratch);
+            u.apply(scratch);
+            transpose(grid.columns, grid.rows, scratch, values);
+        }
+    }
+}
+
+/// Writes the transpose of a row-major matrix, tile by tile.
+fn transpose(rows: usize, columns: usize, from: &[f64], to: &mut [f64]) {
+    const TILE: usize = 32;
+    for top in (0..rows).step_by(TILE) {
+        for left in (0..columns).step_by(TILE) {
+            for i in top..rows.min(top + TILE) {
+                for j in left..columns.min(left + TILE) {
+                    to[j * rows + i] = from[i * columns + j];
+                }
+            }
+        }
+    }
+}
+
+/// `B⁻¹` of one direction.
+#[derive(Debug)]
+pub enum Inverse {
+    /// Of a local basis.
+    Banded(lu::BandedLu),
+    /// Of a global one.
+    Dense {
+        /// The decomposition.
+        lu: nalgebra::LU<f64, Dyn, Dyn>,
+        /// The number of rows.
+        n: usize,
+    },
+}
+
+impl Inverse {
+    /// Factorizes a banded matrix.
+    pub fn of_banded(matrix: &Banded) -> Self {
+        Self::Banded(lu::BandedLu::new(matrix))
+    }
+
+    /// Factorizes a dense matrix.
+    pub fn of_dense(matrix: &DMatrix<f64>) -> Self {
+        Self::Dense {
+            lu: matrix.clone().lu(),
+            n: matrix.nrows(),
+        }
+    }
+}
+
+impl LineMap for Inverse {
+    fn apply(&self, lines: &mut [f64]) {
+        match self {
+            Self::Banded(lu) => lu.apply(lines),
+            Self::Dense { lu, n } => {
+                let mut view = DMatrixViewMut::from_slice(lines, *n, lines.len() / n);
+                if !lu.solve_mut(&mut view) {
+                    // Singular to working precision: the iteration ends with an overflow.
+                    view.fill(f64::INFINITY);
+                }
+            }
+        }
+    }
+}

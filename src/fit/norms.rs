@@ -1,0 +1,211 @@
+//! Distances of a curve from its data, block by block: after a local update only the blocks that it
+//! has touched are measured again.
+
+use super::points::Points;
+
+/// Points of a block.
+const BLOCK: usize = 256;
+
+/// Distances of the curve from the data, in data units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitError {
+    /// The largest distance: the fitting error of the papers and of the stop rule.
+    pub max: f64,
+    /// The index of the data point with the largest distance, the first if there are several.
+    pub at: usize,
+    /// The root of the mean of the squared distances.
+    pub rms: f64,
+    /// The sum of the distances (the error of Lin10).
+    pub sum: f64,
+    /// Local fits: the largest distance of the points that are not adjusted, which do not count in
+    /// the other numbers.
+    pub fixed_max: Option<f64>,
+    /// Homogeneous fits: the largest distance in homogeneous coordinates; the other numbers are
+    /// distances of points.
+    pub homogeneous: Option<f64>,
+    /// Least-squares fits: `‖Aᵀr‖² / ‖Aᵀr⁰‖²`, zero at the minimum.
+    pub gradient: Option<f64>,
+}
+
+/// Measures residuals.
+#[derive(Debug)]
+pub struct Norms {
+    /// A power of two that brings the data to the order of one, so that squares of distances
+    /// neither over- nor underflow.
+    scale: f64,
+    homogeneous_scale: f64,
+    homogeneous: bool,
+    /// Which points count; all, if there is none.
+    adjusted: Option<Vec<bool>>,
+    count: usize,
+    blocks: Vec<Block>,
+}
+
+/// Norms of the points of a block, of scaled squares.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    max: f64,
+    at: usize,
+    squares: f64,
+    roots: f64,
+    fixed_max: f64,
+    homogeneous_max: f64,
+}
+
+impl Norms {
+    /// For data with the given bounding diagonal; `adjusted` says which points count.
+    pub fn new(
+        data: &Points,
+        diagonal: f64,
+        homogeneous: bool,
+        adjusted: Option<Vec<bool>>,
+    ) -> Self {
+        let count = adjusted.as_ref().map_or(data.len(), |adjusted| {
+            adjusted.iter().filter(|adjusted| **adjusted).count()
+        });
+        // Equal points leave rounding errors of their magnitude.
+        let noise = data.magnitude() * f64::EPSILON;
+        Self {
+            scale: normalizing_scale(diagonal.max(noise)),
+            homogeneous_scale: normalizing_scale(data.bounding_diagonal().max(noise)),
+            homogeneous,
+            adjusted,
+            count,
+            blocks: vec![Block::default(); data.len().div_ceil(BLOCK)],
+        }
+    }
+
+    /// Measures all points.
+    pub fn measure(&mut self, data: &Points, residual: &Points) -> FitError {
+        for index in 0..self.blocks.len() {
+            self.blocks[index] = self.block(index, data, residual);
+        }
+        self.error()
+    }
+
+    /// Measures again, after the residual of some points (increasing indices) has changed.
+    pub fn measure_again(
+        &mut self,
+        data: &Points,
+        residual: &Points,
+        changed: &[usize],
+    ) -> FitError {
+        let mut last = None;
+        for index in changed.iter().map(|point| point / BLOCK) {
+            if last != Some(index) {
+                self.blocks[index] = self.block(index, data, residual);
+                last = Some(index);
+            }
+        }
+        self.error()
+    }
+
+    /// The distance of one point, in data units.
+    pub fn distance(&self, data: &Points, residual: &Points, index: usize) -> f64 {
+        let mut square = [0.0];
+        self.squares(index, data, residual, &mut square);
+        square[0].sqrt() / self.scale
+    }
+
+    fn error(&self) -> FitError {
+        let mut total = Block::default();
+        for block in &self.blocks {
+            if block.max > total.max {
+                total.max = block.max;
+                total.at = block.at;
+            }
+            total.squares += block.squares;
+            total.roots += block.roots;
+            total.fixed_max = total.fixed_max.max(block.fixed_max);
+            total.homogeneous_max = total.homogeneous_max.max(block.homogeneous_max);
+        }
+        let length = |square: f64| square.sqrt() / self.scale;
+        FitError {
+            max: length(total.max),
+            at: total.at,
+            rms: length(total.squares / self.count.max(1) as f64),
+            sum: total.roots / self.scale,
+            fixed_max: self.adjusted.as_ref().map(|_| length(total.fixed_max)),
+            homogeneous: self
+                .homogeneous
+                .then(|| total.homogeneous_max.sqrt() / self.homogeneous_scale),
+            gradient: None,
+        }
+    }
+
+    fn block(&self, index: usize, data: &Points, residual: &Points) -> Block {
+        let start = index * BLOCK;
+        let length = BLOCK.min(residual.len() - start);
+        let mut buffer = [0.0; BLOCK];
+        let squares = &mut buffer[..length];
+        self.squares(start, data, residual, squares);
+        let mut block = Block::default();
+        for (i, &square) in squares.iter().enumerate() {
+            let counts = self
+                .adjusted
+                .as_ref()
+                .is_none_or(|adjusted| adjusted[start + i]);
+            if !counts {
+                block.fixed_max = block.fixed_max.max(square);
+                continue;
+            }
+            if square > block.max {
+                block.max = square;
+                block.at = start + i;
+            }
+            block.squares += square;
+            block.roots += square.sqrt();
+        }
+        if self.homogeneous {
+            sum_squares(residual.lanes(), start, self.homogeneous_scale, squares);
+            block.homogeneous_max = squares.iter().copied().fold(0.0, f64::max);
+        }
+        block
+    }
+
+    /// Scaled squared distances of consecutive points.
+    fn squares(&self, start: usize, data: &Points, residual: &Points, squares: &mut [f64]) {
+        if !self.homogeneous {
+            return sum_squares(residual.lanes(), start, self.scale, squares);
+        }
+        let (Some((weights, coordinates)), Some((weight_residual, residuals))) =
+            (data.lanes().split_last(), residual.lanes().split_last())
+        else {
+            return;
+        };
+        for (i, square) in squares.iter_mut().enumerate() {
+            let i = start + i;
+            // The weight of the curve at this parameter. Where it is not positive, the point is at
+            // infinity or beyond.
+            let weight = weights[i] - weight_residual[i];
+            *square = if weight > 0.0 {
+                let lanes = coordinates.iter().zip(residuals);
+                lanes.fold(0.0, |sum, (q, delta)| {
+                    let x = (q[i] / weights[i] - (q[i] - delta[i]) / weight) * self.scale;
+                    sum + x * x
+                })
+            } else {
+                f64::INFINITY
+            };
+        }
+    }
+}
+
+fn sum_squares(lanes: &[Vec<f64>], start: usize, scale: f64, squares: &mut [f64]) {
+    squares.fill(0.0);
+    for lane in lanes {
+        for (square, x) in squares.iter_mut().zip(&lane[start..]) {
+            let x = x * scale;
+            *square += x * x;
+        }
+    }
+}
+
+/// A power of two near `1 / length`.
+fn normalizing_scale(length: f64) -> f64 {
+    if length > 0.0 {
+        (-length.log2().floor()).clamp(-1022.0, 1022.0).exp2()
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,223 @@
+//! What does not change from level to level: the data, the collocation matrix, the transform.
+
+use std::sync::Arc;
+
+use super::collocation::Tensor;
+use super::linear::{Inverse, LineMap, apply_tensor, qr::Orthogonal};
+use super::method::{Method, Start};
+use super::problem::Problem;
+use super::spectrum;
+
+/// Up to this number of points in a direction λ_min is computed for the forecast alone; methods
+/// that need it always have it.
+const FORECAST: usize = 100_000;
+
+/// A problem ready to be iterated. Iterations of the same problem share one.
+#[derive(Debug)]
+pub struct System {
+    problem: Arc<Problem>,
+    collocation: Tensor,
+    transform: Transform,
+    forecast: Forecast,
+}
+
+/// The transform U of the update `X ← X + U Δ`, as far as it is a fixed linear map.
+#[derive(Debug)]
+pub enum Transform {
+    /// `U = ω I`; also where the method chooses the step by itself.
+    Scale(f64),
+    /// `U = H Qᵀ`, of each direction.
+    Orthogonal(Orthogonal, Option<Orthogonal>),
+    /// `U = B⁻¹`, of each direction.
+    Inverse(Inverse, Option<Inverse>),
+    /// `U = Bᵀ / ρ`.
+    Transposed {
+        /// ρ(B Bᵀ).
+        rho: f64,
+    },
+}
+
+/// What is known of the convergence before the first step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Forecast {
+    /// The least eigenvalue of the collocation matrix.
+    pub lambda_min: Option<f64>,
+    /// The relaxation of weighted PIA.
+    pub omega: Option<f64>,
+    /// By how much the error shrinks in each iteration, asymptotically. For local and adaptive
+    /// fits an upper bound: principal submatrices have larger eigenvalues.
+    pub rate: Option<f64>,
+    /// The number of iterations after which the fit is exact, where there is one.
+    pub exact_after: Option<usize>,
+}
+
+impl Forecast {
+    /// How many iterations reduce an error to the tolerance.
+    pub fn iterations(&self, error: f64, tolerance: f64) -> Option<usize> {
+        if error <= tolerance {
+            return Some(0);
+        }
+        let by_rate = self.rate.and_then(|rate| {
+            let count = (tolerance / error).ln() / rate.ln();
+            (rate > 0.0 && rate < 1.0 && count.is_finite()).then_some(count.ceil() as usize)
+        });
+        self.exact_after.or(by_rate)
+    }
+}
+
+impl System {
+    /// Evaluates the collocation matrix and prepares the transform.
+    pub fn new(problem: Arc<Problem>) -> Self {
+        let collocation = Tensor::new(&problem);
+        let forecast = forecast(&problem, &collocation);
+        let transform = transform(problem.method(), &collocation, &forecast);
+        Self {
+            problem,
+            collocation,
+            transform,
+            forecast,
+        }
+    }
+
+    /// The problem.
+    pub fn problem(&self) -> &Arc<Problem> {
+        &self.problem
+    }
+
+    /// The collocation matrix.
+    pub fn collocation(&self) -> &Tensor {
+        &self.collocation
+    }
+
+    /// The transform.
+    pub fn transform(&self) -> &Transform {
+        &self.transform
+    }
+
+    /// What is known of the convergence.
+    pub fn forecast(&self) -> Forecast {
+        self.forecast
+    }
+
+    /// Applies the transform to one coordinate: `out = U values`.
+    pub fn apply_transform(&self, values: &[f64], out: &mut [f64], scratch: &mut [f64]) {
+        let grid = self.problem.grid();
+        match &self.transform {
+            Transform::Scale(omega) => {
+                for (out, value) in out.iter_mut().zip(values) {
+                    *out = omega * value;
+                }
+            }
+            Transform::Transposed { rho } => {
+                self.collocation.apply_transposed(values, out, scratch);
+                out.iter_mut().for_each(|out| *out /= rho);
+            }
+            Transform::Orthogonal(u, v) => {
+                out.copy_from_slice(values);
+                apply_directions(u, v.as_ref(), grid, out, scratch);
+            }
+            Transform::Inverse(u, v) => {
+                out.copy_from_slice(values);
+                apply_directions(u, v.as_ref(), grid, out, scratch);
+            }
+        }
+    }
+}
+
+fn apply_directions(
+    u: &impl LineMap,
+    v: Option<&impl LineMap>,
+    grid: super::points::Grid,
+    values: &mut [f64],
+    scratch: &mut [f64],
+) {
+    let count = values.len();
+    let scratch = if v.is_some() {
+        &mut scratch[..count]
+    } else {
+        scratch
+    };
+    apply_tensor(u, v, grid, values, scratch);
+}
+
+fn transform(method: &Method, collocation: &Tensor, forecast: &Forecast) -> Transform {
+    let (u, v) = (&collocation.u, collocation.v.as_ref());
+    match method {
+        Method::Extended { .. } => Transform::Orthogonal(u.orthogonal(), v.map(|v| v.orthogonal())),
+        Method::Direct => Transform::Inverse(u.inverse(), v.map(|v| v.inverse())),
+        Method::Transpose => Transform::Transposed {
+            rho: collocation
+                .directions()
+                .map(spectrum::largest_singular_value_squared)
+                .product(),
+        },
+        Method::Weighted { .. } => Transform::Scale(forecast.omega.unwrap_or(1.0)),
+        _ => Transform::Scale(1.0),
+    }
+}
+
+fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
+    let grid = problem.grid();
+    let small = grid.rows.max(grid.columns) <= FORECAST;
+    let least = || -> f64 {
+        collocation
+            .directions()
+            .map(spectrum::least_eigenvalue)
+            .product()
+    };
+    match problem.method() {
+        Method::Weighted { omega } => {
+            let lambda = (small || omega.is_none()).then(least);
+            let omega = omega.or_else(|| lambda.map(|lambda| 2.0 / (1.0 + lambda)));
+            let rate = omega
+                .zip(lambda)
+                .map(|(omega, lambda)| (1.0 - omega * lambda).abs().max((1.0 - omega).abs()));
+            Forecast {
+                lambda_min: lambda,
+                omega,
+                rate,
+                exact_after: None,
+            }
+        }
+        Method::Chebyshev => {
+            let lambda = least();
+            let root = lambda.sqrt();
+            Forecast {
+                lambda_min: Some(lambda),
+                rate: Some((1.0 - root) / (1.0 + root)),
+                ..Forecast::default()
+            }
+        }
+        Method::Global | Method::Local(_) | Method::Adaptive { .. } if small => {
+            let lambda = least();
+            Forecast {
+                lambda_min: Some(lambda),
+                rate: Some(1.0 - lambda),
+                ..Forecast::default()
+            }
+        }
+        Method::Direct => Forecast {
+            exact_after: Some(1),
+            ..Forecast::default()
+        },
+        Method::Extended { start } => Forecast {
+            exact_after: Some(nilpotency(problem, *start)),
+            ..Forecast::default()
+        },
+        _ => Forecast::default(),
+    }
+}
+
+/// After so many levels the error of the extended method is zero: `I − U B` is strictly upper
+/// triangular, so its power n + 1 vanishes; on surfaces, with highest indices m and n, the power
+/// m + n + 1. The start `U P` is one step ahead.
+fn nilpotency(problem: &Problem, start: Start) -> usize {
+    let highest: usize = problem
+        .directions()
+        .map(|direction| direction.free() - 1)
+        .sum();
+    match start {
+        Start::Data => highest + 1,
+        Start::Transformed => highest,
+    }
+}

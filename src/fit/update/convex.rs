@@ -1,0 +1,144 @@
+//! Planar curves whose control polygons keep the turns of the data (LWD04, Algorithm 1).
+
+use super::{Change, Stall, State, Update};
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
+
+/// Most halvings of each search; taken literally, both could go on for ever in floating point.
+const HALVINGS: usize = 60;
+
+/// How near to the turning point the search goes, in steps.
+const NEARNESS: f64 = 1e-6;
+
+/// A step that moves the polygon by less than this part of the plain step is no progress.
+const PROGRESS: f64 = 1e-9;
+
+/// Steps without progress after which the fit has stalled.
+const PATIENCE: usize = 3;
+
+/// Plain steps where they keep the turns, else the part of a step that does.
+#[derive(Debug)]
+pub struct Convex {
+    closed: bool,
+    before: Points,
+    step: Points,
+    turns: Vec<i8>,
+    idle: usize,
+}
+
+impl Convex {
+    /// Before the first update.
+    pub fn new(problem: &Problem) -> Self {
+        let data = problem.data();
+        Self {
+            closed: problem.u().is_closed(),
+            before: Points::zeros(data.dimension(), data.len()),
+            step: Points::zeros(data.dimension(), data.len()),
+            turns: Vec::with_capacity(data.len()),
+            idle: 0,
+        }
+    }
+
+    /// Places the polygon at `X + ε Δ` and says whether it turns as `X` did.
+    fn keeps_turns(&self, epsilon: f64, control_points: &mut Points) -> bool {
+        for ((x, before), step) in control_points
+            .lanes_mut()
+            .iter_mut()
+            .zip(self.before.lanes())
+            .zip(self.step.lanes())
+        {
+            for ((x, before), step) in x.iter_mut().zip(before).zip(step) {
+                *x = if epsilon == 1.0 {
+                    before + step
+                } else {
+                    before + epsilon * step
+                };
+            }
+        }
+        turns(control_points, self.closed).eq(self.turns.iter().copied())
+    }
+
+    /// The largest ε in (0, 1], but for [`NEARNESS`], that keeps the turns; 0 if there is none.
+    fn admissible_part(&self, control_points: &mut Points) -> f64 {
+        if self.keeps_turns(1.0, control_points) {
+            return 1.0;
+        }
+        let mut kept = 0.5;
+        let mut halvings = 1;
+        while !self.keeps_turns(kept, control_points) {
+            kept /= 2.0;
+            halvings += 1;
+            if halvings > HALVINGS {
+                return 0.0;
+            }
+        }
+        // Back towards the whole step, as near as the turns allow.
+        let mut lost = 1.0;
+        for _ in 0..HALVINGS {
+            if lost - kept <= NEARNESS {
+                break;
+            }
+            let middle = f64::midpoint(kept, lost);
+            if self.keeps_turns(middle, control_points) {
+                kept = middle;
+            } else {
+                lost = middle;
+            }
+        }
+        kept
+    }
+}
+
+impl Update for Convex {
+    fn update(&mut self, _system: &System, state: &mut State) -> Change {
+        let State {
+            control_points,
+            residual,
+            ..
+        } = state;
+        self.turns.clear();
+        self.turns.extend(turns(control_points, self.closed));
+        copy(control_points, &mut self.before);
+        copy(residual, &mut self.step);
+        let epsilon = self.admissible_part(control_points);
+        // The search has tried other places since.
+        self.keeps_turns(epsilon, control_points);
+        self.idle = if epsilon < PROGRESS { self.idle + 1 } else { 0 };
+        Change::All {
+            moved: if epsilon > 0.0 {
+                control_points.len()
+            } else {
+                0
+            },
+        }
+    }
+
+    fn stalled(&self) -> Option<Stall> {
+        (self.idle >= PATIENCE).then_some(Stall::Convexity)
+    }
+}
+
+fn copy(from: &Points, to: &mut Points) {
+    for (to, from) in to.lanes_mut().iter_mut().zip(from.lanes()) {
+        to.copy_from_slice(from);
+    }
+}
+
+/// The signs of the turning angles of a polygon, at its inner points and, if it is closed, at its ends.
+fn turns(polygon: &Points, closed: bool) -> impl Iterator<Item = i8> + '_ {
+    let n = polygon.len();
+    let (x, y) = (polygon.lane(0), polygon.lane(1));
+    let angles = if closed { n } else { n.saturating_sub(2) };
+    (0..angles).map(move |i| {
+        let (a, b, c) = (i, (i + 1) % n, (i + 2) % n);
+        let cross = (x[b] - x[a]) * (y[c] - y[b]) - (y[b] - y[a]) * (x[c] - x[b]);
+        if cross > 0.0 {
+            1
+        } else if cross < 0.0 {
+            -1
+        } else {
+            0
+        }
+    })
+}

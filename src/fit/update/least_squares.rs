@@ -1,0 +1,175 @@
+//! Least squares: fewer control points than data (Deng, Lin 2014; Lin, Cao, Zhang 2018).
+//!
+//! `X ← X + D Aᵀ (P − A X)`, where A is the rectangular collocation matrix. Control points without
+//! data (a zero column of A) stay where they are.
+
+use super::{Change, State, Update};
+use crate::fit::method::Variant;
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
+
+/// Column sums below this part of the largest belong to control points without data.
+const NO_DATA: f64 = 1e-12;
+
+/// The update of the three variants.
+#[derive(Debug)]
+pub struct LeastSquaresUpdate {
+    /// The diagonal of D.
+    scale: Vec<f64>,
+    /// `g = Aᵀ Δ`.
+    gradient: Points,
+    square: f64,
+    first_square: Option<f64>,
+    conjugate: Option<Conjugate>,
+}
+
+/// What conjugate gradients remember.
+#[derive(Debug)]
+struct Conjugate {
+    direction: Points,
+    /// `A d`, one coordinate.
+    image: Vec<f64>,
+    /// `gᵀ D g` of each coordinate.
+    gamma: Vec<f64>,
+    begun: bool,
+}
+
+impl LeastSquaresUpdate {
+    /// Before the first update.
+    pub fn new(system: &System, variant: Variant) -> Self {
+        let problem = system.problem();
+        let count = problem.control_grid().count();
+        let dimension = problem.data().dimension();
+        let mut scratch = vec![0.0; system.collocation().scratch()];
+        let ones = vec![1.0; problem.grid().count()];
+        let mut sums = vec![0.0; count];
+        system
+            .collocation()
+            .apply_transposed(&ones, &mut sums, &mut scratch);
+        let largest = sums.iter().copied().fold(0.0, f64::max);
+        let factor = |sum: f64| match variant {
+            _ if sum <= NO_DATA * largest => 0.0,
+            Variant::Lspia { mu } => mu.unwrap_or(1.0 / largest),
+            Variant::Diagonal | Variant::ConjugateGradients => 1.0 / sum,
+        };
+        let conjugate = (variant == Variant::ConjugateGradients).then(|| Conjugate {
+            direction: Points::zeros(dimension, count),
+            image: vec![0.0; problem.grid().count()],
+            gamma: vec![0.0; dimension],
+            begun: false,
+        });
+        Self {
+            scale: sums.into_iter().map(factor).collect(),
+            gradient: Points::zeros(dimension, count),
+            square: 0.0,
+            first_square: None,
+            conjugate,
+        }
+    }
+}
+
+impl Update for LeastSquaresUpdate {
+    fn update(&mut self, system: &System, state: &mut State) -> Change {
+        let moved = self.scale.iter().filter(|&&factor| factor > 0.0).count();
+        if let Some(conjugate) = &mut self.conjugate {
+            conjugate.update(system, state, &self.gradient, &self.scale);
+            return Change::Residual { moved };
+        }
+        let lanes = state.control_points.lanes_mut().iter_mut();
+        for (x, gradient) in lanes.zip(self.gradient.lanes()) {
+            for ((x, gradient), factor) in x.iter_mut().zip(gradient).zip(&self.scale) {
+                *x += factor * gradient;
+            }
+        }
+        Change::All { moved }
+    }
+
+    fn measured(&mut self, system: &System, state: &mut State) {
+        self.square = 0.0;
+        let lanes = self.gradient.lanes_mut().iter_mut();
+        for (gradient, residual) in lanes.zip(state.residual.lanes()) {
+            system
+                .collocation()
+                .apply_transposed(residual, gradient, &mut state.scratch);
+            self.square += gradient.iter().map(|g| g * g).sum::<f64>();
+        }
+        self.first_square.get_or_insert(self.square);
+    }
+
+    fn gradient(&self) -> Option<f64> {
+        let first = self.first_square?;
+        Some(if first > 0.0 {
+            self.square / first
+        } else {
+            0.0
+        })
+    }
+}
+
+impl Conjugate {
+    /// CGLS, preconditioned with D, for each coordinate by itself.
+    fn update(&mut self, system: &System, state: &mut State, gradient: &Points, scale: &[f64]) {
+        for (c, gradient) in gradient.lanes().iter().enumerate() {
+            let direction = &mut self.direction.lanes_mut()[c];
+            let gamma: f64 = gradient.iter().zip(scale).map(|(g, d)| g * d * g).sum();
+            let beta = if self.begun && self.gamma[c] > 0.0 {
+                gamma / self.gamma[c]
+            } else {
+                0.0
+            };
+            self.gamma[c] = gamma;
+            for ((direction, g), d) in direction.iter_mut().zip(gradient).zip(scale) {
+                *direction = d * g + beta * *direction;
+            }
+            system
+                .collocation()
+                .apply(direction, &mut self.image, &mut state.scratch);
+            let curvature: f64 = self.image.iter().map(|q| q * q).sum();
+            // At the minimum there is nowhere to go.
+            let alpha = if curvature > 0.0 {
+                gamma / curvature
+            } else {
+                0.0
+            };
+            let x = &mut state.control_points.lanes_mut()[c];
+            for (x, direction) in x.iter_mut().zip(&*direction) {
+                *x += alpha * direction;
+            }
+            let residual = &mut state.residual.lanes_mut()[c];
+            for (residual, image) in residual.iter_mut().zip(&self.image) {
+                *residual -= alpha * image;
+            }
+        }
+        self.begun = true;
+    }
+}
+
+/// Level 0: the first and the last data point, and between them point `⌊(m+1) i / n⌋` (Deng, Lin
+/// 2014); on closed curves `⌊(m+1) i / (n+1)⌋`.
+pub fn start(problem: &Problem) -> Points {
+    let (data, grid) = (problem.data(), problem.grid());
+    let rows = samples(grid.rows, problem.u().free(), problem.u().is_closed());
+    let columns = problem
+        .v()
+        .map_or(vec![0], |v| samples(grid.columns, v.free(), v.is_closed()));
+    let pick = |lane: &Vec<f64>| {
+        let row = |i: &usize| {
+            let start = i * grid.columns;
+            columns.iter().map(move |j| lane[start + j])
+        };
+        rows.iter().flat_map(row).collect()
+    };
+    Points::from_lanes(data.lanes().iter().map(pick).collect())
+}
+
+fn samples(count: usize, control_points: usize, closed: bool) -> Vec<usize> {
+    let parts = if closed {
+        control_points
+    } else {
+        control_points - 1
+    };
+    (0..control_points)
+        .map(|i| (count * i / parts).min(count - 1))
+        .collect()
+}

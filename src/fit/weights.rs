@@ -1,0 +1,54 @@
+//! Weights of rational fits.
+
+use super::invalid::Invalid;
+use super::points::{Grid, Points};
+
+/// How far a grid of weights may be from a product, relatively.
+const SEPARABLE: f64 = 1e-12;
+
+/// Lifts points to homogeneous coordinates, `Q_i = (w_i P_i, w_i)` (Lin10, section 2.1).
+pub fn lift(points: Points, weights: &[f64]) -> Result<Points, Invalid> {
+    check(weights, points.len())?;
+    let mut lanes = points.into_lanes();
+    for lane in &mut lanes {
+        for (x, weight) in lane.iter_mut().zip(weights) {
+            *x *= weight;
+        }
+        if lane.iter().any(|x| !x.is_finite()) {
+            return Err(Invalid::WeightsTooLarge);
+        }
+    }
+    lanes.push(weights.to_vec());
+    Ok(Points::from_lanes(lanes))
+}
+
+/// Writes a grid of weights as products of weights of its rows and of its columns; the rational
+/// basis of a surface is a tensor product only then (LBW05 (3.8)).
+pub fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64>), Invalid> {
+    check(weights, grid.count())?;
+    let first = weights[0];
+    let rows: Vec<f64> = weights.iter().step_by(grid.columns).copied().collect();
+    let columns: Vec<f64> = weights[..grid.columns].iter().map(|w| w / first).collect();
+    for (row, weights) in rows.iter().zip(weights.chunks_exact(grid.columns)) {
+        for (column, weight) in columns.iter().zip(weights) {
+            if (row * column / weight - 1.0).abs() > SEPARABLE {
+                return Err(Invalid::NotSeparable);
+            }
+        }
+    }
+    Ok((rows, columns))
+}
+
+fn check(weights: &[f64], expected: usize) -> Result<(), Invalid> {
+    let given = weights.len();
+    if given != expected {
+        return Err(Invalid::WeightCount { given, expected });
+    }
+    match weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) {
+        None => Ok(()),
+        Some(index) => Err(Invalid::Weight {
+            index,
+            value: weights[index],
+        }),
+    }
+}
