@@ -35,11 +35,19 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "geometry": ["curve", "surface"],
         "dimensions": (1..=MAX_DIMENSION).collect::<Vec<_>>(),
         "bases": [
-            {"kind": "bspline", "degree": {"min": 1, "max": MAX_DEGREE}, "knots": ["data", "averaged", "explicit"]},
-            {"kind": "bernstein", "degree": {"min": 1, "max": MAX_DEGREE}},
+            {
+                "kind": "bspline",
+                "degree": {"min": 1, "max": MAX_DEGREE},
+                "knots": ["data", "averaged", "explicit"],
+                "closed": true,
+            },
+            {"kind": "bernstein", "degree": {"min": 1, "max": MAX_DEGREE}, "closed": false},
+            {"kind": "said_ball", "degree": {"min": 1, "max": MAX_DEGREE}, "closed": false},
+            {"kind": "wang_ball", "degree": {"min": 1, "max": MAX_DEGREE}, "closed": false},
         ],
         "parameters": ["chord_length", "centripetal", "uniform", "explicit"],
-        "methods": [{"kind": "global"}],
+        "rational": ["homogeneous", "fixed"],
+        "methods": methods(),
         "views": ["control_points", "samples"],
         "formats": {
             "events": ["text/event-stream", "application/x-ndjson"],
@@ -55,6 +63,24 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
             "retained_bytes": config.retain_bytes.as_u64(),
         },
     }))
+}
+
+/// The methods: their settings, and what they fit. All of them fit curves, also with fixed weights.
+fn methods() -> Value {
+    let method = |kind: &str, settings: &[&str], surface: bool, homogeneous: bool| json!({"kind": kind, "settings": settings, "surface": surface, "homogeneous": homogeneous});
+    let least_squares = ["control_points", "variant", "mu"];
+    json!([
+        method("global", &[], true, true),
+        method("weighted", &["omega"], true, true),
+        method("local", &["indices", "row_by_row"], true, true),
+        method("adaptive", &["threshold"], true, true),
+        method("extended", &["start"], true, true),
+        method("transpose", &[], true, true),
+        method("convex", &[], false, false),
+        method("chebyshev", &[], true, true),
+        method("direct", &[], true, true),
+        method("least_squares", &least_squares, true, true),
+    ])
 }
 
 /// `GET /livez`

@@ -14,11 +14,13 @@ pub const MAX_DIMENSION: usize = 3;
 #[derive(Debug)]
 pub struct PointList(pub Points);
 
-/// Rows (u) of columns (v) of points.
+/// Rows (u) of columns (v) of points; `null` stands for a missing one.
 #[derive(Debug)]
 pub struct PointGrid {
-    /// The points, row by row.
+    /// The points, row by row; missing ones at the origin.
     pub points: Points,
+    /// The indices of missing points.
+    pub missing: Vec<usize>,
     /// The number of rows.
     pub rows: usize,
     /// The number of columns.
@@ -27,11 +29,9 @@ pub struct PointGrid {
 
 impl<'de> Deserialize<'de> for PointList {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut points = None;
-        deserializer.deserialize_seq(RowVisitor(&mut points))?;
-        let mut points = points.unwrap_or_else(|| Points::new(1));
-        points.shrink_to_fit();
-        Ok(Self(points))
+        let mut gathered = Gathered::default();
+        deserializer.deserialize_seq(RowVisitor(&mut gathered))?;
+        Ok(Self(gathered.points()))
     }
 }
 
@@ -51,20 +51,22 @@ impl<'de> Visitor<'de> for GridVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<PointGrid, A::Error> {
-        let mut points = None;
+        let mut gathered = Gathered {
+            may_miss: true,
+            ..Gathered::default()
+        };
         let mut count = 0;
         let mut columns = None;
         while let Some(length) = rows.next_element_seed(Row {
-            points: &mut points,
+            gathered: &mut gathered,
             columns,
         })? {
             columns = Some(length);
             count += 1;
         }
-        let mut points = points.unwrap_or_else(|| Points::new(1));
-        points.shrink_to_fit();
         Ok(PointGrid {
-            points,
+            missing: std::mem::take(&mut gathered.missing),
+            points: gathered.points(),
             rows: count,
             columns: columns.unwrap_or(0),
         })
@@ -73,7 +75,7 @@ impl<'de> Visitor<'de> for GridVisitor {
 
 /// A row of a grid, which must have as many points as the first; gives the number of its points.
 struct Row<'a> {
-    points: &'a mut Option<Points>,
+    gathered: &'a mut Gathered,
     columns: Option<usize>,
 }
 
@@ -81,7 +83,7 @@ impl<'de> DeserializeSeed<'de> for Row<'_> {
     type Value = usize;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
-        let length = deserializer.deserialize_seq(RowVisitor(self.points))?;
+        let length = deserializer.deserialize_seq(RowVisitor(self.gathered))?;
         match self.columns {
             Some(columns) if columns != length => Err(D::Error::custom(format_args!(
                 "this row has {length} points, the first row has {columns}: all rows must have the same number"
@@ -91,8 +93,26 @@ impl<'de> DeserializeSeed<'de> for Row<'_> {
     }
 }
 
-/// Appends points; the first of all says how many coordinates there are.
-struct RowVisitor<'a>(&'a mut Option<Points>);
+/// Points that were read so far.
+#[derive(Default)]
+struct Gathered {
+    /// None before the first point, which says how many coordinates there are.
+    points: Option<Points>,
+    count: usize,
+    may_miss: bool,
+    missing: Vec<usize>,
+}
+
+impl Gathered {
+    fn points(self) -> Points {
+        let mut points = self.points.unwrap_or_else(|| Points::zeros(1, self.count));
+        points.shrink_to_fit();
+        points
+    }
+}
+
+/// Appends points.
+struct RowVisitor<'a>(&'a mut Gathered);
 
 impl<'de> Visitor<'de> for RowVisitor<'_> {
     type Value = usize;
@@ -110,13 +130,17 @@ impl<'de> Visitor<'de> for RowVisitor<'_> {
     }
 }
 
-struct PointSeed<'a>(&'a mut Option<Points>);
+struct PointSeed<'a>(&'a mut Gathered);
 
 impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_seq(self)
+        if self.0.may_miss {
+            deserializer.deserialize_any(self)
+        } else {
+            deserializer.deserialize_seq(self)
+        }
     }
 }
 
@@ -139,7 +163,11 @@ impl<'de> Visitor<'de> for PointSeed<'_> {
         if !(1..=MAX_DIMENSION).contains(&count) {
             return Err(A::Error::invalid_length(count, &self));
         }
-        let points = self.0.get_or_insert_with(|| Points::new(count));
+        let before = self.0.count;
+        let points = self
+            .0
+            .points
+            .get_or_insert_with(|| Points::zeros(count, before));
         let dimension = points.dimension();
         if dimension != count {
             return Err(A::Error::custom(format_args!(
@@ -147,6 +175,16 @@ impl<'de> Visitor<'de> for PointSeed<'_> {
             )));
         }
         points.push(&coordinates[..count]);
+        self.0.count += 1;
+        Ok(())
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        if let Some(points) = &mut self.0.points {
+            points.push(&[0.0; MAX_DIMENSION]);
+        }
+        self.0.missing.push(self.0.count);
+        self.0.count += 1;
         Ok(())
     }
 }

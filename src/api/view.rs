@@ -35,7 +35,7 @@ pub fn error(error: &FitError, problem: &Problem) -> Value {
     let at = point_index(error.at, problem);
     let mut value = json!({"max": error.max, "rms": error.rms, "sum": error.sum, "at": at});
     let more = [
-        ("fixed_max", error.fixed_max),
+        ("fixed_max", error.fixed_max.filter(|_| is_local(problem))),
         ("homogeneous", error.homogeneous),
         ("gradient", error.gradient),
     ];
@@ -45,6 +45,10 @@ pub fn error(error: &FitError, problem: &Problem) -> Value {
         }
     }
     value
+}
+
+fn is_local(problem: &Problem) -> bool {
+    matches!(problem.method(), Method::Local(_))
 }
 
 /// The index of a data point: on surfaces `[row, column]`.

@@ -127,6 +127,14 @@ impl Collocation {
         }
     }
 
+    /// The eigenvalues, if they can be read off.
+    pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
+        match self {
+            Self::Banded(banded) => banded.diagonal_if_triangular(),
+            Self::Dense { .. } => None,
+        }
+    }
+
     /// `B⁻¹`, for a square matrix.
     pub fn inverse(&self) -> Inverse {
         match self {
@@ -280,7 +288,7 @@ mod tests {
             control_points: None,
             weights: None,
         };
-        Direction::new(choice, &Points::zeros(1, rows), grid, Axis::U).unwrap()
+        Direction::new(choice, &Points::zeros(1, rows), grid, None, Axis::U).unwrap()
     }
 
     fn polynomial(kind: Polynomial, n: usize) -> Direction {

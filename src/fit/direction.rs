@@ -5,6 +5,7 @@ use super::basis::{
     knots::{self, Knots},
 };
 use super::invalid::{Axis, Invalid};
+use super::missing::Missing;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
 use super::points::{Grid, Points};
 
@@ -69,6 +70,7 @@ impl Direction {
         choice: DirectionChoice,
         points: &Points,
         grid: Grid,
+        missing: Option<&Missing>,
         axis: Axis,
     ) -> Result<Self, Invalid> {
         let count = grid.along(axis);
@@ -78,7 +80,14 @@ impl Direction {
             return Err(Invalid::ControlPointCount { axis, free, count });
         }
         let given = matches!(choice.parameters, Parametrization::Explicit(_));
-        let placed = parameters(choice.parameters, points, grid, axis, choice.closed)?;
+        let placed = parameters(
+            choice.parameters,
+            points,
+            grid,
+            missing,
+            axis,
+            choice.closed,
+        )?;
         check_range(&placed.values, axis)?;
         let mut direction = match choice.basis {
             BasisChoice::Polynomial(_) if choice.closed => {

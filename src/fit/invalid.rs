@@ -64,6 +64,18 @@ pub enum Place {
 pub enum Invalid {
     #[error("at least 2 points are needed in each direction, {count} given")]
     TooFewPoints { count: usize },
+    #[error("a point is missing; only least-squares fits of surfaces leave points out")]
+    MissingPoint { index: usize },
+    #[error("no point is given")]
+    NoPoints,
+    #[error(
+        "no two neighbours of lines {previous} and {index} are given, so that {rule} parameters are unknown: use uniform or explicit parameters", previous = index - 1
+    )]
+    NoNeighbours {
+        axis: Axis,
+        index: usize,
+        rule: &'static str,
+    },
     #[error("the points span more than the range of 64-bit numbers: scale the data down")]
     TooLarge,
     #[error("coordinate {coordinate} is {value}, which is not a finite number")]
@@ -292,7 +304,9 @@ impl Invalid {
     /// The part of the problem that is wrong.
     pub fn place(&self) -> Place {
         match *self {
-            Self::TooFewPoints { .. } | Self::TooLarge => Place::Points,
+            Self::TooFewPoints { .. } | Self::TooLarge | Self::NoPoints => Place::Points,
+            Self::MissingPoint { index } => Place::Point(index),
+            Self::NoNeighbours { axis, index, .. } => Place::Line(axis, index),
             Self::NotFinite { index, .. } => Place::Point(index),
             Self::EqualPoints { axis, index, .. } | Self::EqualLines { axis, index, .. } => {
                 Place::Line(axis, index)

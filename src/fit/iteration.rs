@@ -68,7 +68,7 @@ impl Iteration {
             data,
             problem.diagonal(),
             problem.is_homogeneous(),
-            update::adjusted(&system),
+            update::counted(&system),
         );
         let mut update = update::new(&system);
         compute_residual(&system, &mut state);
@@ -185,6 +185,9 @@ fn compute_residual(system: &System, state: &mut State) {
         system.collocation().apply(x, residual, &mut state.scratch);
         for (residual, data) in residual.iter_mut().zip(data) {
             *residual = data - *residual;
+        }
+        if let Some(missing) = system.problem().missing() {
+            missing.clear(residual);
         }
     }
 }

@@ -22,6 +22,7 @@
 //! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
 //! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
 //! - [`method`]: what is asked for of U;
+//! - [`missing`]: grids with holes;
 //! - [`problem`]: a validated fitting problem; [`invalid`]: everything that can be wrong with one;
 //! - [`collocation`]: `B` as banded or dense operator, and tensor products, over [`linear`];
 //! - [`spectrum`]: eigenvalues and rates;
@@ -48,6 +49,7 @@ pub mod iteration;
 pub mod limit;
 pub mod linear;
 pub mod method;
+pub mod missing;
 pub mod norms;
 pub mod parameters;
 pub mod points;

@@ -17,8 +17,8 @@ pub struct FitError {
     pub rms: f64,
     /// The sum of the distances (the error of Lin10).
     pub sum: f64,
-    /// Local fits: the largest distance of the points that are not adjusted, which do not count in
-    /// the other numbers.
+    /// The largest distance of the points that do not count in the other numbers: of local fits, those
+    /// that are not adjusted.
     pub fixed_max: Option<f64>,
     /// Homogeneous fits: the largest distance in homogeneous coordinates; the other numbers are
     /// distances of points.
@@ -36,7 +36,7 @@ pub struct Norms {
     homogeneous_scale: f64,
     homogeneous: bool,
     /// Which points count; all, if there is none.
-    adjusted: Option<Vec<bool>>,
+    counted: Option<Vec<bool>>,
     count: usize,
     blocks: Vec<Block>,
 }
@@ -48,20 +48,20 @@ struct Block {
     at: usize,
     squares: f64,
     roots: f64,
-    fixed_max: f64,
+    rest_max: f64,
     homogeneous_max: f64,
 }
 
 impl Norms {
-    /// For data with the given bounding diagonal; `adjusted` says which points count.
+    /// For data with the given bounding diagonal; `counted` says which points count.
     pub fn new(
         data: &Points,
         diagonal: f64,
         homogeneous: bool,
-        adjusted: Option<Vec<bool>>,
+        counted: Option<Vec<bool>>,
     ) -> Self {
-        let count = adjusted.as_ref().map_or(data.len(), |adjusted| {
-            adjusted.iter().filter(|adjusted| **adjusted).count()
+        let count = counted.as_ref().map_or(data.len(), |counted| {
+            counted.iter().filter(|counted| **counted).count()
         });
         // Equal points leave rounding errors of their magnitude.
         let noise = data.magnitude() * f64::EPSILON;
@@ -69,7 +69,7 @@ impl Norms {
             scale: normalizing_scale(diagonal.max(noise)),
             homogeneous_scale: normalizing_scale(data.bounding_diagonal().max(noise)),
             homogeneous,
-            adjusted,
+            counted,
             count,
             blocks: vec![Block::default(); data.len().div_ceil(BLOCK)],
         }
@@ -116,7 +116,7 @@ impl Norms {
             }
             total.squares += block.squares;
             total.roots += block.roots;
-            total.fixed_max = total.fixed_max.max(block.fixed_max);
+            total.rest_max = total.rest_max.max(block.rest_max);
             total.homogeneous_max = total.homogeneous_max.max(block.homogeneous_max);
         }
         let length = |square: f64| square.sqrt() / self.scale;
@@ -125,7 +125,7 @@ impl Norms {
             at: total.at,
             rms: length(total.squares / self.count.max(1) as f64),
             sum: total.roots / self.scale,
-            fixed_max: self.adjusted.as_ref().map(|_| length(total.fixed_max)),
+            fixed_max: self.counted.as_ref().map(|_| length(total.rest_max)),
             homogeneous: self
                 .homogeneous
                 .then(|| total.homogeneous_max.sqrt() / self.homogeneous_scale),
@@ -142,11 +142,11 @@ impl Norms {
         let mut block = Block::default();
         for (i, &square) in squares.iter().enumerate() {
             let counts = self
-                .adjusted
+                .counted
                 .as_ref()
-                .is_none_or(|adjusted| adjusted[start + i]);
+                .is_none_or(|counted| counted[start + i]);
             if !counts {
-                block.fixed_max = block.fixed_max.max(square);
+                block.rest_max = block.rest_max.max(square);
                 continue;
             }
             if square > block.max {

@@ -1,6 +1,7 @@
 //! Parameters of data points: where on the curve each of them lies.
 
 use super::invalid::{Axis, Invalid};
+use super::missing::Missing;
 use super::points::{Grid, Points};
 
 /// How the parameters of one direction are chosen.
@@ -32,6 +33,7 @@ pub fn parameters(
     choice: Parametrization,
     points: &Points,
     grid: Grid,
+    missing: Option<&Missing>,
     axis: Axis,
     closed: bool,
 ) -> Result<Parametrized, Invalid> {
@@ -40,10 +42,10 @@ pub fn parameters(
     let all = match choice {
         Parametrization::Uniform => (0..=steps).map(|i| i as f64 / steps as f64).collect(),
         Parametrization::ChordLength => {
-            by_distance(points, grid, axis, steps, "chord-length", |d| d)?
+            by_distance(points, grid, missing, axis, steps, "chord-length", |d| d)?
         }
         Parametrization::Centripetal => {
-            by_distance(points, grid, axis, steps, "centripetal", f64::sqrt)?
+            by_distance(points, grid, missing, axis, steps, "centripetal", f64::sqrt)?
         }
         Parametrization::Explicit(values) => explicit(values, steps + 1, closed, axis)?,
     };
@@ -57,6 +59,7 @@ pub fn parameters(
 fn by_distance(
     points: &Points,
     grid: Grid,
+    missing: Option<&Missing>,
     axis: Axis,
     steps: usize,
     rule: &'static str,
@@ -73,12 +76,18 @@ fn by_distance(
     t.push(last);
     for k in 1..=steps {
         let index = k % count;
-        let total: f64 = (0..lines)
+        let given = |index| missing.is_none_or(|missing| !missing.contains(index));
+        let (total, pairs) = (0..lines)
             .map(|line| line * line_stride)
             .map(|start| (start + (k - 1) * stride, start + index * stride))
-            .map(|(from, to)| step(points.distance(from, to)))
-            .sum();
-        let next = last + total / lines as f64;
+            .filter(|&(from, to)| given(from) && given(to))
+            .fold((0.0, 0), |(total, pairs), (from, to)| {
+                (total + step(points.distance(from, to)), pairs + 1)
+            });
+        if pairs == 0 {
+            return Err(Invalid::NoNeighbours { axis, index, rule });
+        }
+        let next = last + total / f64::from(pairs);
         if !next.is_finite() {
             return Err(Invalid::TooLarge);
         }
@@ -175,7 +184,7 @@ mod tests {
     fn lengths_accumulate() {
         let (points, grid) = curve(&[[0.0, 0.0], [3.0, 4.0], [3.0, 5.0], [12.0, 5.0]]);
         let t = |choice| {
-            parameters(choice, &points, grid, Axis::U, false)
+            parameters(choice, &points, grid, None, Axis::U, false)
                 .unwrap()
                 .values
         };
@@ -194,7 +203,7 @@ mod tests {
     #[test]
     fn closed_curves_return_to_the_first_point() {
         let (points, grid) = curve(&[[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]);
-        let closed = |choice| parameters(choice, &points, grid, Axis::U, true).unwrap();
+        let closed = |choice| parameters(choice, &points, grid, None, Axis::U, true).unwrap();
         let chord = closed(Parametrization::ChordLength);
         assert_eq!((chord.values, chord.period), (vec![0.0, 3.0, 7.0], 12.0));
         let uniform = closed(Parametrization::Uniform);
@@ -205,8 +214,15 @@ mod tests {
     #[test]
     fn equal_neighbours_are_named() {
         let (points, grid) = curve(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
-        let error =
-            parameters(Parametrization::ChordLength, &points, grid, Axis::U, false).unwrap_err();
+        let error = parameters(
+            Parametrization::ChordLength,
+            &points,
+            grid,
+            None,
+            Axis::U,
+            false,
+        )
+        .unwrap_err();
         assert!(matches!(error, Invalid::EqualPoints { index: 2, .. }));
     }
 
@@ -223,7 +239,7 @@ mod tests {
         };
         let steps = |axis| {
             let choice = Parametrization::ChordLength;
-            parameters(choice, &points, grid, axis, false)
+            parameters(choice, &points, grid, None, axis, false)
                 .unwrap()
                 .values
         };

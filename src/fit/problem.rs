@@ -4,6 +4,7 @@ use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
 use super::invalid::{Axis, Invalid};
 use super::method::{LeastSquares, Method, Variant};
+use super::missing::Missing;
 use super::points::{Grid, Points};
 use super::spectrum;
 use super::weights;
@@ -36,6 +37,9 @@ pub struct Request {
     pub points: Points,
     /// Their arrangement.
     pub grid: Grid,
+    /// Indices of points that are not known, for least-squares fits; their coordinates are not
+    /// looked at.
+    pub missing: Vec<usize>,
     /// The direction of a curve, or u of a surface.
     pub u: DirectionChoice,
     /// The second direction of a surface.
@@ -55,6 +59,7 @@ pub struct Request {
 pub struct Problem {
     data: Points,
     homogeneous: bool,
+    missing: Option<Missing>,
     grid: Grid,
     u: Direction,
     v: Option<Direction>,
@@ -75,6 +80,11 @@ impl Problem {
                 grid.columns
             };
             return Err(Invalid::TooFewPoints { count });
+        }
+        let missing = Missing::new(&request.missing, grid.count());
+        if let Some(missing) = &missing {
+            check_missing(&request)?;
+            missing.fill(&mut request.points, grid);
         }
         check_finite(&request.points)?;
         let diagonal = request.points.bounding_diagonal();
@@ -97,10 +107,10 @@ impl Problem {
             }
         }
         let points = &request.points;
-        let u = Direction::new(request.u, points, grid, Axis::U)?;
+        let u = Direction::new(request.u, points, grid, missing.as_ref(), Axis::U)?;
         let v = request
             .v
-            .map(|choice| Direction::new(choice, points, grid, Axis::V))
+            .map(|choice| Direction::new(choice, points, grid, missing.as_ref(), Axis::V))
             .transpose()?;
         let homogeneous = matches!(request.weights, Weights::Homogeneous(_));
         let data = match request.weights {
@@ -110,6 +120,7 @@ impl Problem {
         let problem = Self {
             data,
             homogeneous,
+            missing,
             grid,
             u,
             v,
@@ -131,6 +142,11 @@ impl Problem {
     /// Whether the last coordinate of data and control points is a weight.
     pub fn is_homogeneous(&self) -> bool {
         self.homogeneous
+    }
+
+    /// The points of which there are no data.
+    pub fn missing(&self) -> Option<&Missing> {
+        self.missing.as_ref()
     }
 
     /// The number of coordinates of the data points.
@@ -232,6 +248,16 @@ fn check_finite(points: &Points) -> Result<(), Invalid> {
         }
     }
     Ok(())
+}
+
+fn check_missing(request: &Request) -> Result<(), Invalid> {
+    if request.missing.len() == request.grid.count() {
+        return Err(Invalid::NoPoints);
+    }
+    match (&request.method, request.missing.first()) {
+        (Method::LeastSquares(_), _) | (_, None) => Ok(()),
+        (_, Some(&index)) => Err(Invalid::MissingPoint { index }),
+    }
 }
 
 fn resolve_tolerance(tolerance: Tolerance, diagonal: f64) -> Result<f64, Invalid> {

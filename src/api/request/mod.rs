@@ -129,6 +129,7 @@ impl JobRequest {
         let request = fit::Request {
             points: shape.points,
             grid: shape.grid,
+            missing: shape.missing,
             u: shape.u,
             v: shape.v,
             weights: shape.weights,
@@ -151,6 +152,7 @@ struct Shape {
     grid: Grid,
     u: DirectionChoice,
     v: Option<DirectionChoice>,
+    missing: Vec<usize>,
     weights: Weights,
     places: Places,
 }
@@ -187,6 +189,7 @@ impl CurveRequest {
                 weights: fixed,
             },
             v: None,
+            missing: Vec::new(),
             weights,
             places: Places::default(),
         })
@@ -197,6 +200,7 @@ impl SurfaceRequest {
     fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
         let PointGrid {
             points,
+            missing,
             rows,
             columns,
         } = self.points;
@@ -234,6 +238,7 @@ impl SurfaceRequest {
                 closed_v,
                 fixed_v,
             )?),
+            missing,
             weights,
             places,
         })

@@ -84,6 +84,24 @@ impl Banded {
             .map(move |(k, &value)| ((first + k) % self.columns, value))
     }
 
+    /// The diagonal, if all entries on one side of it are zero.
+    pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
+        let entries = || {
+            let row = |i| self.row(i).map(move |(j, value)| (i, j, value));
+            (0..self.rows())
+                .flat_map(row)
+                .filter(|&(.., value)| value != 0.0)
+        };
+        let triangular = entries().all(|(i, j, _)| i >= j) || entries().all(|(i, j, _)| i <= j);
+        triangular.then(|| {
+            let mut diagonal = vec![0.0; self.columns];
+            for (i, _, value) in entries().filter(|&(i, j, _)| i == j) {
+                diagonal[i] = value;
+            }
+            diagonal
+        })
+    }
+
     /// `y = B x`, with the inner loop unrolled for the usual widths.
     pub fn apply(&self, x: &[f64], y: &mut [f64]) {
         match self.width {

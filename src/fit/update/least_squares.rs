@@ -42,7 +42,10 @@ impl LeastSquaresUpdate {
         let count = problem.control_grid().count();
         let dimension = problem.data().dimension();
         let mut scratch = vec![0.0; system.collocation().scratch()];
-        let ones = vec![1.0; problem.grid().count()];
+        let mut ones = vec![1.0; problem.grid().count()];
+        if let Some(missing) = problem.missing() {
+            missing.clear(&mut ones);
+        }
         let mut sums = vec![0.0; count];
         system
             .collocation()
@@ -125,6 +128,9 @@ impl Conjugate {
             system
                 .collocation()
                 .apply(direction, &mut self.image, &mut state.scratch);
+            if let Some(missing) = system.problem().missing() {
+                missing.clear(&mut self.image);
+            }
             let curvature: f64 = self.image.iter().map(|q| q * q).sum();
             // At the minimum there is nowhere to go.
             let alpha = if curvature > 0.0 {

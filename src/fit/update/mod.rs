@@ -15,6 +15,7 @@ pub mod selected;
 use std::fmt::Debug;
 
 use super::method::{Method, Start};
+use super::missing::Missing;
 use super::points::Points;
 use super::system::System;
 
@@ -114,8 +115,9 @@ pub fn new(system: &System) -> Box<dyn Update> {
     }
 }
 
-/// Which data points count for the error of a fit: the adjusted ones of a local fit, else all.
-pub fn adjusted(system: &System) -> Option<Vec<bool>> {
+/// Which data points count for the error of a fit: the adjusted ones of a local fit, else all that
+/// there are.
+pub fn counted(system: &System) -> Option<Vec<bool>> {
     let problem = system.problem();
     match problem.method() {
         Method::Local(selection) => {
@@ -126,7 +128,7 @@ pub fn adjusted(system: &System) -> Option<Vec<bool>> {
             }
             Some(adjusted)
         }
-        _ => None,
+        _ => problem.missing().map(Missing::present),
     }
 }
 
