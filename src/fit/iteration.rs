@@ -8,7 +8,7 @@ use super::points::Points;
 use super::system::System;
 use super::update::{self, Change, Stall, State, Update};
 
-/// A least-squares fit whose rms error falls by less than this part in one iteration has converged.
+/// A least-squares fit whose residual shrinks by less than this part in one iteration has converged.
 const STATIONARY: f64 = 1e-6;
 
 /// A level of the iteration: how far the curve of these control points is from the data.
@@ -49,7 +49,8 @@ pub struct Iteration {
     state: State,
     norms: Norms,
     level: Level,
-    /// The relative decrease of the rms error in the last update.
+    /// The length of the residual, and its relative decrease in the last update.
+    length: f64,
     decrease: f64,
 }
 
@@ -89,6 +90,7 @@ impl Iteration {
             system,
             update,
             state,
+            length: norms.residual_length(),
             norms,
             level,
             decrease: 1.0,
@@ -140,9 +142,10 @@ impl Iteration {
             }
         };
         error.gradient = update.gradient();
-        let before = self.level.error;
-        self.decrease = 1.0 - error.rms / before.rms;
-        let rate = error.max / before.max;
+        let length = norms.residual_length();
+        self.decrease = 1.0 - length / self.length;
+        self.length = length;
+        let rate = error.max / self.level.error.max;
         self.level = Level {
             iteration: self.level.iteration + 1,
             error,

@@ -50,6 +50,7 @@ struct Block {
     roots: f64,
     rest_max: f64,
     homogeneous_max: f64,
+    homogeneous_squares: f64,
 }
 
 impl Norms {
@@ -100,6 +101,16 @@ impl Norms {
         self.error()
     }
 
+    /// The length of the residual, up to a factor: what least-squares fits minimize. In homogeneous
+    /// fits that is not the rms distance of points.
+    pub fn residual_length(&self) -> f64 {
+        let squares = |block: &Block| match self.homogeneous {
+            true => block.homogeneous_squares,
+            false => block.squares,
+        };
+        self.blocks.iter().map(squares).sum::<f64>().sqrt()
+    }
+
     /// The distance of one point, in data units.
     pub fn distance(&self, data: &Points, residual: &Points, index: usize) -> f64 {
         let mut square = [0.0];
@@ -133,6 +144,10 @@ impl Norms {
         }
     }
 
+    fn counts(&self, index: usize) -> bool {
+        self.counted.as_ref().is_none_or(|counted| counted[index])
+    }
+
     fn block(&self, index: usize, data: &Points, residual: &Points) -> Block {
         let start = index * BLOCK;
         let length = BLOCK.min(residual.len() - start);
@@ -141,11 +156,7 @@ impl Norms {
         self.squares(start, data, residual, squares);
         let mut block = Block::default();
         for (i, &square) in squares.iter().enumerate() {
-            let counts = self
-                .counted
-                .as_ref()
-                .is_none_or(|counted| counted[start + i]);
-            if !counts {
+            if !self.counts(start + i) {
                 block.rest_max = block.rest_max.max(square);
                 continue;
             }
@@ -158,7 +169,12 @@ impl Norms {
         }
         if self.homogeneous {
             sum_squares(residual.lanes(), start, self.homogeneous_scale, squares);
-            block.homogeneous_max = squares.iter().copied().fold(0.0, f64::max);
+            for (i, &square) in squares.iter().enumerate() {
+                if self.counts(start + i) {
+                    block.homogeneous_max = block.homogeneous_max.max(square);
+                    block.homogeneous_squares += square;
+                }
+            }
         }
         block
     }

@@ -49,6 +49,24 @@ async fn lemniscate_bernstein() {
     }
 }
 
+/// DP07, Table 1, Said–Ball column.
+#[tokio::test]
+async fn lemniscate_said_ball() {
+    let job = json!({"curve": {
+        "points": data::lemniscate(), "basis": {"kind": "said_ball"}, "parameters": "uniform",
+    }});
+    let story = fit(job, 40).await;
+    for (level, printed) in [
+        (0, "5.470408e-1"),
+        (10, "1.618460e-1"),
+        (20, "9.293990e-2"),
+        (30, "6.853643e-2"),
+        (40, "5.330010e-2"),
+    ] {
+        assert_printed(&story, level, printed);
+    }
+}
+
 /// LBW05, Fig. 5; level 10 is .0894082, which the paper prints rounded down at every digit.
 #[tokio::test]
 async fn helix_bernstein() {

@@ -56,7 +56,15 @@ async fn capabilities_are_true() {
                     .collect();
             }
             for basis in bases {
-                for method in capabilities["methods"].as_array().unwrap() {
+                for method in [
+                    "global",
+                    "weighted",
+                    "extended",
+                    "transpose",
+                    "chebyshev",
+                    "direct",
+                ] {
+                    let method = json!({"kind": method});
                     let job = server
                         .fit(&json!({
                             "curve": {"points": points, "parameters": parameters, "basis": basis},

@@ -10,12 +10,20 @@
 )]
 
 mod bad_requests;
+mod closed;
+mod convex;
 mod data;
 mod examples;
+mod facts;
 mod goldens;
 mod http;
 mod jobs;
 mod large;
+mod least_squares;
+mod local;
+mod methods;
 mod process;
+mod rational;
+mod reference;
 mod streams;
 mod support;

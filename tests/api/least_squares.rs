@@ -1,0 +1,322 @@
+//! Least-squares fits: fewer control points than data.
+
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::support::{Server, problem};
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn wiggle() -> (Vec<f64>, Vec<[f64; 2]>) {
+    let t: Vec<f64> = (0..=40).map(|i| f64::from(i) / 40.0).collect();
+    let points = t
+        .iter()
+        .map(|x| [*x, (6.0 * x).sin() + 0.1 * (40.0 * x).cos()])
+        .collect();
+    (t, points)
+}
+
+/// Control points of `scipy.interpolate.make_lsq_spline` (scipy 1.17.1) on the knots of Piegl &
+/// Tiller (9.68)–(9.69).
+const MINIMUM: [[f64; 2]; 10] = [
+    [0.0, 0.12447262330593666],
+    [0.040476190476190686, 0.09712277690607181],
+    [0.12976190476190447, 0.8696685120453358],
+    [0.267857142857143, 1.090038023450126],
+    [0.414285714285714, 0.726217966462153],
+    [0.560714285714286, -0.283088619390823],
+    [0.7071428571428571, -0.9699077705563128],
+    [0.853571428571428, -1.1276425353128423],
+    [0.9511904761904767, -0.4486363256888878],
+    [1.0, -0.3218596436972815],
+];
+
+#[tokio::test]
+async fn the_minimum_is_that_of_scipy() {
+    let server = Server::start().await;
+    let (t, points) = wiggle();
+    // The fit ends where its error falls by less than a millionth. It is quadratic at the minimum, so
+    // that control points are a few times the root of that away. Conjugate gradients are exact
+    // after ten steps.
+    for (variant, tolerance, rms_tolerance, gradient) in [
+        ("cg", 1e-9, 1e-10, 1e-18),
+        ("diagonal", 1e-2, 1e-4, 1e-6),
+        ("lspia", 1e-2, 1e-4, 1e-6),
+    ] {
+        let story = server
+            .stream(&json!({
+                "curve": {"points": points, "parameters": t},
+                "method": {"kind": "least_squares", "control_points": 10, "variant": variant},
+                "stop": {"tolerance": 1e-9, "max_iterations": 10_000},
+            }))
+            .await;
+        // The data do not lie on such a curve.
+        assert_eq!(story.state(), "converged", "{variant}");
+        assert_eq!(story.end["reason"], "stationary");
+        let last = story.iterations.last().unwrap();
+        let rms = number(&last["error"]["rms"]);
+        assert!((rms / 0.06523143017015508 - 1.0).abs() < rms_tolerance);
+        assert!(number(&last["error"]["gradient"]) < gradient);
+        assert_eq!(story.iterations[0]["error"]["gradient"], 1.0);
+        for (control_point, expected) in last["control_points"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .zip(MINIMUM)
+        {
+            for c in 0..2 {
+                let deviation = (number(&control_point[c]) - expected[c]).abs();
+                assert!(deviation < tolerance, "{variant}: {deviation}");
+            }
+        }
+    }
+}
+
+/// r = 2 + 4 cos(2θ + π/4) + cos(3θ + π/4), 15001 points, 3001 control points: `diagonal` and `cg` take two
+/// iterations to ‖Aᵀr‖²/‖Aᵀr⁰‖² < 1e-6.
+#[tokio::test]
+async fn the_published_curve_takes_two_iterations() {
+    let server = Server::start().await;
+    let points: Vec<[f64; 2]> = (0..=15_000)
+        .map(|i| TAU * f64::from(i) / 15_000.0)
+        .map(|a| {
+            (
+                a,
+                2.0 + 4.0 * (2.0 * a + FRAC_PI_4).cos() + (3.0 * a + FRAC_PI_4).cos(),
+            )
+        })
+        .map(|(a, r)| [r * a.cos(), r * a.sin()])
+        .collect();
+    for variant in ["diagonal", "cg"] {
+        let job = server
+            .fit(&json!({
+                "curve": {"points": points},
+                "method": {"kind": "least_squares", "control_points": 3001, "variant": variant},
+                "stop": {"tolerance": 0, "max_iterations": 2},
+            }))
+            .await;
+        assert_eq!(job["iteration"], 2);
+        assert!(number(&job["error"]["gradient"]) < 1e-6, "{variant}: {job}");
+        let first = server
+            .json(&format!(
+                "{}/iterations/1",
+                job["links"]["self"].as_str().unwrap()
+            ))
+            .await;
+        assert!(number(&first["error"]["gradient"]) > 1e-6);
+    }
+}
+
+#[tokio::test]
+async fn surfaces_with_holes_are_fitted_around_them() {
+    let server = Server::start().await;
+    let whole = data::peaks(30);
+    let mut holed = whole.clone();
+    // A corner, a window as wide as several control points, and scattered points.
+    for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+        holed[i][j] = Value::Null;
+    }
+    for (i, j) in (10..20).flat_map(|i| (12..22).map(move |j| (i, j))) {
+        holed[i][j] = Value::Null;
+    }
+    holed[25][3] = Value::Null;
+    for variant in ["diagonal", "lspia", "cg"] {
+        for points in [&whole, &holed] {
+            let story = server
+                .stream(&json!({
+                    "surface": {"points": points},
+                    "method": {
+                        "kind": "least_squares", "variant": variant,
+                        "control_points": {"u": 15, "v": 14},
+                    },
+                    "stop": {"tolerance": 1e-3, "max_iterations": 500},
+                }))
+                .await;
+            // The other variants descend slowly near the minimum.
+            assert!(variant != "cg" || story.state() == "converged");
+            let last = story.iterations.last().unwrap();
+            assert!(
+                number(&last["error"]["rms"]) < 0.12,
+                "{variant}: {}",
+                last["error"]
+            );
+            assert!(number(&last["error"]["rms"]) < number(&story.iterations[0]["error"]["rms"]));
+            let net = last["control_points"].as_array().unwrap();
+            assert_eq!((net.len(), net[0].as_array().unwrap().len()), (15, 14));
+        }
+    }
+}
+
+/// Control points without data keep their place.
+#[tokio::test]
+async fn control_points_without_data_stay() {
+    let server = Server::start().await;
+    // Explicit knots with many spans in a gap between the parameters.
+    let t: Vec<f64> = (0..30)
+        .map(|i| f64::from(i) / 100.0)
+        .chain([0.98, 0.99, 1.0])
+        .collect();
+    let points: Vec<[f64; 2]> = t.iter().map(|t| [*t, t * t]).collect();
+    let knots = json!([
+        0, 0, 0, 0, 0.1, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1, 1, 1
+    ]);
+    for variant in ["diagonal", "lspia", "cg"] {
+        let story = server
+            .stream(&json!({
+                "curve": {
+                    "points": points, "parameters": t,
+                    "basis": {"kind": "bspline", "degree": 3, "knots": knots},
+                },
+                "method": {"kind": "least_squares", "control_points": 12, "variant": variant},
+                "stop": {"tolerance": 1e-6, "max_iterations": 2000},
+            }))
+            .await;
+        assert!(variant != "cg" || story.state() == "converged");
+        let first = &story.iterations[0]["control_points"];
+        let last = &story.iterations.last().unwrap()["control_points"];
+        // B-spline 6 lives on [0.4, 0.8], where there are no data.
+        assert_eq!(first[6], last[6]);
+        assert_ne!(first[2], last[2]);
+    }
+}
+
+#[tokio::test]
+async fn wrong_settings_are_refused() {
+    let server = Server::start().await;
+    let job = |method: Value| json!({"curve": {"points": data::wave(20)}, "method": method});
+    let cases = [
+        (
+            json!({"kind": "least_squares"}),
+            "/method",
+            "needs control_points",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": 21}),
+            "/method/control_points",
+            "21 control points for 20",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": 1}),
+            "/method/control_points",
+            "at least 2",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": 3}),
+            "/curve/basis/degree",
+            "at least 4",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": {"u": 5, "v": 5}}),
+            "/method/control_points",
+            "one number",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": 8, "variant": "qr"}),
+            "/method/variant",
+            "unknown variant",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": 8, "mu": 1}),
+            "/method/mu",
+            "lspia",
+        ),
+        (
+            json!({"kind": "least_squares", "control_points": 8, "variant": "lspia", "mu": 0}),
+            "/method/mu",
+            "greater than 0",
+        ),
+        (
+            json!({"kind": "weighted", "omega": 2}),
+            "/method/omega",
+            "between 0 and 2",
+        ),
+        (
+            json!({"kind": "weighted", "omega": "best"}),
+            "/method/omega",
+            "auto",
+        ),
+        (json!({"kind": "local"}), "/method", "indices"),
+        (
+            json!({"kind": "local", "indices": []}),
+            "/method/indices",
+            "no index",
+        ),
+        (
+            json!({"kind": "local", "indices": [3, 20]}),
+            "/method/indices/1",
+            "there are 20 points",
+        ),
+        (
+            json!({"kind": "local", "indices": [3, 5, 3]}),
+            "/method/indices/2",
+            "repeats",
+        ),
+        (
+            json!({"kind": "local", "indices": [[3, 5]]}),
+            "/method/indices/0",
+            "single indices",
+        ),
+        (
+            json!({"kind": "local", "indices": [-1]}),
+            "/method/indices/0",
+            "-1",
+        ),
+        (
+            json!({"kind": "local", "row_by_row": true}),
+            "/method/row_by_row",
+            "no rows",
+        ),
+        (json!({"kind": "adaptive"}), "/method", "threshold"),
+        (
+            json!({"kind": "adaptive", "threshold": 0}),
+            "/method/threshold",
+            "greater than 0",
+        ),
+        (
+            json!({"kind": "extended", "start": "zero"}),
+            "/method/start",
+            "unknown variant",
+        ),
+    ];
+    for (method, pointer, reason) in cases {
+        let response = server
+            .post("/v1/jobs")
+            .json(&job(method))
+            .send()
+            .await
+            .unwrap();
+        let (status, problem) = problem(response).await;
+        assert_eq!(status, 422);
+        assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem:#}");
+        assert!(
+            problem["detail"].as_str().unwrap().contains(reason),
+            "{problem:#}"
+        );
+    }
+    let mut holed = data::peaks(5);
+    holed[2][3] = Value::Null;
+    let surface = json!({"surface": {"points": holed}});
+    let response = server.post("/v1/jobs").json(&surface).send().await.unwrap();
+    let (_, answer) = problem(response).await;
+    assert_eq!(answer["errors"][0]["pointer"], "/surface/points/2/3");
+    assert!(
+        answer["detail"]
+            .as_str()
+            .unwrap()
+            .contains("only least-squares")
+    );
+    let surface = json!({"surface": {"points": data::peaks(5)}, "method": {"kind": "local", "indices": [[0, 5]]}});
+    let response = server.post("/v1/jobs").json(&surface).send().await.unwrap();
+    let (_, answer) = problem(response).await;
+    assert_eq!(answer["errors"][0]["pointer"], "/method/indices/0");
+    let surface = json!({"surface": {"points": data::peaks(5)}, "method": {"kind": "convex"}});
+    let response = server.post("/v1/jobs").json(&surface).send().await.unwrap();
+    let (_, answer) = problem(response).await;
+    assert!(answer["detail"].as_str().unwrap().contains("planar"));
+}
