@@ -5,7 +5,7 @@ use axum::extract::Request;
 use axum::http::header;
 use bytes::Bytes;
 use http_body_util::BodyExt;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::error::Category;
 use serde_path_to_error::{Path, Segment};
 
@@ -84,15 +84,15 @@ pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
         match serde_path_to_error::deserialize::<_, T>(&mut reader) {
             Err(located) => {
                 let pointer = pointer(located.path());
-                describe(&located.into_inner(), pointer)
+                describe(&located.into_inner(), pointer, body)
             }
             // Whatever follows a complete value.
-            Ok(_) => describe(&error, String::new()),
+            Ok(_) => describe(&error, String::new(), body),
         }
     })
 }
 
-fn describe(error: &serde_json::Error, pointer: String) -> Problem {
+fn describe(error: &serde_json::Error, pointer: String, body: &[u8]) -> Problem {
     let text = error.to_string();
     // 1e999 is JSON, but no 64-bit number.
     if text.starts_with("number out of range") {
@@ -103,6 +103,11 @@ fn describe(error: &serde_json::Error, pointer: String) -> Problem {
         Category::Data => Problem::at_pointer(Kind::InvalidFit, pointer, text),
         Category::Eof if error.column() == 0 && error.line() <= 1 => {
             Problem::new(Kind::NotJson, "the body is empty; a job is expected")
+        }
+        // A list where a name is expected counts as wrong syntax with the parser, not with us.
+        Category::Syntax if serde_json::from_slice::<IgnoredAny>(body).is_ok() => {
+            let detail = format!("this value has the wrong type ({text})");
+            Problem::at_pointer(Kind::InvalidFit, pointer, detail)
         }
         Category::Syntax | Category::Eof | Category::Io => {
             let hint = "JSON is expected, which has no NaN and no Infinity";

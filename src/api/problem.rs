@@ -187,7 +187,7 @@ impl Kind {
                 "overflow",
                 S::UNPROCESSABLE_ENTITY,
                 "The fit left the range of 64-bit numbers",
-                "Coordinates grew beyond 1.8e308 during the iteration. Scale the data down.",
+                "Coordinates grew beyond 1.8e308 during the iteration. Either it diverges, as the extended method does on long curves, where its intermediate errors are astronomic: choose another method. Or the data are too large: scale them down.",
             ),
             Self::Internal => (
                 "internal",
@@ -326,7 +326,7 @@ impl From<Failure> for Problem {
         match failure {
             Failure::Overflow => Self::new(
                 Kind::Overflow,
-                "the distances from the data are not finite numbers any more: scale the data down",
+                "the distances from the data are not finite numbers any more: the iteration has diverged, or the data are too large",
             ),
             Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
         }

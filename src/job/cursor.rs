@@ -15,7 +15,7 @@ pub enum Next {
     /// The next frame.
     Frame(Arc<Frame>),
     /// There are no more; the job has ended with this status.
-    End(Status),
+    End(Box<Status>),
 }
 
 /// Reads the frames of a job in order, without gaps, from any level on.
@@ -55,7 +55,7 @@ impl Cursor {
                 let given_up = self.live && status.state == State::Cancelled;
                 let last = status.levels.map(|levels| levels.last.iteration);
                 if given_up || last < Some(self.next) {
-                    return Next::End(status);
+                    return Next::End(Box::new(status));
                 }
             } else if status.state == State::Queued {
                 changed(&mut self.status).await;

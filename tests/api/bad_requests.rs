@@ -393,6 +393,11 @@ fn wrong_rules() -> Vec<Bad> {
         ),
         bad(method(json!({})), "/method", "missing field `kind`"),
         bad(
+            method(json!({"kind": ["global"]})),
+            "/method/kind",
+            "wrong type",
+        ),
+        bad(
             method(json!({"kind": "global", "omega": 1})),
             "/method/omega",
             "a setting of the method \"weighted\"",

@@ -298,6 +298,46 @@ async fn every_combination_converges_or_is_refused() {
     }
 }
 
+/// Wang–Ball with parameters that make classical PIA diverge, and with complex eigenvalues.
+#[tokio::test]
+async fn methods_that_cannot_converge_are_refused_beforehand() {
+    let server = Server::start().await;
+    let diverging = [0.0, 0.48, 0.77, 0.94, 0.95, 0.98, 1.0];
+    let complex = [0.0, 0.12, 0.13, 0.15, 0.7, 0.75, 1.0];
+    for (parameters, method, reason) in [
+        (diverging, "global", "diverges"),
+        (diverging, "chebyshev", "positive real eigenvalues"),
+        (complex, "chebyshev", "positive real eigenvalues"),
+        (complex, "weighted", "positive real eigenvalues"),
+        (complex, "global", ""),
+        (diverging, "extended", ""),
+        (diverging, "transpose", ""),
+        (diverging, "direct", ""),
+    ] {
+        let points: Vec<[f64; 2]> = (0..7)
+            .map(f64::from)
+            .map(|x| [x, (x - 3.0).powi(2)])
+            .collect();
+        let job = json!({
+            "curve": {"points": points, "parameters": parameters, "basis": {"kind": "wang_ball"}},
+            "method": {"kind": method},
+            "stop": {"max_iterations": 10},
+        });
+        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
+        if reason.is_empty() {
+            assert_eq!(response.status(), 201, "{method}");
+            continue;
+        }
+        let (status, answer) = problem(response).await;
+        assert_eq!(status, 422);
+        assert_eq!(answer["errors"][0]["pointer"], "/method");
+        assert!(
+            answer["detail"].as_str().unwrap().contains(reason),
+            "{answer:#}"
+        );
+    }
+}
+
 /// What the server announces is what the README describes and what it accepts.
 #[tokio::test]
 async fn capabilities_readme_and_code_agree() {
