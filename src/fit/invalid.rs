@@ -44,8 +44,6 @@ pub enum Place {
     AxisWeights(Axis),
     /// One fixed weight of a direction.
     AxisWeight(Axis, usize),
-    /// How weights are used.
-    Rational,
     /// The method.
     Method,
     /// A setting of the method.

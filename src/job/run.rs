@@ -131,11 +131,6 @@ impl Run {
         self.state.lock().levels
     }
 
-    /// The newest frame that is at hand.
-    pub fn newest(&self) -> Option<Arc<Frame>> {
-        self.state.lock().ring.back().cloned()
-    }
-
     /// Stops the run after its current step. Frames in the ring can still be read.
     pub fn stop(&self) {
         self.stopped.store(true, Ordering::Release);

@@ -25,5 +25,6 @@ mod methods;
 mod process;
 mod rational;
 mod reference;
+mod refusals;
 mod streams;
 mod support;

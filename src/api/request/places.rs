@@ -66,7 +66,6 @@ impl Places {
             Place::Weight(index) => self.element("weights", index),
             Place::AxisWeights(axis) => self.weights(axis),
             Place::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
-            Place::Rational => "/rational".to_owned(),
             Place::Method => "/method".to_owned(),
             Place::Setting(name) => format!("/method/{name}"),
             Place::Index(index) => format!("/method/indices/{index}"),

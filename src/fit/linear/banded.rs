@@ -226,6 +226,17 @@ pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
     }
 }
 
+/// The index at each place of that order.
+pub fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
+    move |k| {
+        if k.is_multiple_of(2) {
+            k / 2
+        } else {
+            n - 1 - k / 2
+        }
+    }
+}
+
 /// A square matrix with rows and columns in an order in which it is banded; for factorizations.
 pub(super) struct Band {
     /// Entries below the diagonal in each column, at most.
@@ -234,19 +245,16 @@ pub(super) struct Band {
     pub upper: usize,
     /// Row by row, the columns `i − lower ..= i + upper`.
     pub rows: Vec<f64>,
-    /// The place of each index, unless it is its own.
-    pub order: Option<Vec<u32>>,
+    /// Whether the order is the folded one.
+    pub folded: bool,
 }
 
 impl Band {
     /// Makes room for the fill-in of factorizations by rows: `lower` more to the right.
     pub(super) fn new(matrix: &Banded) -> Self {
         let n = matrix.rows();
-        let fold = folded(n);
-        let order: Option<Vec<u32>> = matrix
-            .is_cyclic()
-            .then(|| (0..n).map(|j| fold(j) as u32).collect());
-        let place = |j: usize| order.as_ref().map_or(j, |order| order[j] as usize);
+        let (cyclic, fold) = (matrix.is_cyclic(), folded(n));
+        let place = |j: usize| if cyclic { fold(j) } else { j };
         let entries = || {
             (0..n)
                 .flat_map(|i| matrix.row(i).map(move |(j, value)| (i, j, value)))
@@ -265,12 +273,11 @@ impl Band {
             lower,
             upper: right + lower,
             rows: vec![0.0; n * (2 * lower + right + 1)],
-            order: None,
+            folded: cyclic,
         };
         for (i, j, value) in entries() {
             *band.at(i, j) += value;
         }
-        band.order = order;
         band
     }
 
@@ -282,22 +289,5 @@ impl Band {
     pub(super) fn at(&mut self, i: usize, j: usize) -> &mut f64 {
         let width = self.width();
         &mut self.rows[i * width + j + self.lower - i]
-    }
-}
-
-/// Brings a line into the order of a band, applies a map and brings it back.
-pub(super) fn in_order(order: Option<&Vec<u32>>, line: &mut [f64], map: impl Fn(&mut [f64])) {
-    match order {
-        None => map(line),
-        Some(order) => {
-            let mut ordered = vec![0.0; line.len()];
-            for (&place, x) in order.iter().zip(&*line) {
-                ordered[place as usize] = *x;
-            }
-            map(&mut ordered);
-            for (&place, x) in order.iter().zip(line) {
-                *x = ordered[place as usize];
-            }
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! LU decomposition of banded matrices with partial pivoting.
 
 use super::LineMap;
-use super::banded::{Band, Banded, in_order};
+use super::banded::{Band, Banded, unfolded};
 
 /// `P L U = B`: solves in O(n · bandwidth).
 #[derive(Debug)]
@@ -15,7 +15,8 @@ pub struct BandedLu {
     l: Vec<f64>,
     /// The row that was swapped with each row.
     pivots: Vec<u32>,
-    order: Option<Vec<u32>>,
+    /// Whether rows and columns are in the folded order.
+    folded: bool,
 }
 
 impl BandedLu {
@@ -67,27 +68,28 @@ impl BandedLu {
             u,
             l,
             pivots,
-            order: band.order,
+            folded: band.folded,
         }
     }
 
-    fn solve(&self, x: &mut [f64]) {
+    /// Solves in place; `at` is the index of each place of the order.
+    fn solve(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
         let n = self.n;
         for k in 0..n {
-            x.swap(k, self.pivots[k] as usize);
-            let pivot = x[k];
+            x.swap(at(k), at(self.pivots[k] as usize));
+            let pivot = x[at(k)];
             let below = self.lower.min(n - 1 - k);
             let factors = &self.l[k * self.lower..k * self.lower + below];
-            for (x, factor) in x[k + 1..].iter_mut().zip(factors) {
-                *x -= factor * pivot;
+            for (r, factor) in factors.iter().enumerate() {
+                x[at(k + 1 + r)] -= factor * pivot;
             }
         }
         for k in (0..n).rev() {
             let right = self.upper.min(n - 1 - k);
             let row = &self.u[k * (self.upper + 1)..k * (self.upper + 1) + right + 1];
-            let known = row[1..].iter().zip(&x[k + 1..]);
-            let sum = known.fold(x[k], |sum, (u, x)| sum - u * x);
-            x[k] = sum / row[0];
+            let known = row[1..].iter().enumerate();
+            let sum = known.fold(x[at(k)], |sum, (r, u)| sum - u * x[at(k + 1 + r)]);
+            x[at(k)] = sum / row[0];
         }
     }
 }
@@ -95,7 +97,11 @@ impl BandedLu {
 impl LineMap for BandedLu {
     fn apply(&self, lines: &mut [f64]) {
         for line in lines.chunks_exact_mut(self.n) {
-            in_order(self.order.as_ref(), line, |line| self.solve(line));
+            if self.folded {
+                self.solve(line, unfolded(self.n));
+            } else {
+                self.solve(line, |k| k);
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 
 use super::LineMap;
-use super::banded::{Band, Banded, in_order};
+use super::banded::{Band, Banded, unfolded};
 
 /// `H Qᵀ` of one direction (Deng13 (9)). It does not depend on the signs that a QR decomposition
 /// chooses. `I − U B` is strictly upper triangular.
@@ -28,7 +28,8 @@ pub struct Rotations {
     /// For each column, the cosine and the sine that annihilate the entries below the diagonal.
     rotations: Vec<(f64, f64)>,
     diagonal: Vec<f64>,
-    order: Option<Vec<u32>>,
+    /// Whether rows and columns are in the folded order.
+    folded: bool,
 }
 
 impl Orthogonal {
@@ -69,7 +70,7 @@ impl Orthogonal {
             lower,
             rotations,
             diagonal,
-            order: band.order,
+            folded: band.folded,
         })
     }
 
@@ -82,15 +83,17 @@ impl Orthogonal {
 }
 
 impl Rotations {
-    fn transform(&self, x: &mut [f64]) {
+    /// Transforms in place; `at` is the index of each place of the order.
+    fn transform(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
         for k in 0..self.n {
             let rotations = &self.rotations[k * self.lower..(k + 1) * self.lower];
             for (r, &(c, s)) in rotations.iter().enumerate().take(self.n - 1 - k) {
-                let (a, b) = (x[k], x[k + r + 1]);
-                x[k] = c * a + s * b;
-                x[k + r + 1] = c * b - s * a;
+                let (i, j) = (at(k), at(k + r + 1));
+                let (a, b) = (x[i], x[j]);
+                x[i] = c * a + s * b;
+                x[j] = c * b - s * a;
             }
-            x[k] /= self.diagonal[k];
+            x[at(k)] /= self.diagonal[k];
         }
     }
 }
@@ -100,9 +103,11 @@ impl LineMap for Orthogonal {
         match self {
             Self::Banded(rotations) => {
                 for line in lines.chunks_exact_mut(rotations.n) {
-                    in_order(rotations.order.as_ref(), line, |line| {
-                        rotations.transform(line)
-                    });
+                    if rotations.folded {
+                        rotations.transform(line, unfolded(rotations.n));
+                    } else {
+                        rotations.transform(line, |k| k);
+                    }
                 }
             }
             Self::Dense { qr, diagonal } => {

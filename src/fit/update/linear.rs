@@ -1,8 +1,6 @@
 //! `X ← X + U Δ` with a fixed linear map U.
 
 use super::{Change, Stall, State, Update};
-use crate::fit::method::Method;
-use crate::fit::problem::Problem;
 use crate::fit::system::{System, Transform};
 
 /// Global, weighted, extended, transpose and direct.
@@ -10,28 +8,31 @@ use crate::fit::system::{System, Transform};
 pub struct Linear {
     /// One coordinate of the step.
     step: Vec<f64>,
-    updates: usize,
-    /// The largest residual before the last update and after it.
-    before: f64,
-    now: f64,
+    /// Updates that are left until the extended method is exact.
+    left: Option<usize>,
+    /// Direct: the largest residual before the last update, and now.
+    residuals: Option<(f64, f64)>,
 }
 
 impl Linear {
     /// Before the first update.
-    pub fn new(problem: &Problem) -> Self {
-        let scaled = matches!(problem.method(), Method::Global | Method::Weighted { .. });
+    pub fn new(system: &System) -> Self {
+        let transform = system.transform();
+        let scaled = matches!(transform, Transform::Scale(_));
+        let extended = matches!(transform, Transform::Orthogonal(..));
+        let direct = matches!(transform, Transform::Inverse(..));
+        let count = system.problem().grid().count();
         Self {
-            step: vec![0.0; if scaled { 0 } else { problem.grid().count() }],
-            updates: 0,
-            before: f64::INFINITY,
-            now: f64::INFINITY,
+            step: vec![0.0; if scaled { 0 } else { count }],
+            left: system.forecast().exact_after.filter(|_| extended),
+            residuals: direct.then_some((f64::INFINITY, f64::INFINITY)),
         }
     }
 }
 
 impl Update for Linear {
     fn update(&mut self, system: &System, state: &mut State) -> Change {
-        self.updates += 1;
+        self.left = self.left.map(|left| left.saturating_sub(1));
         let lanes = state.control_points.lanes_mut().iter_mut();
         for (x, residual) in lanes.zip(state.residual.lanes()) {
             if let Transform::Scale(omega) = system.transform() {
@@ -50,25 +51,20 @@ impl Update for Linear {
         }
     }
 
-    fn measured(&mut self, system: &System, state: &mut State) {
-        if matches!(system.transform(), Transform::Inverse(..)) {
-            self.before = self.now;
-            self.now = state.residual.magnitude();
-        }
-        // Kept here so that `stalled` can tell without the system.
-        if let Some(levels) = system.forecast().exact_after
-            && matches!(system.transform(), Transform::Orthogonal(..))
-            && self.updates >= levels
-        {
-            self.updates = usize::MAX;
+    fn measured(&mut self, _system: &System, state: &mut State) {
+        if let Some((before, now)) = &mut self.residuals {
+            *before = *now;
+            *now = state.residual.magnitude();
         }
     }
 
     fn stalled(&self) -> Option<Stall> {
-        if self.updates == usize::MAX {
+        if self.left == Some(0) {
             return Some(Stall::Nilpotent);
         }
         // Solving once more refines the solution, until rounding is all that is left.
-        (self.now >= self.before / 2.0 && self.now.is_finite()).then_some(Stall::Rounding)
+        self.residuals
+            .filter(|(before, now)| *now >= before / 2.0 && now.is_finite())
+            .map(|_| Stall::Rounding)
     }
 }

@@ -101,7 +101,7 @@ pub fn new(system: &System) -> Box<dyn Update> {
         | Method::Weighted { .. }
         | Method::Extended { .. }
         | Method::Transpose
-        | Method::Direct => Box::new(linear::Linear::new(problem)),
+        | Method::Direct => Box::new(linear::Linear::new(system)),
         Method::Chebyshev => Box::new(chebyshev::Chebyshev::new(system)),
         Method::Local(selection) => Box::new(selected::Selected::local(system, selection)),
         Method::Adaptive { threshold } => {
