@@ -68,6 +68,14 @@ impl Collocation {
         }
     }
 
+    /// The number of entries that are stored: multiplications of applying the matrix to a line.
+    pub fn entries(&self) -> usize {
+        match self {
+            Self::Banded(banded) => banded.rows() * banded.width(),
+            Self::Dense { matrix, .. } => matrix.len(),
+        }
+    }
+
     /// `Y = X Bᵀ`: applies B to each line of `x`, a row-major grid with as many columns as B has.
     pub fn apply_to_lines(&self, x: &[f64], y: &mut [f64]) {
         match self {

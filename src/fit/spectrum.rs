@@ -22,10 +22,11 @@ const REAL: f64 = 1e-9;
 
 /// When an iteration for an eigenvalue ends: relative accuracy, most steps. Of long curves nobody
 /// needs more than a few digits.
-fn effort(n: usize) -> (f64, usize) {
-    const WORK: usize = 50_000_000;
+fn effort(matrix: &Collocation) -> (f64, usize) {
+    const WORK: usize = 200_000_000;
+    let n = matrix.columns();
     let accuracy = if n <= 1000 { 1e-13 } else { 1e-9 };
-    (accuracy, (WORK / n).clamp(20, 5000))
+    (accuracy, (WORK / matrix.entries()).clamp(20, 5000))
 }
 
 /// The least eigenvalue of the square matrix of one direction.
@@ -43,7 +44,7 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
     let inverse = matrix.inverse();
     let mut x: Vec<f64> = (0..n).map(alternating).collect();
     let mut estimate = 0.0;
-    let (accuracy, steps) = effort(n);
+    let (accuracy, steps) = effort(matrix);
     for _ in 0..steps {
         let before = length(&x);
         inverse.apply(&mut x);
@@ -73,7 +74,7 @@ pub fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
     let mut x: Vec<f64> = (0..columns).map(|i| 1.0 + 0.1 * (i as f64).sin()).collect();
     let mut y = vec![0.0; rows];
     let mut estimate = 0.0;
-    let (accuracy, steps) = effort(columns);
+    let (accuracy, steps) = effort(matrix);
     for _ in 0..steps {
         let before = length(&x);
         x.iter_mut().for_each(|x| *x /= before);
