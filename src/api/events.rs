@@ -1,8 +1,8 @@
 //! A job as a stream of events: `job`, then every `iteration` from 0 on, then `end`.
 //!
 //! The stream is pulled: the next frame is asked for when the connection has taken the one before.
-//! The JSON of an iteration is made once and shared by all streams; only what stands around it
-//! differs between server-sent events and NDJSON.
+//! The JSON of an iteration is made once for each view and shared by all streams; only what stands
+//! around it differs between server-sent events and NDJSON.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -14,18 +14,18 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::{Bytes, BytesMut};
 use futures_util::stream;
-use serde::Deserialize;
 use tokio::sync::watch;
 use tokio::time::{Duration, sleep};
 use uuid::Uuid;
 
 use super::negotiate::{self, Framing};
+use super::options::{StreamOptions, StreamParameters};
 use super::problem::Problem;
-use super::{App, jobs, view};
+use super::{App, encode, jobs, view};
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
-use crate::job::scheduler::Lane;
+use crate::job::state::Status;
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
@@ -33,12 +33,6 @@ const END: &str = "end";
 
 /// Events up to this size are sent in one piece.
 const ONE_PIECE: usize = 16 * 1024;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EventParameters {
-    last_event_id: Option<String>,
-}
 
 /// `GET /v1/jobs/{id}/events`
 pub async fn get(
@@ -48,13 +42,14 @@ pub async fn get(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let framing = negotiate::framing(&headers)?;
-    let parameters: EventParameters = negotiate::query(&uri)?;
+    let parameters: StreamParameters = negotiate::query(&uri)?;
     let job = jobs::find(&app, &id).await?;
+    let options = parameters.options(job.problem().v().is_some())?;
     match last_event_id(&headers, parameters.last_event_id)? {
-        None => Ok(stream(&app, job, framing, None)),
+        None => Ok(stream(&app, job, framing, options, None)),
         // Only this status keeps an EventSource from connecting again.
         Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
-        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, Some(k))),
+        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, options, Some(k))),
     }
 }
 
@@ -94,11 +89,25 @@ fn last_event_id(
 }
 
 /// The events of a job after iteration `seen`.
-pub fn stream(app: &App, job: Arc<Job>, framing: Framing, seen: Option<usize>) -> Response {
+pub fn stream(
+    app: &App,
+    job: Arc<Job>,
+    framing: Framing,
+    options: StreamOptions,
+    seen: Option<usize>,
+) -> Response {
+    let mut cursor = Cursor::new(Arc::clone(&job), 0);
+    if options.latest {
+        cursor.only_latest();
+    }
+    let first = seen.map_or(0, |k| k + 1);
+    cursor.seek(first.next_multiple_of(options.every));
     let feed = Feed {
-        cursor: Cursor::new(Arc::clone(&job), seen.map_or(0, |k| k + 1)),
+        cursor,
         job,
         framing,
+        options,
+        seen,
         stage: Stage::Opening,
         pending: VecDeque::new(),
         heartbeat: app.config.heartbeat,
@@ -148,6 +157,9 @@ struct Feed {
     job: Arc<Job>,
     cursor: Cursor,
     framing: Framing,
+    options: StreamOptions,
+    /// The last iteration that the client has.
+    seen: Option<usize>,
     stage: Stage,
     /// Pieces of the event that is being sent.
     pending: VecDeque<Bytes>,
@@ -188,19 +200,12 @@ impl Feed {
             (Stage::Waiting, Happened::Next(_))
         ) {
             self.stage = Stage::Iterations;
-            let data = describe(&self.job).await;
+            let data = encode::description(&self.job).await;
             self.push("job", None, data);
         }
         match happened {
-            Happened::Next(Next::Frame(frame)) => {
-                let data = encode(&self.job, &frame).await;
-                self.push("iteration", Some(&frame.level.iteration.to_string()), data);
-            }
-            Happened::Next(Next::End(status)) => {
-                let data = view::end(&self.job, &status);
-                self.push("end", Some(END), data);
-                self.stage = Stage::Over;
-            }
+            Happened::Next(Next::Frame(frame)) => self.push_frame(&frame).await,
+            Happened::Next(Next::End(status)) => self.finish(&status).await,
             Happened::Nothing => self.push_comment(": still here\n\n".into()),
             Happened::Stopping => {
                 // Clients come back one after the other, to whoever serves them then.
@@ -209,6 +214,31 @@ impl Feed {
                 self.stage = Stage::Over;
             }
         }
+    }
+
+    async fn push_frame(&mut self, frame: &Arc<Frame>) {
+        let k = frame.level.iteration;
+        let data = encode::frame(&self.job, frame, self.options.view).await;
+        self.push("iteration", Some(&k.to_string()), data);
+        self.seen = Some(k);
+        self.cursor
+            .seek((k + 1).next_multiple_of(self.options.every));
+    }
+
+    /// The last iteration, if it was left out so far, and the end.
+    async fn finish(&mut self, status: &Status) {
+        self.stage = Stage::Over;
+        let last = status.levels.map(|levels| levels.last.iteration);
+        if self.options.every > 1
+            && let Some(last) = last.filter(|&last| Some(last) > self.seen)
+        {
+            self.cursor.seek(last);
+            if let Next::Frame(frame) = self.cursor.next().await {
+                self.push_frame(&frame).await;
+            }
+        }
+        let data = view::end(&self.job, status);
+        self.push("end", Some(END), data);
     }
 
     /// NDJSON has no comments.
@@ -245,44 +275,11 @@ impl Feed {
     }
 }
 
-/// The JSON of the `job` event, made once for each job.
-async fn describe(job: &Arc<Job>) -> Bytes {
-    job.description(|| {
-        let numbers = job.problem().grid().count();
-        let described = Arc::clone(job);
-        let levels = job.status().levels;
-        off_network(job, numbers, move || view::description(&described, levels))
-    })
-    .await
-}
-
-/// The JSON of an iteration, made once for each frame.
-pub async fn encode(job: &Arc<Job>, frame: &Arc<Frame>) -> Bytes {
-    frame
-        .encoded(|| {
-            let problem = Arc::clone(job.problem());
-            let numbers = frame.control_points.len() * frame.control_points.dimension();
-            let frame = Arc::clone(frame);
-            off_network(job, numbers, move || {
-                view::iteration(&problem, &frame.level, &frame.control_points)
-            })
-        })
-        .await
-}
-
-/// Small encodings are made where they are needed, larger ones on the compute pool.
-pub async fn off_network(
-    job: &Job,
-    numbers: usize,
-    encode: impl FnOnce() -> Bytes + Send + 'static,
-) -> Bytes {
-    const SMALL: usize = 2000;
-    /// Writing a number takes about as long as so many multiplications.
-    const OPERATIONS_PER_NUMBER: usize = 50;
-    if numbers <= SMALL {
-        return encode();
+impl Drop for Feed {
+    fn drop(&mut self) {
+        let gone = !matches!(self.stage, Stage::Over);
+        if gone && self.options.cancels {
+            self.job.request_cancel();
+        }
     }
-    let lane = Lane::of(numbers * OPERATIONS_PER_NUMBER);
-    let encoded = job.scheduler().compute(lane, encode).await;
-    encoded.unwrap_or_else(|_| Bytes::from_static(b"null"))
 }

@@ -48,7 +48,7 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "parameters": ["chord_length", "centripetal", "uniform", "explicit"],
         "rational": ["homogeneous", "fixed"],
         "methods": methods(),
-        "views": ["control_points", "samples"],
+        "views": ["control_points", "samples", "errors"],
         "formats": {
             "events": ["text/event-stream", "application/x-ndjson"],
             "result": ["application/json"],

@@ -12,6 +12,7 @@ use serde_json::json;
 use uuid::Uuid;
 
 use super::negotiate::{self, Answer};
+use super::options::StreamParameters;
 use super::problem::{Kind, Problem};
 use super::request::{JobRequest, ValidJob};
 use super::{App, body, events, no_store, view};
@@ -31,17 +32,19 @@ pub async fn create(State(app): State<App>, request: Request) -> Result<Response
     if *app.stopping.borrow() {
         return Err(Problem::new(Kind::Stopping, "the server is stopping").retry_after(5));
     }
-    negotiate::query::<NoParameters>(request.uri())?;
+    let parameters: StreamParameters = negotiate::query(request.uri())?;
     let headers = request.headers().clone();
     let answer = negotiate::answer(&headers)?;
     let wait = negotiate::wait(&headers)?;
+    check_parameters(answer, &parameters)?;
     let body = body::read_json(&app, request).await?;
     let ValidJob { name, problem } = parse(&app, body).await?;
+    let options = parameters.options(problem.v().is_some())?;
     let job = app.jobs.create(name, problem).await?;
     let location = HeaderValue::from_str(&view::path(&job)).ok();
 
     let mut response = match answer {
-        Answer::Events(framing) => events::stream(&app, Arc::clone(&job), framing, None),
+        Answer::Events(framing) => events::stream(&app, Arc::clone(&job), framing, options, None),
         Answer::Json => {
             if let Some(wait) = wait {
                 // Either way the job is shown as it stands then.
@@ -72,9 +75,24 @@ async fn parse(app: &App, body: Bytes) -> Result<ValidJob, Problem> {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NoParameters {}
+/// The parameters are about the stream, and about one that starts at the beginning.
+fn check_parameters(answer: Answer, parameters: &StreamParameters) -> Result<(), Problem> {
+    let refused = match answer {
+        Answer::Json => parameters.given(),
+        Answer::Events(_) => parameters.last_event_id.as_ref().map(|_| "last_event_id"),
+    };
+    match refused {
+        None => Ok(()),
+        Some("last_event_id") => Err(Problem::at_parameter(
+            "last_event_id",
+            "a new job has no events yet",
+        )),
+        Some(name) => Err(Problem::at_parameter(
+            name,
+            "it is about event streams, but the Accept header does not ask for one",
+        )),
+    }
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

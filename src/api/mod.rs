@@ -6,17 +6,20 @@
 //! - [`jobs`]: create, list, get, cancel, delete;
 //! - [`events`]: a job as a stream of events;
 //! - [`geometry`]: single iterations and results;
-//! - [`view`]: the JSON of answers;
+//! - [`options`]: query parameters that say what to show;
+//! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457).
 
 pub mod body;
+pub mod encode;
 pub mod events;
 pub mod geometry;
 pub mod info;
 pub mod jobs;
 pub mod negotiate;
 pub mod numbers;
+pub mod options;
 pub mod per_direction;
 pub mod problem;
 pub mod request;

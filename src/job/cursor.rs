@@ -28,6 +28,8 @@ pub struct Cursor {
     next: usize,
     run: Option<Attached>,
     status: watch::Receiver<Status>,
+    /// Frames that are not the newest are left out.
+    latest: bool,
     /// The job was not over when reading began: if it is cancelled, reading ends at once.
     live: bool,
 }
@@ -42,8 +44,19 @@ impl Cursor {
             next,
             run: None,
             status,
+            latest: false,
             live,
         }
+    }
+
+    /// From now on only the newest frame is of interest.
+    pub fn only_latest(&mut self) {
+        self.latest = true;
+    }
+
+    /// The next frame to read will be `index`.
+    pub fn seek(&mut self, index: usize) {
+        self.next = index;
     }
 
     /// The next frame, or the end. Giving up the wait loses nothing.
@@ -51,11 +64,21 @@ impl Cursor {
         loop {
             let status = self.status.borrow_and_update().clone();
             let job_ended = status.state.is_final();
+            if self.latest {
+                let newest = self.job.status().levels;
+                self.next = self
+                    .next
+                    .max(newest.map_or(0, |levels| levels.last.iteration));
+            }
             if job_ended {
                 let given_up = self.live && status.state == State::Cancelled;
                 let last = status.levels.map(|levels| levels.last.iteration);
                 if given_up || last < Some(self.next) {
                     return Next::End(Box::new(status));
+                }
+                if let Some(frame) = self.last_frame(&status) {
+                    self.next += 1;
+                    return Next::Frame(frame);
                 }
             } else if status.state == State::Queued {
                 changed(&mut self.status).await;
@@ -68,9 +91,19 @@ impl Cursor {
                     return Next::Frame(frame);
                 }
                 Attempt::TryAgain => {}
+                // Where only the newest frame counts, there is a newer one by now.
+                Attempt::Leave if self.latest && !job_ended => {}
                 Attempt::Leave => self.run = None,
             }
         }
+    }
+
+    /// The last frame of a job that has ended is at hand, whoever computed it.
+    fn last_frame(&self, status: &Status) -> Option<Arc<Frame>> {
+        let level = status.levels?.last;
+        let points = self.job.result()?;
+        (level.iteration == self.next && self.run.is_none())
+            .then(|| Arc::new(Frame::last(level, Arc::clone(points))))
     }
 }
 

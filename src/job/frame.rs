@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bytes::Bytes;
+use parking_lot::Mutex;
 use tokio::sync::OnceCell;
 
 use crate::fit::iteration::Level;
@@ -15,7 +16,8 @@ pub struct Frame {
     pub level: Level,
     /// The free control points.
     pub control_points: Arc<Points>,
-    encoded: OnceCell<Bytes>,
+    /// What was made of it, by the name of the view.
+    encoded: Mutex<Vec<(String, Arc<OnceCell<Bytes>>)>>,
 }
 
 impl Frame {
@@ -24,10 +26,15 @@ impl Frame {
 
     /// A frame that nobody has read yet.
     pub fn new(level: Level, control_points: Points) -> Self {
+        Self::last(level, Arc::new(control_points))
+    }
+
+    /// The frame of control points that are kept elsewhere: the last ones.
+    pub fn last(level: Level, control_points: Arc<Points>) -> Self {
         Self {
             level,
-            control_points: Arc::new(control_points),
-            encoded: OnceCell::new(),
+            control_points,
+            encoded: Mutex::default(),
         }
     }
 
@@ -36,8 +43,14 @@ impl Frame {
         dimension * count * Self::BYTES_PER_NUMBER + size_of::<Self>()
     }
 
-    /// The frame on the wire: made by `encode` for its first reader and shared by the others.
-    pub async fn encoded<F: Future<Output = Bytes>>(&self, encode: impl FnOnce() -> F) -> Bytes {
-        self.encoded.get_or_init(encode).await.clone()
+    /// The place for a view of the frame on the wire: made by its first reader and shared by the others.
+    pub fn encoded(&self, view: &str) -> Arc<OnceCell<Bytes>> {
+        let mut encoded = self.encoded.lock();
+        if let Some((_, cell)) = encoded.iter().find(|(name, _)| name == view) {
+            return Arc::clone(cell);
+        }
+        let cell = Arc::new(OnceCell::new());
+        encoded.push((view.to_owned(), Arc::clone(&cell)));
+        cell
     }
 }

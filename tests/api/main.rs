@@ -28,3 +28,4 @@ mod reference;
 mod refusals;
 mod streams;
 mod support;
+mod views;

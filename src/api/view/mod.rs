@@ -276,6 +276,19 @@ pub fn iteration(problem: &Problem, level: &Level, control_points: &Points) -> B
     })
 }
 
+/// The data of an `iteration` event without geometry.
+pub fn errors(problem: &Problem, level: &Level) -> Bytes {
+    let mut value = json!({
+        "iteration": level.iteration,
+        "error": error(&level.error, problem),
+        "moved": level.moved,
+    });
+    if let Some(rate) = level.rate {
+        value["rate"] = json!(rate);
+    }
+    to_bytes(&value)
+}
+
 /// What is wrong with a homogeneous level: no CAD kernel takes a weight that is not positive.
 fn bad_weight((index, weight): (usize, f64), problem: &Problem) -> Value {
     json!({

@@ -1,0 +1,186 @@
+//! What streams show, and at which pace.
+
+use std::time::{Duration, Instant};
+
+use futures_util::StreamExt;
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::support::{Server, Story, events, problem};
+
+/// Levels of a stream's iterations.
+fn levels(iterations: &[Value]) -> Vec<u64> {
+    let level = |iteration: &Value| iteration["iteration"].as_u64().unwrap();
+    iterations.iter().map(level).collect()
+}
+
+/// The iterations of a stream that may leave some out, and its end.
+async fn thinned(server: &Server, path: &str, after: Option<&str>) -> (Vec<Value>, Value) {
+    let mut request = server.get(path);
+    if let Some(id) = after {
+        request = request.header("last-event-id", id);
+    }
+    let mut stream = events(request.send().await.unwrap());
+    let mut iterations = Vec::new();
+    while let Some(event) = stream.next().await {
+        match event.name.as_str() {
+            "iteration" => iterations.push(event.data),
+            "end" => return (iterations, event.data),
+            _ => {}
+        }
+    }
+    panic!("the stream has no end");
+}
+
+#[tokio::test]
+async fn views_show_errors_or_samples() {
+    let server = Server::start().await;
+    let story = server.stream(&data::small_job()).await;
+    let base = story.end["links"]["self"].as_str().unwrap();
+    let (errors, _) = thinned(&server, &format!("{base}/events?view=errors"), None).await;
+    assert_eq!(errors.len(), story.iterations.len());
+    for (shown, whole) in errors.iter().zip(&story.iterations) {
+        assert_eq!(shown["error"], whole["error"]);
+        assert_eq!(shown["rate"], whole["rate"]);
+        assert!(shown.get("control_points").is_none());
+    }
+    let path = format!("{base}/events?view=samples&samples=50");
+    let (samples, _) = thinned(&server, &path, None).await;
+    for (k, shown) in samples.iter().enumerate() {
+        assert_eq!(shown["samples"].as_array().unwrap().len(), 50);
+        let path = format!("{base}/iterations/{k}?view=samples&samples=50");
+        assert_eq!(&server.json(&path).await, shown);
+    }
+    let path = format!("{base}/result?view=errors");
+    assert_eq!(&server.json(&path).await, errors.last().unwrap());
+}
+
+#[tokio::test]
+async fn every_so_many_iterations_and_the_last() {
+    let server = Server::start().await;
+    let story = server.stream(&data::small_job()).await;
+    let last = story.iterations.len() as u64 - 1;
+    let base = story.end["links"]["self"].as_str().unwrap();
+    for every in [1, 2, 7, last, 10 * last] {
+        let path = format!("{base}/events?every={every}");
+        let (iterations, end) = thinned(&server, &path, None).await;
+        let mut expected: Vec<u64> = (0..=last).filter(|k| k % every == 0).collect();
+        if expected.last() != Some(&last) {
+            expected.push(last);
+        }
+        assert_eq!(levels(&iterations), expected);
+        assert_eq!(end, story.end);
+        for iteration in &iterations {
+            let k = iteration["iteration"].as_u64().unwrap() as usize;
+            assert_eq!(iteration, &story.iterations[k]);
+        }
+    }
+    // Resuming keeps the rhythm.
+    let (iterations, _) = thinned(&server, &format!("{base}/events?every=7"), Some("9")).await;
+    assert_eq!(levels(&iterations)[0], 14);
+    let over = format!("{base}/events?every=7");
+    let (iterations, _) = thinned(&server, &over, Some(&last.to_string())).await;
+    assert!(iterations.is_empty());
+    // The same while the job runs.
+    let request = server
+        .post("/v1/jobs?every=7")
+        .header("accept", "text/event-stream");
+    let response = request.json(&data::small_job()).send().await.unwrap();
+    let mut stream = events(response);
+    let mut seen = Vec::new();
+    while let Some(event) = stream.next().await {
+        if event.name == "iteration" {
+            seen.push(event.data);
+        }
+    }
+    assert!(levels(&seen).iter().all(|k| k % 7 == 0 || *k == last));
+    assert_eq!(levels(&seen).last(), Some(&last));
+}
+
+#[tokio::test]
+async fn the_latest_pace_skips_what_is_old() {
+    let server = Server::start().await;
+    let job = server.create(&data::endless_job()).await;
+    let path = format!(
+        "{}/events?pace=latest&view=errors",
+        job["links"]["self"].as_str().unwrap()
+    );
+    let mut stream = events(server.get(&path).send().await.unwrap());
+    stream.next().await.unwrap();
+    let mut last = None;
+    let mut skipped = 0;
+    for _ in 0..50 {
+        let k = stream.next().await.unwrap().data["iteration"]
+            .as_u64()
+            .unwrap();
+        if let Some(last) = last {
+            assert!(k > last, "{k} after {last}");
+            skipped += k - last - 1;
+        }
+        last = Some(k);
+        // Slower than the fit.
+        tokio::time::sleep(Duration::from_millis(2)).await;
+    }
+    assert!(skipped > 0);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_job_may_end_with_its_client() {
+    let server = Server::start().await;
+    for (option, expected) in [("cancel", "cancelled"), ("continue", "running")] {
+        let request = server
+            .post(&format!("/v1/jobs?on_disconnect={option}"))
+            .header("accept", "text/event-stream");
+        let mut stream = events(request.json(&data::endless_job()).send().await.unwrap());
+        let job = stream.next().await.unwrap().data;
+        stream.next().await.unwrap();
+        drop(stream);
+        let path = job["links"]["self"].as_str().unwrap();
+        let begin = Instant::now();
+        while server.json(path).await["state"] != expected {
+            assert!(begin.elapsed() < Duration::from_secs(10), "{option}");
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+    }
+    // A client that stays to the end has nothing to cancel.
+    let request = server
+        .post("/v1/jobs?on_disconnect=cancel")
+        .header("accept", "text/event-stream");
+    let response = request.json(&data::small_job()).send().await.unwrap();
+    assert_eq!(Story::read(response).await.state(), "converged");
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn wrong_options_are_refused() {
+    let server = Server::start().await;
+    let job = data::small_job();
+    let id = server.fit(&job).await["id"].as_str().unwrap().to_owned();
+    for query in [
+        "every=0",
+        "every=-1",
+        "every=x",
+        "pace=fast",
+        "view=all",
+        "samples=9",
+        "view=samples&samples=3x3",
+        "on_disconnect=stop",
+        "everyy=1",
+    ] {
+        let request = server.get(&format!("/v1/jobs/{id}/events?{query}"));
+        let (status, answer) = problem(request.send().await.unwrap()).await;
+        assert_eq!(status, 400, "{query}");
+        let name = answer["errors"][0]["parameter"].as_str().unwrap();
+        assert!(query.contains(name), "{answer:#}");
+    }
+    // Options of streams without a stream, and resuming what has not begun.
+    let request = server.post("/v1/jobs?every=2").json(&job);
+    assert_eq!(problem(request.send().await.unwrap()).await.0, 400);
+    let request = server.post("/v1/jobs?last_event_id=2").json(&job);
+    let request = request.header("accept", "text/event-stream");
+    assert_eq!(problem(request.send().await.unwrap()).await.0, 400);
+    let jobs = server.json("/v1/jobs").await;
+    assert_eq!(jobs["jobs"].as_array().unwrap().len(), 1);
+    assert_eq!(jobs["next"], json!(null));
+}
