@@ -5,7 +5,7 @@ use axum::extract::Request;
 use axum::http::header;
 use bytes::Bytes;
 use http_body_util::BodyExt;
-use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 use serde_path_to_error::{Path, Segment};
 
@@ -29,13 +29,20 @@ pub async fn read_json(app: &App, request: Request) -> Result<Bytes, Problem> {
 fn check_media_type(request: &Request) -> Result<(), Problem> {
     let given = request.headers().get(header::CONTENT_TYPE);
     let given = given.and_then(|value| value.to_str().ok()).unwrap_or("");
-    let essence = given.split(';').next().unwrap_or("").trim();
-    if essence.eq_ignore_ascii_case("application/json") {
+    let mut parts = given.split(';').map(str::trim);
+    let essence = parts.next().unwrap_or("");
+    // JSON is UTF-8; another charset would be read wrongly.
+    let utf8 = parts.all(|parameter| {
+        let (name, value) = parameter.split_once('=').unwrap_or((parameter, ""));
+        !name.trim().eq_ignore_ascii_case("charset")
+            || value.trim().trim_matches('"').eq_ignore_ascii_case("utf-8")
+    });
+    if essence.eq_ignore_ascii_case("application/json") && utf8 {
         return Ok(());
     }
     let detail = match given {
         "" => "the Content-Type header is missing; jobs are sent as application/json".to_owned(),
-        _ => format!("Content-Type is {given:?}; jobs are sent as application/json"),
+        _ => format!("Content-Type is {given:?}; jobs are sent as application/json in UTF-8"),
     };
     Err(Problem::new(Kind::UnsupportedMediaType, detail))
 }
@@ -84,15 +91,15 @@ pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
         match serde_path_to_error::deserialize::<_, T>(&mut reader) {
             Err(located) => {
                 let pointer = pointer(located.path());
-                describe(&located.into_inner(), pointer, body)
+                describe(&located.into_inner(), pointer)
             }
             // Whatever follows a complete value.
-            Ok(_) => describe(&error, String::new(), body),
+            Ok(_) => describe(&error, String::new()),
         }
     })
 }
 
-fn describe(error: &serde_json::Error, pointer: String, body: &[u8]) -> Problem {
+fn describe(error: &serde_json::Error, pointer: String) -> Problem {
     let text = error.to_string();
     // 1e999 is JSON, but no 64-bit number.
     if text.starts_with("number out of range") {
@@ -103,11 +110,6 @@ fn describe(error: &serde_json::Error, pointer: String, body: &[u8]) -> Problem 
         Category::Data => Problem::at_pointer(Kind::InvalidFit, pointer, text),
         Category::Eof if error.column() == 0 && error.line() <= 1 => {
             Problem::new(Kind::NotJson, "the body is empty; a job is expected")
-        }
-        // A list where a name is expected counts as wrong syntax with the parser, not with us.
-        Category::Syntax if serde_json::from_slice::<IgnoredAny>(body).is_ok() => {
-            let detail = format!("this value has the wrong type ({text})");
-            Problem::at_pointer(Kind::InvalidFit, pointer, detail)
         }
         Category::Syntax | Category::Eof | Category::Io => {
             let hint = "JSON is expected, which has no NaN and no Infinity";

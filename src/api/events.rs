@@ -66,7 +66,8 @@ fn last_event_id(
 ) -> Result<Option<LastEvent>, Problem> {
     let header = headers
         .get(LAST_EVENT_ID)
-        .map(|value| value.to_str().unwrap_or("?").to_owned());
+        .map(|value| value.to_str().unwrap_or("?").to_owned())
+        .filter(|id| !id.is_empty());
     let in_header = header.is_some();
     let Some(id) = header.or(parameter).filter(|id| !id.is_empty()) else {
         return Ok(None);
@@ -74,9 +75,7 @@ fn last_event_id(
     if id == END {
         return Ok(Some(LastEvent::End));
     }
-    id.parse()
-        .ok()
-        .filter(|&k| k < usize::MAX / 2)
+    negotiate::plain_number(&id)
         .map(|k| Some(LastEvent::Iteration(k)))
         .ok_or_else(|| {
             let detail = format!("{id:?} is no event id: ids are iteration numbers and \"end\"");

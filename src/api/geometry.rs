@@ -122,15 +122,11 @@ fn last_level(job: &Job) -> Result<usize, Problem> {
 }
 
 fn level_number(text: &str) -> Result<usize, Problem> {
-    text.parse()
-        .ok()
-        .filter(|&k| k < usize::MAX / 4)
-        .ok_or_else(|| {
-            let detail = format!(
-                "{text:?} is no iteration: they are numbered from 0; there is also \"last\""
-            );
-            Problem::new(Kind::NoSuchIteration, detail)
-        })
+    negotiate::plain_number(text).ok_or_else(|| {
+        let detail =
+            format!("{text:?} is no iteration: they are numbered from 0; there is also \"last\"");
+        Problem::new(Kind::NoSuchIteration, detail)
+    })
 }
 
 fn json_response(json: Bytes) -> Response {

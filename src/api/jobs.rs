@@ -15,6 +15,7 @@ use super::negotiate::{self, Answer};
 use super::options::StreamParameters;
 use super::problem::{Kind, Problem};
 use super::request::{JobRequest, ValidJob};
+use super::strict::Object;
 use super::{App, body, events, no_store, view};
 use crate::job::Job;
 use crate::job::scheduler::Lane;
@@ -67,7 +68,10 @@ pub async fn create(State(app): State<App>, request: Request) -> Result<Response
 async fn parse(app: &App, body: Bytes) -> Result<ValidJob, Problem> {
     let config = Arc::clone(&app.config);
     let small = body.len() <= PARSED_AT_ONCE;
-    let parse = move || body::parse::<JobRequest>(&body)?.validate(&config);
+    let parse = move || {
+        let Object(request) = body::parse::<Object<JobRequest>>(&body)?;
+        request.validate(&config)
+    };
     if small {
         parse()
     } else {

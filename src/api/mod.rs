@@ -1,6 +1,7 @@
 //! What goes over the wire: HTTP resources, event streams and problem objects.
 //!
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
+//! - [`strict`]: JSON read to the letter;
 //! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`jobs`]: create, list, get, cancel, delete;
@@ -23,6 +24,7 @@ pub mod options;
 pub mod per_direction;
 pub mod problem;
 pub mod request;
+pub mod strict;
 pub mod view;
 
 use std::sync::Arc;

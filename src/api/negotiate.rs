@@ -97,14 +97,17 @@ fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Pr
 pub fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
     for value in headers.get_all("prefer") {
         let text = value.to_str().unwrap_or("");
-        for preference in text.split(',').map(str::trim) {
+        for preference in text.split(',') {
+            // Parameters of a preference follow a semicolon.
+            let preference = preference.split(';').next().unwrap_or("").trim();
             let Some((name, seconds)) = preference.split_once('=') else {
                 continue;
             };
             if !name.trim().eq_ignore_ascii_case("wait") {
                 continue;
             }
-            return match seconds.trim().parse() {
+            let seconds = seconds.trim().trim_matches('"');
+            return match seconds.parse() {
                 Ok(seconds) if seconds <= LONGEST_WAIT => Ok(Some(Duration::from_secs(seconds))),
                 _ => Err(Problem::at_header(
                     "Prefer",
@@ -118,6 +121,12 @@ pub fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
     Ok(None)
 }
 
+/// A number written as numbers are: digits, without signs or leading zeros.
+pub fn plain_number(text: &str) -> Option<usize> {
+    let number: usize = text.parse().ok()?;
+    (number.to_string() == text && number < usize::MAX / 4).then_some(number)
+}
+
 /// The query parameters of a resource; unknown ones are errors.
 pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
     Query::try_from_uri(uri)
@@ -128,11 +137,14 @@ pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
                 .strip_prefix("Failed to deserialize query string: ")
                 .unwrap_or(&text);
             // The parameter, if the message names one: "limit: …" or "unknown field `limit`, …".
-            let named = detail
-                .split('`')
-                .nth(1)
-                .filter(|_| detail.contains("field `"));
-            let name = named.or_else(|| detail.split_once(':').map(|(name, _)| name));
-            Problem::at_parameter(name.unwrap_or("(query)"), detail)
+            let named = detail.split('`').nth(1);
+            match (
+                named.filter(|_| detail.contains("field `")),
+                detail.split_once(": "),
+            ) {
+                (Some(name), _) => Problem::at_parameter(name, detail),
+                (None, Some((name, reason))) => Problem::at_parameter(name, reason),
+                (None, None) => Problem::at_parameter("(query)", detail),
+            }
         })
 }

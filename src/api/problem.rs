@@ -186,8 +186,8 @@ impl Kind {
             Self::Overflow => (
                 "overflow",
                 S::UNPROCESSABLE_ENTITY,
-                "The fit left the range of 64-bit numbers",
-                "Coordinates grew beyond 1.8e308 during the iteration. Either it diverges, as the extended method does on long curves, where its intermediate errors are astronomic: choose another method. Or the data are too large: scale them down.",
+                "The fit left the range of numbers",
+                "Distances grew beyond 1e150 times the size of the data, or beyond 1.8e308. Either the iteration diverges, as the extended method does on long curves, where its intermediate errors are astronomic: choose another method. Or the data are too large: scale them down.",
             ),
             Self::Internal => (
                 "internal",
@@ -326,7 +326,7 @@ impl From<Failure> for Problem {
         match failure {
             Failure::Overflow => Self::new(
                 Kind::Overflow,
-                "the distances from the data are not finite numbers any more: the iteration has diverged, or the data are too large",
+                "the distances from the data have left the range of numbers: the iteration has diverged, or the data are too large",
             ),
             Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
         }

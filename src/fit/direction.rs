@@ -9,9 +9,6 @@ use super::missing::Missing;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
 use super::points::{Grid, Points};
 
-/// Parameters and knots further out than this would overflow in sums of a few of them.
-const PARAMETER_RANGE: f64 = 1e300;
-
 /// The basis asked for in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BasisChoice {
@@ -95,7 +92,7 @@ impl Direction {
             }
             BasisChoice::Polynomial(kind) => polynomial(kind, placed.values, free, axis)?,
             BasisChoice::BSpline { degree, knots } => {
-                check_degree(degree, axis)?;
+                check_degree(degree, true, axis)?;
                 if choice.closed {
                     periodic(degree, &knots, placed, free, axis)?
                 } else if fewer {
@@ -144,6 +141,11 @@ impl Direction {
     /// Writes the values at `t` of the functions that can differ from zero there, with their
     /// weights, and returns the index of the first of them.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
+        let (low, high) = self.basis.domain();
+        // Knots of even degree lie between the sites: data near the end of the period can lie
+        // beyond the last span, that is, in the first.
+        let wraps = self.is_closed() && t > high;
+        let t = if wraps { t - (high - low) } else { t };
         let start = self.basis.evaluate(t, values);
         if let Some(weights) = &self.weights {
             // w_j B_j / Σ w_k B_k (LBW05 (3.7)).
@@ -200,7 +202,7 @@ fn polynomial(
     axis: Axis,
 ) -> Result<Direction, Invalid> {
     let degree = free - 1;
-    check_degree(degree, axis)?;
+    check_degree(degree, false, axis)?;
     rescale(&mut t, 0.0, 1.0, axis)?;
     Ok(Direction::open(
         Basis::Polynomial { kind, degree },
@@ -220,7 +222,7 @@ fn clamped(
     let free = t.len();
     let mut front_copies = 0;
     let knots = match choice {
-        Knots::Data => {
+        Knots::Usual | Knots::Data => {
             // ⌈(p−1)/2⌉ copies of the first control point in front, ⌊(p−1)/2⌋ of the last behind.
             front_copies = degree / 2;
             knots::at_data(&t, degree)
@@ -248,9 +250,12 @@ fn least_squares(
     parameters_given: bool,
     axis: Axis,
 ) -> Result<Direction, Invalid> {
-    check_enough(degree, free, axis)?;
+    if degree >= free {
+        return Err(Invalid::TooFewControlPoints { axis, free, degree });
+    }
     let knots = match choice {
-        Knots::Data | Knots::Averaged => knots::least_squares(&t, degree, free),
+        Knots::Usual => knots::least_squares(&t, degree, free),
+        Knots::Data | Knots::Averaged => return Err(Invalid::LeastSquaresKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
             knots
@@ -281,8 +286,11 @@ fn periodic(
     free: usize,
     axis: Axis,
 ) -> Result<Direction, Invalid> {
-    if *choice != Knots::Data {
-        return Err(Invalid::ClosedKnots { axis });
+    match choice {
+        Knots::Usual => {}
+        Knots::Data if free == placed.values.len() => {}
+        Knots::Data => return Err(Invalid::LeastSquaresKnots { axis }),
+        Knots::Averaged | Knots::Explicit(_) => return Err(Invalid::ClosedKnots { axis }),
     }
     if degree >= free {
         return Err(Invalid::ClosedDegree {
@@ -311,7 +319,6 @@ fn explicit(
     axis: Axis,
 ) -> Result<(), Invalid> {
     knots::check(knots, degree, free, axis)?;
-    check_range(knots, axis)?;
     if !parameters_given {
         rescale(t, knots[0], knots[knots.len() - 1], axis)?;
     }
@@ -329,7 +336,7 @@ fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> 
     Ok(())
 }
 
-fn check_degree(degree: usize, axis: Axis) -> Result<(), Invalid> {
+fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> {
     let limit = MAX_DEGREE;
     match degree {
         0 => Err(Invalid::DegreeTooLow { axis, degree }),
@@ -337,6 +344,7 @@ fn check_degree(degree: usize, axis: Axis) -> Result<(), Invalid> {
             axis,
             degree,
             limit,
+            chosen,
         }),
         _ => Ok(()),
     }
@@ -344,7 +352,7 @@ fn check_degree(degree: usize, axis: Axis) -> Result<(), Invalid> {
 
 fn check_range(values: &[f64], axis: Axis) -> Result<(), Invalid> {
     let ends = [values[0], values[values.len() - 1]];
-    if ends.iter().all(|x| x.abs() <= PARAMETER_RANGE) {
+    if ends.iter().all(|x| x.abs() <= knots::LARGEST) {
         Ok(())
     } else {
         Err(Invalid::ParameterRange { axis })

@@ -228,6 +228,19 @@ pub enum Invalid {
         axis: Axis,
         degree: usize,
         limit: usize,
+        chosen: bool,
+    },
+    #[error("the knots span more than the range of 64-bit numbers, or nothing")]
+    KnotRange { axis: Axis },
+    #[error(
+        "least squares places its knots by itself (Piegl & Tiller (9.68)): leave them out, or give numbers for open curves"
+    )]
+    LeastSquaresKnots { axis: Axis },
+    #[error("{free} control points are too few for degree {degree}, which needs {needed}", needed = degree + 1)]
+    TooFewControlPoints {
+        axis: Axis,
+        free: usize,
+        degree: usize,
     },
     #[error(
         "degree {degree} needs at least {needed} points with averaged knots, {count} given", needed = degree + 1
@@ -317,7 +330,12 @@ impl Invalid {
             Self::DegreeTooLow { axis, .. } | Self::DegreeTooHigh { axis, .. } => {
                 Place::Degree(axis)
             }
+            Self::DegreeAboveLimit {
+                axis, chosen: true, ..
+            } => Place::Degree(axis),
             Self::DegreeAboveLimit { axis, .. } => Place::Basis(axis),
+            Self::KnotRange { axis } | Self::LeastSquaresKnots { axis } => Place::Knots(axis),
+            Self::TooFewControlPoints { axis, .. } => Place::ControlPoints(axis),
             Self::KnotCount { axis, .. } | Self::SchoenbergWhitney { axis, .. } => {
                 Place::Knots(axis)
             }

@@ -143,7 +143,11 @@ impl Iteration {
         };
         error.gradient = update.gradient();
         let length = norms.residual_length();
-        self.decrease = 1.0 - length / self.length;
+        self.decrease = if self.length > 0.0 {
+            1.0 - length / self.length
+        } else {
+            0.0
+        };
         self.length = length;
         let rate = error.max / self.level.error.max;
         self.level = Level {
@@ -162,14 +166,17 @@ impl Iteration {
         let Level {
             iteration, error, ..
         } = self.level;
-        let finite = error.sum.is_finite() || error.homogeneous.is_some_and(f64::is_finite);
-        let least_squares = matches!(problem.method(), Method::LeastSquares(_));
-        if !finite {
+        let updated_least_squares =
+            matches!(problem.method(), Method::LeastSquares(_)) && iteration > 0;
+        // Homogeneous distances can be infinite where a weight is not positive; residuals cannot.
+        if !self.length.is_finite() {
             Some(Outcome::Overflow)
         } else if error.max <= problem.tolerance() {
             Some(Outcome::Converged)
-        } else if least_squares && iteration > 0 && self.decrease < STATIONARY {
+        } else if updated_least_squares && self.decrease.abs() < STATIONARY {
             Some(Outcome::Stationary)
+        } else if updated_least_squares && self.decrease < 0.0 {
+            Some(Outcome::Stalled(Stall::Diverging))
         } else if let Some(stall) = self.update.stalled() {
             Some(Outcome::Stalled(stall))
         } else if iteration >= problem.max_iterations() {

@@ -65,10 +65,11 @@ impl Norms {
             counted.iter().filter(|counted| **counted).count()
         });
         // Equal points leave rounding errors of their magnitude.
-        let noise = data.magnitude() * f64::EPSILON;
+        let noise = magnitude(data, homogeneous) * f64::EPSILON;
+        let homogeneous_noise = data.magnitude() * f64::EPSILON;
         Self {
             scale: normalizing_scale(diagonal.max(noise)),
-            homogeneous_scale: normalizing_scale(data.bounding_diagonal().max(noise)),
+            homogeneous_scale: normalizing_scale(data.bounding_diagonal().max(homogeneous_noise)),
             homogeneous,
             counted,
             count,
@@ -217,8 +218,19 @@ fn sum_squares(lanes: &[Vec<f64>], start: usize, scale: f64, squares: &mut [f64]
     }
 }
 
-/// A power of two near `1 / length`.
-fn normalizing_scale(length: f64) -> f64 {
+/// The largest coordinate of the data points.
+fn magnitude(data: &Points, homogeneous: bool) -> f64 {
+    match data.lanes().split_last() {
+        Some((weights, lanes)) if homogeneous => lanes
+            .iter()
+            .flat_map(|lane| lane.iter().zip(weights))
+            .fold(0.0, |largest, (q, weight)| (q / weight).abs().max(largest)),
+        _ => data.magnitude(),
+    }
+}
+
+/// A power of two near `1 / length`: squares of lengths like this neither over- nor underflow.
+pub fn normalizing_scale(length: f64) -> f64 {
     if length > 0.0 {
         (-length.log2().floor()).clamp(-1022.0, 1022.0).exp2()
     } else {

@@ -9,6 +9,9 @@ use super::points::{Grid, Points};
 use super::spectrum;
 use super::weights;
 
+/// Rounding errors of coordinates, relative to the largest.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// When to stop, as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
@@ -91,7 +94,7 @@ impl Problem {
         if !diagonal.is_finite() {
             return Err(Invalid::TooLarge);
         }
-        let tolerance = resolve_tolerance(request.tolerance, diagonal)?;
+        let tolerance = resolve_tolerance(request.tolerance, &request.points, diagonal)?;
         check_method(&request)?;
         if let Weights::FixedGrid(values) = &request.weights
             && let Some(v) = &mut request.v
@@ -260,16 +263,21 @@ fn check_missing(request: &Request) -> Result<(), Invalid> {
     }
 }
 
-fn resolve_tolerance(tolerance: Tolerance, diagonal: f64) -> Result<f64, Invalid> {
-    let (value, unit, relative) = match tolerance {
-        Tolerance::Absolute(value) => (value, 1.0, false),
-        Tolerance::Relative(value) => (value, diagonal, true),
+fn resolve_tolerance(tolerance: Tolerance, points: &Points, diagonal: f64) -> Result<f64, Invalid> {
+    let (value, relative) = match tolerance {
+        Tolerance::Absolute(value) => (value, false),
+        Tolerance::Relative(value) => (value, true),
     };
-    if value.is_finite() && value >= 0.0 {
-        Ok(value * unit)
-    } else {
-        Err(Invalid::Tolerance { value, relative })
+    if !(value.is_finite() && value >= 0.0) {
+        return Err(Invalid::Tolerance { value, relative });
     }
+    // Relative to points that are nearly equal, rounding of their coordinates would be too much.
+    let rounding = points.magnitude() * ROUNDING;
+    Ok(match relative {
+        true if value > 0.0 => (value * diagonal).max(rounding),
+        true => 0.0,
+        false => value,
+    })
 }
 
 fn check_method(request: &Request) -> Result<(), Invalid> {

@@ -139,7 +139,7 @@ pub fn check_convergence(problem: &Problem) -> Result<(), Invalid> {
         .iter()
         .map(|z| (nalgebra::Complex::new(1.0, 0.0) - z * omega).norm())
         .fold(0.0, f64::max);
-    if !real_only && rate >= 1.0 {
+    if rate > 1.0 + REAL {
         return Err(Invalid::Diverges { method, rate });
     }
     Ok(())

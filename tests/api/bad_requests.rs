@@ -99,7 +99,7 @@ fn not_json() -> Vec<Bad> {
 
 fn wrong_shape() -> Vec<Bad> {
     vec![
-        bad(json!([]), "", "expected struct JobRequest"),
+        bad(json!([]), "", "expected an object"),
         bad(json!({}), "", "a curve or a surface is needed"),
         bad(json!({"curve": null}), "", "a curve or a surface is needed"),
         bad(
@@ -193,6 +193,39 @@ fn wrong_shape() -> Vec<Bad> {
     ]
 }
 
+/// Lists for objects and objects for names: other readers of JSON take them.
+fn wrong_form() -> Vec<Bad> {
+    vec![
+        bad(
+            json!(["n", {"points": [[0], [1]]}]),
+            "",
+            "expected an object",
+        ),
+        bad(
+            curve("basis", json!(["bspline", 2])),
+            "/curve/basis",
+            "expected",
+        ),
+        bad(
+            curve("basis", json!({"kind": {"bspline": null}})),
+            "/curve/basis/kind",
+            "expected a name",
+        ),
+        bad(
+            json!({"curve": [[[0], [1]]]}),
+            "/curve",
+            "expected an object",
+        ),
+        bad(stop(json!([1e-3, null, 5])), "/stop", "expected an object"),
+        bad(
+            stop(json!({"max_iterations": 1e3})),
+            "/stop/max_iterations",
+            "expected a whole number",
+        ),
+        text("{\"name\":\"\\ud800\"}", 400, None, "hex escape"),
+    ]
+}
+
 fn wrong_basis() -> Vec<Bad> {
     let knots = |knots: Value| bspline(json!({"degree": 2, "knots": knots}));
     vec![
@@ -209,7 +242,7 @@ fn wrong_basis() -> Vec<Bad> {
         bad(
             curve("basis", json!("bspline")),
             "/curve/basis",
-            "expected struct",
+            "expected an object",
         ),
         bad(
             bspline(json!({"order": 4})),
@@ -229,7 +262,7 @@ fn wrong_basis() -> Vec<Bad> {
         ),
         bad(
             bspline(json!({"degree": 1001})),
-            "/curve/basis",
+            "/curve/basis/degree",
             "above 1000",
         ),
         bad(
@@ -395,7 +428,7 @@ fn wrong_rules() -> Vec<Bad> {
         bad(
             method(json!({"kind": ["global"]})),
             "/method/kind",
-            "wrong type",
+            "expected a name",
         ),
         bad(
             method(json!({"kind": "global", "omega": 1})),
@@ -451,6 +484,7 @@ async fn bodies() {
     let cases: Vec<Bad> = [
         not_json(),
         wrong_shape(),
+        wrong_form(),
         wrong_basis(),
         wrong_parameters(),
         wrong_rules(),

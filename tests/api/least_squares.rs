@@ -186,6 +186,38 @@ async fn control_points_without_data_stay() {
     }
 }
 
+const CLOSED_MINIMA: [(usize, f64); 3] = [
+    (1, 0.15076793572845143),
+    (2, 0.04837376726766185),
+    (3, 0.015872019929135704),
+];
+
+/// Closed curves of even degree have data beyond the last span: they belong to the first. The values
+/// are those of `numpy.linalg.lstsq` on the periodic design matrix.
+#[tokio::test]
+async fn closed_curves_of_every_degree_reach_the_minimum() {
+    let server = Server::start().await;
+    let points: Vec<[f64; 2]> = (0..11)
+        .map(|i| TAU * f64::from(i) / 11.0)
+        .map(|a| [a.cos(), 1.5 * a.sin()])
+        .collect();
+    for (degree, rms) in CLOSED_MINIMA {
+        let story = server
+            .stream(&json!({
+                "curve": {
+                    "points": points, "parameters": "uniform", "closed": true,
+                    "basis": {"kind": "bspline", "degree": degree},
+                },
+                "method": {"kind": "least_squares", "control_points": 4, "variant": "cg"},
+                "stop": {"tolerance": 0},
+            }))
+            .await;
+        assert_eq!(story.state(), "converged");
+        let found = number(&story.end["error"]["rms"]);
+        assert!((found - rms).abs() < 1e-9, "degree {degree}: {found}");
+    }
+}
+
 #[tokio::test]
 async fn wrong_settings_are_refused() {
     let server = Server::start().await;
@@ -208,8 +240,8 @@ async fn wrong_settings_are_refused() {
         ),
         (
             json!({"kind": "least_squares", "control_points": 3}),
-            "/curve/basis/degree",
-            "at least 4",
+            "/method/control_points",
+            "too few for degree 3",
         ),
         (
             json!({"kind": "least_squares", "control_points": {"u": 5, "v": 5}}),
@@ -297,6 +329,21 @@ async fn wrong_settings_are_refused() {
         assert!(
             problem["detail"].as_str().unwrap().contains(reason),
             "{problem:#}"
+        );
+    }
+    for (closed, knots) in [(false, "data"), (false, "averaged"), (true, "data")] {
+        let job = json!({
+            "curve": {
+                "points": data::wave(20), "closed": closed,
+                "basis": {"kind": "bspline", "knots": knots},
+            },
+            "method": {"kind": "least_squares", "control_points": 8},
+        });
+        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
+        let (_, answer) = problem(response).await;
+        assert_eq!(
+            answer["errors"][0]["pointer"], "/curve/basis/knots",
+            "{answer:#}"
         );
     }
     let mut holed = data::peaks(5);

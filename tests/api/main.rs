@@ -26,6 +26,7 @@ mod process;
 mod rational;
 mod reference;
 mod refusals;
+mod scales;
 mod streams;
 mod support;
 mod views;

@@ -9,6 +9,7 @@ use super::invalid;
 use crate::api::numbers::Number;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
+use crate::api::strict::{Count, Name};
 use crate::fit::method::{LeastSquares, Method, Selection, Start, Variant};
 use crate::fit::points::Grid;
 
@@ -17,14 +18,14 @@ use crate::fit::points::Grid;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MethodRequest {
-    kind: Kind,
+    kind: Name<Kind>,
     omega: Option<Omega>,
     indices: Option<Vec<Index>>,
     row_by_row: Option<bool>,
     threshold: Option<Number>,
-    start: Option<StartRequest>,
-    control_points: Option<PerDirection<usize>>,
-    variant: Option<VariantRequest>,
+    start: Option<Name<StartRequest>>,
+    control_points: Option<PerDirection<Count>>,
+    variant: Option<Name<VariantRequest>>,
     mu: Option<Number>,
 }
 
@@ -85,7 +86,7 @@ impl MethodRequest {
     /// The method for data points arranged in `grid`.
     pub(super) fn method(self, grid: Grid, surface: bool) -> Result<Method, Problem> {
         self.check_settings()?;
-        Ok(match self.kind {
+        Ok(match self.kind.0 {
             Kind::Global => Method::Global,
             Kind::Weighted => Method::Weighted {
                 omega: match self.omega {
@@ -105,8 +106,8 @@ impl MethodRequest {
             },
             Kind::Extended => Method::Extended {
                 start: match self.start {
-                    None | Some(StartRequest::Transformed) => Start::Transformed,
-                    Some(StartRequest::Data) => Start::Data,
+                    None | Some(Name(StartRequest::Transformed)) => Start::Transformed,
+                    Some(Name(StartRequest::Data)) => Start::Data,
                 },
             },
             Kind::Transpose => Method::Transpose,
@@ -134,14 +135,14 @@ impl MethodRequest {
             ("mu", self.mu.is_some(), Kind::LeastSquares),
         ];
         for (name, given, kind) in settings {
-            if given && kind != self.kind {
+            if given && kind != self.kind.0 {
                 return Err(invalid(
                     &format!("/method/{name}"),
                     format!("{name} is a setting of the method {:?}", kind.name()),
                 ));
             }
         }
-        if self.mu.is_some() && self.variant != Some(VariantRequest::Lspia) {
+        if self.mu.is_some() && self.variant != Some(Name(VariantRequest::Lspia)) {
             return Err(invalid(
                 "/method/mu",
                 "mu is a setting of the variant \"lspia\"",
@@ -206,13 +207,13 @@ impl MethodRequest {
             let detail = "a curve has one number of control points";
             return Err(invalid("/method/control_points", detail));
         }
-        let (u, v) = control_points.split();
+        let (Count(u), Count(v)) = control_points.split();
         let variant = match self.variant {
-            None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
-            Some(VariantRequest::Lspia) => Variant::Lspia {
+            None | Some(Name(VariantRequest::Diagonal)) => Variant::Diagonal,
+            Some(Name(VariantRequest::Lspia)) => Variant::Lspia {
                 mu: self.mu.map(|Number(mu)| mu),
             },
-            Some(VariantRequest::Cg) => Variant::ConjugateGradients,
+            Some(Name(VariantRequest::Cg)) => Variant::ConjugateGradients,
         };
         Ok(LeastSquares { u, v, variant })
     }

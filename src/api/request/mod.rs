@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::numbers::{NameOrNumbers, Number, PointGrid, PointList, WeightList};
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
+use super::strict::{Count, Name, Object};
 use crate::config::Config;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -29,19 +30,18 @@ const LONGEST_NAME: usize = 200;
 #[serde(deny_unknown_fields)]
 pub struct JobRequest {
     name: Option<String>,
-    curve: Option<CurveRequest>,
-    surface: Option<SurfaceRequest>,
-    rational: Option<RationalRequest>,
-    method: Option<MethodRequest>,
-    #[serde(default)]
-    stop: StopRequest,
+    curve: Option<Object<CurveRequest>>,
+    surface: Option<Object<SurfaceRequest>>,
+    rational: Option<Name<RationalRequest>>,
+    method: Option<Object<MethodRequest>>,
+    stop: Option<Object<StopRequest>>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CurveRequest {
     points: PointList,
-    basis: Option<BasisRequest>,
+    basis: Option<Object<BasisRequest>>,
     parameters: Option<NameOrNumbers>,
     weights: Option<WeightList>,
     closed: Option<bool>,
@@ -51,7 +51,7 @@ struct CurveRequest {
 #[serde(deny_unknown_fields)]
 struct SurfaceRequest {
     points: PointGrid,
-    basis: Option<PerDirection<BasisRequest>>,
+    basis: Option<PerDirection<Object<BasisRequest>>>,
     parameters: Option<PerDirection<NameOrNumbers>>,
     weights: Option<PerDirection<WeightList>>,
     closed: Option<PerDirection<bool>>,
@@ -60,8 +60,8 @@ struct SurfaceRequest {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BasisRequest {
-    kind: BasisKind,
-    degree: Option<usize>,
+    kind: Name<BasisKind>,
+    degree: Option<Count>,
     knots: Option<NameOrNumbers>,
 }
 
@@ -86,7 +86,7 @@ enum RationalRequest {
 struct StopRequest {
     tolerance: Option<Number>,
     relative_tolerance: Option<Number>,
-    max_iterations: Option<usize>,
+    max_iterations: Option<Count>,
 }
 
 /// A job that can be computed.
@@ -107,9 +107,10 @@ impl JobRequest {
             let detail = format!("the name is longer than {LONGEST_NAME} characters");
             return Err(invalid("/name", detail));
         }
+        let rational = self.rational.map(|Name(rational)| rational);
         let mut shape = match (self.curve, self.surface) {
-            (Some(curve), None) => curve.shape(self.rational)?,
-            (None, Some(surface)) => surface.shape(self.rational)?,
+            (Some(Object(curve)), None) => curve.shape(rational)?,
+            (None, Some(Object(surface))) => surface.shape(rational)?,
             (None, None) => return Err(invalid("", "a curve or a surface is needed")),
             (Some(_), Some(_)) => {
                 let detail = "the job has a curve, so it cannot have a surface as well";
@@ -117,10 +118,11 @@ impl JobRequest {
             }
         };
         check_count(&shape, config.max_points)?;
-        let (tolerance, max_iterations) = self.stop.rules(config.max_iterations)?;
+        let Object(stop) = self.stop.unwrap_or_default();
+        let (tolerance, max_iterations) = stop.rules(config.max_iterations)?;
         let method = match self.method {
             None => Method::Global,
-            Some(method) => {
+            Some(Object(method)) => {
                 shape.places.control_points_each = method.has_control_points_each();
                 method.method(shape.grid, shape.v.is_some())?
             }
@@ -293,6 +295,15 @@ fn surface_weights(
                     return Err(invalid(&format!("{POINTER}/{name}"), detail));
                 }
             }
+            for (name, weights) in [("u", &u), ("v", &v)] {
+                let wrong = |w: &f64| !(*w > 0.0 && w.is_finite());
+                if let Some(index) = weights.iter().position(wrong) {
+                    let value = weights[index];
+                    let detail =
+                        format!("weight {index} is {value}; weights are finite and greater than 0");
+                    return Err(invalid(&format!("{POINTER}/{name}/{index}"), detail));
+                }
+            }
             let products = u.iter().flat_map(|u| v.iter().map(move |v| u * v));
             Ok((Weights::Homogeneous(products.collect()), None))
         }
@@ -311,17 +322,20 @@ fn no_weights() -> Problem {
     )
 }
 
-fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Problem> {
-    let Some(request) = request else {
+fn basis(request: Option<Object<BasisRequest>>, pointer: &str) -> Result<BasisChoice, Problem> {
+    let Some(Object(request)) = request else {
         return Ok(BasisChoice::BSpline {
             degree: DEFAULT_DEGREE,
-            knots: Knots::Data,
+            knots: Knots::Usual,
         });
     };
-    let kind = match request.kind {
+    let Name(kind) = request.kind;
+    let kind = match kind {
         BasisKind::Bspline => {
             return Ok(BasisChoice::BSpline {
-                degree: request.degree.unwrap_or(DEFAULT_DEGREE),
+                degree: request
+                    .degree
+                    .map_or(DEFAULT_DEGREE, |Count(degree)| degree),
                 knots: knots(request.knots, pointer)?,
             });
         }
@@ -344,7 +358,7 @@ fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Pr
 
 fn knots(request: Option<NameOrNumbers>, basis: &str) -> Result<Knots, Problem> {
     match request {
-        None => Ok(Knots::Data),
+        None => Ok(Knots::Usual),
         Some(NameOrNumbers::Numbers(knots)) => Ok(Knots::Explicit(knots)),
         Some(NameOrNumbers::Name(name)) => match name.as_str() {
             "data" => Ok(Knots::Data),
@@ -389,9 +403,8 @@ impl StopRequest {
                 return Err(invalid("/stop/relative_tolerance", detail));
             }
         };
-        let max_iterations = self
-            .max_iterations
-            .unwrap_or(DEFAULT_ITERATIONS.min(most_iterations));
+        let usual = DEFAULT_ITERATIONS.min(most_iterations);
+        let max_iterations = self.max_iterations.map_or(usual, |Count(count)| count);
         if max_iterations > most_iterations {
             let detail = format!(
                 "{max_iterations} iterations are more than {most_iterations}, the limit of this server"

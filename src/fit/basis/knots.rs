@@ -2,9 +2,14 @@
 
 use crate::fit::invalid::{Axis, Invalid};
 
+/// Knots further out than this would overflow in sums of a few of them.
+pub const LARGEST: f64 = 1e300;
+
 /// How the knots of a B-spline direction are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Knots {
+    /// What suits the method: at the data, and for least squares as [`least_squares`] places them.
+    Usual,
     /// Interior knots are the interior parameters (LBW05 (3.1), LWD04 (1)).
     Data,
     /// Interior knots are averages of `degree` successive parameters (PT97 (9.8)).
@@ -92,6 +97,10 @@ pub fn check(knots: &[f64], degree: usize, count: usize, axis: Axis) -> Result<(
         });
     }
     check_order(knots, axis)?;
+    let (first, last) = (knots[0], knots[knots.len() - 1]);
+    if !(first < last && first.abs() <= LARGEST && last.abs() <= LARGEST) {
+        return Err(Invalid::KnotRange { axis });
+    }
     check_clamped(knots, degree, axis)?;
     let interior = &knots[degree + 1..count];
     match interior.windows(degree + 1).position(|w| w[0] == w[degree]) {

@@ -1,6 +1,7 @@
 //! Planar curves whose control polygons keep the turns of the data (LWD04, Algorithm 1).
 
 use super::{Change, Stall, State, Update};
+use crate::fit::norms::normalizing_scale;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
@@ -21,6 +22,8 @@ const PATIENCE: usize = 3;
 #[derive(Debug)]
 pub struct Convex {
     closed: bool,
+    /// A power of two that keeps products of lengths within the range of numbers.
+    scale: f64,
     before: Points,
     step: Points,
     turns: Vec<i8>,
@@ -33,6 +36,7 @@ impl Convex {
         let data = problem.data();
         Self {
             closed: problem.u().is_closed(),
+            scale: normalizing_scale(problem.diagonal()),
             before: Points::zeros(data.dimension(), data.len()),
             step: Points::zeros(data.dimension(), data.len()),
             turns: Vec::with_capacity(data.len()),
@@ -56,7 +60,7 @@ impl Convex {
                 };
             }
         }
-        turns(control_points, self.closed).eq(self.turns.iter().copied())
+        turns(control_points, self.closed, self.scale).eq(self.turns.iter().copied())
     }
 
     /// The largest ε in (0, 1], but for [`NEARNESS`], that keeps the turns; 0 if there is none.
@@ -98,7 +102,8 @@ impl Update for Convex {
             ..
         } = state;
         self.turns.clear();
-        self.turns.extend(turns(control_points, self.closed));
+        let signs = turns(control_points, self.closed, self.scale);
+        self.turns.extend(signs);
         copy(control_points, &mut self.before);
         copy(residual, &mut self.step);
         let epsilon = self.admissible_part(control_points);
@@ -126,13 +131,14 @@ fn copy(from: &Points, to: &mut Points) {
 }
 
 /// The signs of the turning angles of a polygon, at its inner points and, if it is closed, at its ends.
-fn turns(polygon: &Points, closed: bool) -> impl Iterator<Item = i8> + '_ {
+fn turns(polygon: &Points, closed: bool, scale: f64) -> impl Iterator<Item = i8> + '_ {
     let n = polygon.len();
     let (x, y) = (polygon.lane(0), polygon.lane(1));
     let angles = if closed { n } else { n.saturating_sub(2) };
     (0..angles).map(move |i| {
         let (a, b, c) = (i, (i + 1) % n, (i + 2) % n);
-        let cross = (x[b] - x[a]) * (y[c] - y[b]) - (y[b] - y[a]) * (x[c] - x[b]);
+        let edge = |lane: &[f64], i: usize, j: usize| (lane[j] - lane[i]) * scale;
+        let cross = edge(x, a, b) * edge(y, b, c) - edge(y, a, b) * edge(x, b, c);
         if cross > 0.0 {
             1
         } else if cross < 0.0 {

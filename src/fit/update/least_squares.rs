@@ -5,6 +5,7 @@
 
 use super::{Change, State, Update};
 use crate::fit::method::Variant;
+use crate::fit::norms::normalizing_scale;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
@@ -17,6 +18,9 @@ const NO_DATA: f64 = 1e-12;
 pub struct LeastSquaresUpdate {
     /// The diagonal of D.
     scale: Vec<f64>,
+    /// Powers of two that bring each coordinate to the order of one, so that squares neither over-
+    /// nor underflow.
+    units: Vec<f64>,
     /// `g = Aᵀ Δ`.
     gradient: Points,
     square: f64,
@@ -64,6 +68,12 @@ impl LeastSquaresUpdate {
         });
         Self {
             scale: sums.into_iter().map(factor).collect(),
+            units: problem
+                .data()
+                .lanes()
+                .iter()
+                .map(|lane| normalizing_scale(lane.iter().fold(0.0, |m, x| x.abs().max(m))))
+                .collect(),
             gradient: Points::zeros(dimension, count),
             square: 0.0,
             first_square: None,
@@ -76,7 +86,7 @@ impl Update for LeastSquaresUpdate {
     fn update(&mut self, system: &System, state: &mut State) -> Change {
         let moved = self.scale.iter().filter(|&&factor| factor > 0.0).count();
         if let Some(conjugate) = &mut self.conjugate {
-            conjugate.update(system, state, &self.gradient, &self.scale);
+            conjugate.update(system, state, &self.gradient, &self.scale, &self.units);
             return Change::Residual { moved };
         }
         let lanes = state.control_points.lanes_mut().iter_mut();
@@ -90,12 +100,16 @@ impl Update for LeastSquaresUpdate {
 
     fn measured(&mut self, system: &System, state: &mut State) {
         self.square = 0.0;
+        let unit = self.units.iter().copied().fold(f64::INFINITY, f64::min);
         let lanes = self.gradient.lanes_mut().iter_mut();
         for (gradient, residual) in lanes.zip(state.residual.lanes()) {
             system
                 .collocation()
                 .apply_transposed(residual, gradient, &mut state.scratch);
-            self.square += gradient.iter().map(|g| g * g).sum::<f64>();
+            self.square += gradient
+                .iter()
+                .map(|g| (g * unit) * (g * unit))
+                .sum::<f64>();
         }
         self.first_square.get_or_insert(self.square);
     }
@@ -112,10 +126,18 @@ impl Update for LeastSquaresUpdate {
 
 impl Conjugate {
     /// CGLS, preconditioned with D, for each coordinate by itself.
-    fn update(&mut self, system: &System, state: &mut State, gradient: &Points, scale: &[f64]) {
-        for (c, gradient) in gradient.lanes().iter().enumerate() {
+    fn update(
+        &mut self,
+        system: &System,
+        state: &mut State,
+        gradient: &Points,
+        scale: &[f64],
+        units: &[f64],
+    ) {
+        for ((c, gradient), unit) in gradient.lanes().iter().enumerate().zip(units) {
             let direction = &mut self.direction.lanes_mut()[c];
-            let gamma: f64 = gradient.iter().zip(scale).map(|(g, d)| g * d * g).sum();
+            let squares = gradient.iter().zip(scale);
+            let gamma: f64 = squares.map(|(g, d)| (g * unit) * d * (g * unit)).sum();
             let beta = if self.begun && self.gamma[c] > 0.0 {
                 gamma / self.gamma[c]
             } else {
@@ -131,7 +153,7 @@ impl Conjugate {
             if let Some(missing) = system.problem().missing() {
                 missing.clear(&mut self.image);
             }
-            let curvature: f64 = self.image.iter().map(|q| q * q).sum();
+            let curvature: f64 = self.image.iter().map(|q| (q * unit) * (q * unit)).sum();
             // At the minimum there is nowhere to go.
             let alpha = if curvature > 0.0 {
                 gamma / curvature

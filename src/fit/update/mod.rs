@@ -28,6 +28,8 @@ pub enum Stall {
     Nilpotent,
     /// Direct: what is left is rounding.
     Rounding,
+    /// Least squares: the residual grows, because the step is too long.
+    Diverging,
 }
 
 impl Stall {
@@ -37,6 +39,7 @@ impl Stall {
             Self::Convexity => "convexity",
             Self::Nilpotent => "nilpotent",
             Self::Rounding => "rounding",
+            Self::Diverging => "diverging",
         }
     }
 }
