@@ -68,6 +68,8 @@ fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Pr
         given.push(text);
     }
     let given = given.join(", ");
+    let given: Vec<String> = given.split(',').map(without_parameters).collect();
+    let given = given.join(", ");
     let wanted = match given.trim() {
         "" => "*/*",
         given => given,
@@ -91,6 +93,16 @@ fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Pr
                 format!("Accept is {wanted:?}; this resource has {names}"),
             )
         })
+}
+
+/// A media range with its quality alone: `text/event-stream; charset=utf-8` is an event stream.
+fn without_parameters(range: &str) -> String {
+    let mut parts = range.split(';').map(str::trim);
+    let essence = parts.next().unwrap_or("");
+    match parts.find(|parameter| parameter.starts_with("q=") || parameter.starts_with("Q=")) {
+        Some(quality) => format!("{essence};{quality}"),
+        None => essence.to_owned(),
+    }
 }
 
 /// The time of `Prefer: wait=n` (RFC 7240), in seconds.

@@ -28,6 +28,30 @@ async fn headers_are_those_of_a_stream_that_nobody_should_hold_back() {
 }
 
 #[tokio::test]
+async fn clients_choose_with_qualities_and_parameters() {
+    let server = Server::start().await;
+    let job = data::small_job();
+    for (accept, expected) in [
+        ("text/event-stream; charset=utf-8", "text/event-stream"),
+        (
+            "application/json;q=0.5, application/x-ndjson",
+            "application/x-ndjson",
+        ),
+        (
+            "text/html, text/event-stream;q=0.9, */*;q=0.1",
+            "text/event-stream",
+        ),
+        ("*/*", "application/json"),
+        ("application/*", "application/json"),
+    ] {
+        let request = server.post("/v1/jobs").header("accept", accept);
+        let response = request.json(&job).send().await.unwrap();
+        assert!(response.status().is_success(), "{accept}");
+        assert_eq!(response.headers()["content-type"], expected, "{accept}");
+    }
+}
+
+#[tokio::test]
 async fn posting_streams_every_iteration_and_the_geometry_is_complete() {
     let server = Server::start().await;
     let request = server
