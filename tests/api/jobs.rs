@@ -69,8 +69,13 @@ async fn progress_is_that_of_geometric_convergence() {
             assert!((0.0..1.0).contains(&progress));
             seen += 1;
         }
+        // On a busy machine the fit can end before it was looked at ten times.
+        if now["finished_at"].is_string() {
+            break;
+        }
         tokio::time::sleep(Duration::from_millis(2)).await;
     }
+    assert!(seen > 0);
     server.stop().await;
 }
 
