@@ -16,7 +16,7 @@ use tracing::{info, warn};
 
 use crate::api::{self, App};
 use crate::config::Config;
-use crate::job::scheduler::Scheduler;
+use crate::job::scheduler::{CloseOnDrop, Scheduler};
 use crate::job::service::{Jobs, Limits};
 use crate::job::store::{Retention, memory::MemoryStore};
 
@@ -28,6 +28,7 @@ pub async fn serve(
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
     let scheduler = Arc::new(Scheduler::new(config.worker_count())?);
+    let _closed_at_the_end = CloseOnDrop(Arc::clone(&scheduler));
     let store = Arc::new(MemoryStore::default());
     let jobs = Arc::new(Jobs::new(store, scheduler, limits(&config)));
     let (stop, stopping) = watch::channel(false);

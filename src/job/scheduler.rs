@@ -65,7 +65,7 @@ pub trait Work: Send + Sync {
 #[error("the computation broke down")]
 pub struct Broken;
 
-/// The compute pool. Its threads end when it is dropped.
+/// The compute pool. Its threads end when it is closed, or dropped.
 #[derive(Debug)]
 pub struct Scheduler {
     quick: Arc<Queue>,
@@ -126,17 +126,38 @@ impl Scheduler {
     }
 }
 
-impl Drop for Scheduler {
-    fn drop(&mut self) {
+impl Scheduler {
+    /// Ends the threads after their current slices. Work that waits, or comes later, is not done.
+    pub fn close(&self) {
         self.quick.close();
         self.heavy.close();
     }
 }
 
+impl Drop for Scheduler {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+/// Closes the pool when the server is gone: work in the pool holds the pool, so that it would not
+/// end by itself.
+#[derive(Debug)]
+pub struct CloseOnDrop(pub Arc<Scheduler>);
+
+impl Drop for CloseOnDrop {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
 impl Queue {
     fn push(&self, work: Arc<dyn Work>) {
-        self.state.lock().waiting.push_back(work);
-        self.filled.notify_one();
+        let mut state = self.state.lock();
+        if !state.closed {
+            state.waiting.push_back(work);
+            self.filled.notify_one();
+        }
     }
 
     fn pop(&self) -> Option<Arc<dyn Work>> {

@@ -466,7 +466,7 @@ fn wrong_rules() -> Vec<Bad> {
             "1.5",
         ),
         bad(
-            stop(json!({"max_iterations": 1_000_001})),
+            stop(json!({"max_iterations": 1_000_000_001})),
             "/stop/max_iterations",
             "limit of this server",
         ),

@@ -54,5 +54,5 @@ pub fn small_job() -> Value {
 
 /// A job that goes on until it is stopped: its tolerance cannot be reached.
 pub fn endless_job() -> Value {
-    json!({"curve": {"points": wave(100)}, "stop": {"tolerance": 0, "max_iterations": 1_000_000}})
+    json!({"curve": {"points": wave(100)}, "stop": {"tolerance": 0, "max_iterations": 1_000_000_000}})
 }

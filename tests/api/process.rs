@@ -21,7 +21,14 @@ impl Program {
     /// Starts the server on a free port and waits until it says which.
     fn start() -> Self {
         let mut child = Command::new(PROGRAM)
-            .args(["--listen", "127.0.0.1:0", "--log-format", "json"])
+            .args([
+                "--listen",
+                "127.0.0.1:0",
+                "--log-format",
+                "json",
+                "--max-iterations",
+                "1000000000",
+            ])
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();

@@ -30,6 +30,8 @@ impl Server {
     /// A server whose configuration differs from the standard one.
     pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
         let mut config = Config::standard();
+        // So that there are jobs that outlast any test.
+        config.max_iterations = 1_000_000_000;
         change(&mut config);
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
