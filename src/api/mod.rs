@@ -1,7 +1,8 @@
 //! What goes over the wire: HTTP resources, event streams and problem objects.
 //!
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
-//! - [`strict`]: JSON read to the letter;
+//! - [`strict`], [`numbers`], [`per_direction`]: JSON read to the letter, points and numbers straight into arrays,
+//!   one value for both directions or one for each;
 //! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`jobs`]: create, list, get, cancel, delete;

@@ -317,19 +317,7 @@ async fn wrong_settings_are_refused() {
         ),
     ];
     for (method, pointer, reason) in cases {
-        let response = server
-            .post("/v1/jobs")
-            .json(&job(method))
-            .send()
-            .await
-            .unwrap();
-        let (status, problem) = problem(response).await;
-        assert_eq!(status, 422);
-        assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem:#}");
-        assert!(
-            problem["detail"].as_str().unwrap().contains(reason),
-            "{problem:#}"
-        );
+        server.assert_refused(&job(method), pointer, reason).await;
     }
     for (closed, knots) in [(false, "data"), (false, "averaged"), (true, "data")] {
         let job = json!({

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{Server, problem};
+use crate::support::Server;
 
 fn number(value: &Value) -> f64 {
     value
@@ -249,13 +249,6 @@ async fn wrong_weights_are_refused() {
         ),
     ];
     for (job, pointer, reason) in cases {
-        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
-        let (status, problem) = problem(response).await;
-        assert_eq!(status, 422, "{job}");
-        assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem:#}");
-        assert!(
-            problem["detail"].as_str().unwrap().contains(reason),
-            "{problem:#}"
-        );
+        server.assert_refused(&job, pointer, reason).await;
     }
 }

@@ -83,6 +83,16 @@ impl Server {
         Story::read(response).await
     }
 
+    /// Posts a job that must be refused: with this pointer, and this as a part of the reason.
+    pub async fn assert_refused(&self, job: &Value, pointer: &str, reason: &str) {
+        let response = self.post("/v1/jobs").json(job).send().await.unwrap();
+        let (status, problem) = problem(response).await;
+        assert_eq!(status, 422, "{job}");
+        assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem:#}");
+        let detail = problem["detail"].as_str().unwrap();
+        assert!(detail.contains(reason), "{problem:#}");
+    }
+
     pub async fn json(&self, path: &str) -> Value {
         let response = self.get(path).send().await.unwrap();
         assert_eq!(response.status(), 200, "{path}");
