@@ -52,13 +52,13 @@ pub struct Direction {
 }
 
 /// How basis functions share control points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Ends {
     /// The first control point is repeated so often in front, the last one behind: with knots at
     /// the data there are more basis functions than data points (LBW05 (3.2)).
     Open { front_copies: usize },
-    /// The first control points follow the last ones.
-    Closed,
+    /// The first control points follow the last ones, after a period of the parameters.
+    Closed { period: f64 },
 }
 
 impl Direction {
@@ -109,6 +109,15 @@ impl Direction {
         Ok(direction)
     }
 
+    /// The parameters as they would be given: on closed curves with the end of the period.
+    pub fn explicit_parameters(&self) -> Vec<f64> {
+        let mut values = self.parameters.clone();
+        if let Ends::Closed { period } = self.ends {
+            values.push(values[0] + period);
+        }
+        values
+    }
+
     /// The number of free control points.
     pub fn free(&self) -> usize {
         self.free
@@ -116,7 +125,7 @@ impl Direction {
 
     /// Whether the last point is followed by the first.
     pub fn is_closed(&self) -> bool {
-        self.ends == Ends::Closed
+        matches!(self.ends, Ends::Closed { .. })
     }
 
     /// Whether the basis has weights.
@@ -134,7 +143,9 @@ impl Direction {
         match self.ends {
             Ends::Open { front_copies } => j.saturating_sub(front_copies).min(self.free - 1),
             // Basis function p/2 is centred on the first data point.
-            Ends::Closed => (j + self.free - self.basis.degree() / 2 % self.free) % self.free,
+            Ends::Closed { .. } => {
+                (j + self.free - self.basis.degree() / 2 % self.free) % self.free
+            }
         }
     }
 
@@ -304,7 +315,9 @@ fn periodic(
         basis: Basis::BSpline { degree, knots },
         parameters: placed.values,
         free,
-        ends: Ends::Closed,
+        ends: Ends::Closed {
+            period: placed.period,
+        },
         weights: None,
     })
 }

@@ -307,6 +307,10 @@ pub enum Invalid {
         high: f64,
         degree: usize,
     },
+    #[error(
+        "the fit starts from {given} control points, but this one has {expected}, or in other coordinates"
+    )]
+    StartCount { given: usize, expected: usize },
     #[error("the tolerance is {value}; it must be a finite number, zero or greater")]
     Tolerance { value: f64, relative: bool },
 }
@@ -359,6 +363,7 @@ impl Invalid {
             Self::NoIndices => Place::Setting("indices"),
             Self::IndexOutside { index, .. } | Self::IndexRepeated { index } => Place::Index(index),
             Self::RowsOfCurve => Place::Setting("row_by_row"),
+            Self::StartCount { .. } => Place::Method,
             Self::NotPlanar { .. } | Self::Diverges { .. } | Self::ComplexSpectrum { .. } => {
                 Place::Method
             }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::iteration::Iteration;
-use super::method::{Method, Selection};
+use super::method::Method;
 use super::points::Points;
 use super::system::System;
 
@@ -36,12 +36,12 @@ pub enum NoLimit {
 pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let system = start.system();
     let problem = system.problem();
-    let Method::Local(Selection { indices, .. }) = problem.method() else {
+    if !matches!(problem.method(), Method::Local { .. }) {
         return Err(NoLimit::NotLocal);
-    };
+    }
     let count = problem.grid().count();
-    let mut adjusted: Vec<usize> = match indices {
-        Some(indices) => indices.clone(),
+    let mut adjusted: Vec<usize> = match problem.selected() {
+        Some(indices) => indices.to_vec(),
         None => (0..count).collect(),
     };
     adjusted.sort_unstable();

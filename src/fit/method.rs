@@ -1,7 +1,7 @@
 //! The methods: what is asked for of the transform U in `X ← X + U (P − B X)`.
 
 /// A method with its settings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// Classical PIA, U = I (LBW05 (2.9), DP07 (1)).
     Global,
@@ -10,8 +10,11 @@ pub enum Method {
         /// The given ω, between 0 and 2.
         omega: Option<f64>,
     },
-    /// Only some control points move (Lin10, sections 2–5).
-    Local(Selection),
+    /// Only the selected control points move (Lin10, sections 2–5).
+    Local {
+        /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
+        row_by_row: bool,
+    },
     /// Only control points whose data point is further away than the threshold move; they are
     /// chosen anew at every level (Lin10, section 6).
     Adaptive {
@@ -33,15 +36,6 @@ pub enum Method {
     Direct,
     /// Fewer control points than data points (Deng, Lin 2014; Lin, Cao, Zhang 2018).
     LeastSquares(LeastSquares),
-}
-
-/// The control points that a local fit moves.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Selection {
-    /// Their indices, increasing; on surfaces `row · columns + column`. `None` selects all.
-    pub indices: Option<Vec<usize>>,
-    /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
-    pub row_by_row: bool,
 }
 
 /// Level 0 of the extended method.
@@ -80,11 +74,11 @@ pub enum Variant {
 
 impl Method {
     /// The name on the wire.
-    pub fn name(&self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Global => "global",
             Self::Weighted { .. } => "weighted",
-            Self::Local(_) => "local",
+            Self::Local { .. } => "local",
             Self::Adaptive { .. } => "adaptive",
             Self::Extended { .. } => "extended",
             Self::Transpose => "transpose",

@@ -31,11 +31,6 @@ impl Points {
         Self { lanes }
     }
 
-    /// The lanes themselves.
-    pub fn into_lanes(self) -> Vec<Vec<f64>> {
-        self.lanes
-    }
-
     /// Appends one point; coordinates beyond the dimension are not looked at.
     pub fn push(&mut self, coordinates: &[f64]) {
         for (lane, &x) in self.lanes.iter_mut().zip(coordinates) {
@@ -96,6 +91,13 @@ impl Points {
     pub fn magnitude(&self) -> f64 {
         let coordinates = self.lanes.iter().flatten();
         coordinates.fold(0.0, |largest, x| x.abs().max(largest))
+    }
+
+    /// Puts a point elsewhere; coordinates beyond the dimension are not looked at.
+    pub fn set(&mut self, index: usize, coordinates: impl IntoIterator<Item = f64>) {
+        for (lane, x) in self.lanes.iter_mut().zip(coordinates) {
+            lane[index] = x;
+        }
     }
 
     /// Gives back memory that growing has left over.

@@ -1,10 +1,13 @@
 //! A fitting problem: from what was asked for to what can be iterated.
 
+use std::sync::Arc;
+
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
 use super::invalid::{Axis, Invalid};
 use super::method::{LeastSquares, Method, Variant};
 use super::missing::Missing;
+use super::parameters::Parametrization;
 use super::points::{Grid, Points};
 use super::spectrum;
 use super::weights;
@@ -51,6 +54,11 @@ pub struct Request {
     pub weights: Weights,
     /// The method.
     pub method: Method,
+    /// Local fits: the indices of the control points that move; all of them if there are none.
+    pub selected: Option<Vec<usize>>,
+    /// The free control points of level 0, in homogeneous coordinates if the fit is; without them
+    /// the method says where to start.
+    pub start: Option<Arc<Points>>,
     /// The largest allowed distance of the curve from a data point.
     pub tolerance: Tolerance,
     /// The last level that is computed.
@@ -60,15 +68,14 @@ pub struct Request {
 /// A validated fitting problem. It can be iterated, and every error left is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    data: Points,
-    homogeneous: bool,
+    /// What was asked for; missing points have got a place.
+    request: Request,
+    /// The data in homogeneous coordinates.
+    lifted: Option<Points>,
     missing: Option<Missing>,
-    grid: Grid,
     u: Direction,
     v: Option<Direction>,
-    method: Method,
     tolerance: f64,
-    max_iterations: usize,
     diagonal: f64,
 }
 
@@ -96,55 +103,56 @@ impl Problem {
         }
         let tolerance = resolve_tolerance(request.tolerance, &request.points, diagonal)?;
         check_method(&request)?;
-        if let Weights::FixedGrid(values) = &request.weights
-            && let Some(v) = &mut request.v
-        {
-            let (rows, columns) = weights::separate(values, grid)?;
-            request.u.weights = Some(rows);
-            v.weights = Some(columns);
-        }
-        if let Method::LeastSquares(LeastSquares { u, v, .. }) = request.method {
-            request.u.control_points = Some(u);
-            if let Some(choice) = &mut request.v {
-                choice.control_points = Some(v);
-            }
-        }
-        let points = &request.points;
-        let u = Direction::new(request.u, points, grid, missing.as_ref(), Axis::U)?;
-        let v = request
-            .v
-            .map(|choice| Direction::new(choice, points, grid, missing.as_ref(), Axis::V))
-            .transpose()?;
-        let homogeneous = matches!(request.weights, Weights::Homogeneous(_));
-        let data = match request.weights {
-            Weights::Homogeneous(values) => weights::lift(request.points, &values)?,
-            _ => request.points,
+        let (u, v) = directions(&request, missing.as_ref())?;
+        let lifted = match &request.weights {
+            Weights::Homogeneous(values) => Some(weights::lift(&request.points, values)?),
+            _ => None,
         };
         let problem = Self {
-            data,
-            homogeneous,
+            request,
+            lifted,
             missing,
-            grid,
             u,
             v,
-            method: request.method,
             tolerance,
-            max_iterations: request.max_iterations,
             diagonal,
         };
+        problem.check_start()?;
         spectrum::check_convergence(&problem)?;
         Ok(problem)
+    }
+
+    /// What was asked for. Missing points have the place of a neighbour.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+
+    /// The same problem as it would be asked for with all that was derived from its points:
+    /// parameters and tolerance stay as they are when points move.
+    pub fn restated(&self) -> Request {
+        let mut request = self.request.clone();
+        request.tolerance = Tolerance::Absolute(self.tolerance);
+        let restate = |choice: &mut DirectionChoice, direction: &Direction| {
+            if !matches!(choice.parameters, Parametrization::Explicit(_)) {
+                choice.parameters = Parametrization::Explicit(direction.explicit_parameters());
+            }
+        };
+        restate(&mut request.u, &self.u);
+        if let (Some(choice), Some(direction)) = (&mut request.v, &self.v) {
+            restate(choice, direction);
+        }
+        request
     }
 
     /// The points that the iteration approaches; of a surface row by row. In homogeneous fits they
     /// are `(w_i P_i, w_i)`, with one coordinate more than the data.
     pub fn data(&self) -> &Points {
-        &self.data
+        self.lifted.as_ref().unwrap_or(&self.request.points)
     }
 
     /// Whether the last coordinate of data and control points is a weight.
     pub fn is_homogeneous(&self) -> bool {
-        self.homogeneous
+        self.lifted.is_some()
     }
 
     /// The points of which there are no data.
@@ -154,12 +162,12 @@ impl Problem {
 
     /// The number of coordinates of the data points.
     pub fn dimension(&self) -> usize {
-        self.data.dimension() - usize::from(self.homogeneous)
+        self.request.points.dimension()
     }
 
     /// The arrangement of the data points.
     pub fn grid(&self) -> Grid {
-        self.grid
+        self.request.grid
     }
 
     /// The arrangement of the free control points.
@@ -186,13 +194,23 @@ impl Problem {
     }
 
     /// The method.
-    pub fn method(&self) -> &Method {
-        &self.method
+    pub fn method(&self) -> Method {
+        self.request.method
+    }
+
+    /// Local fits: the indices of the control points that move; all of them if there are none.
+    pub fn selected(&self) -> Option<&[usize]> {
+        self.request.selected.as_deref()
+    }
+
+    /// The free control points of level 0, if they do not follow from the data.
+    pub fn start(&self) -> Option<&Arc<Points>> {
+        self.request.start.as_ref()
     }
 
     /// The largest allowed distance of the curve from a data point, in data units.
     pub fn tolerance(&self) -> f64 {
-        match self.method {
+        match self.method() {
             // Points that are nearer than the threshold are left alone.
             Method::Adaptive { threshold } => self.tolerance.max(threshold),
             _ => self.tolerance,
@@ -201,7 +219,7 @@ impl Problem {
 
     /// The last level that is computed.
     pub fn max_iterations(&self) -> usize {
-        self.max_iterations
+        self.request.max_iterations
     }
 
     /// The diagonal of the data's bounding box, in data units.
@@ -211,19 +229,22 @@ impl Problem {
 
     /// Bytes that iterating this problem once takes, the data included.
     pub fn memory(&self) -> usize {
-        let points = self.grid.count();
+        let points = self.grid().count();
         // Data, control points, residual and what the method needs besides; scratch on surfaces.
-        let vectors = 3 + match self.method {
-            Method::Global | Method::Weighted { .. } => 0,
-            Method::LeastSquares(_) => 3,
-            _ => 1,
-        };
-        let factors = match self.method {
+        let given = usize::from(self.is_homogeneous()) + usize::from(self.start().is_some());
+        let vectors = 3
+            + given
+            + match self.method() {
+                Method::Global | Method::Weighted { .. } => 0,
+                Method::LeastSquares(_) => 3,
+                _ => 1,
+            };
+        let factors = match self.method() {
             Method::Global | Method::Convex => 1,
             _ => 4,
         };
         let scratch = usize::from(self.v.is_some());
-        let arrays = (vectors * self.data.dimension() + scratch) * points * size_of::<f64>();
+        let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
         let directions = self.directions().map(|direction| {
             2 * direction.parameters.len() * size_of::<f64>()
                 + factors * Collocation::memory(direction)
@@ -236,8 +257,44 @@ impl Problem {
         let widths = self
             .directions()
             .map(|direction| direction.basis.support_width());
-        self.data.dimension() * self.grid.count() * widths.sum::<usize>()
+        self.data().dimension() * self.grid().count() * widths.sum::<usize>()
     }
+
+    /// A given start fits the problem.
+    fn check_start(&self) -> Result<(), Invalid> {
+        let Some(start) = self.start() else {
+            return Ok(());
+        };
+        let (given, expected) = (start.len(), self.control_grid().count());
+        if given != expected || start.dimension() != self.data().dimension() {
+            return Err(Invalid::StartCount { given, expected });
+        }
+        Ok(())
+    }
+}
+
+/// The directions of what was asked for.
+fn directions(
+    request: &Request,
+    missing: Option<&Missing>,
+) -> Result<(Direction, Option<Direction>), Invalid> {
+    let (mut choice_u, mut choice_v) = (request.u.clone(), request.v.clone());
+    if let (Weights::FixedGrid(values), Some(v)) = (&request.weights, &mut choice_v) {
+        let (rows, columns) = weights::separate(values, request.grid)?;
+        choice_u.weights = Some(rows);
+        v.weights = Some(columns);
+    }
+    if let Method::LeastSquares(LeastSquares { u, v, .. }) = request.method {
+        choice_u.control_points = Some(u);
+        if let Some(choice) = &mut choice_v {
+            choice.control_points = Some(v);
+        }
+    }
+    let direction =
+        |choice, axis| Direction::new(choice, &request.points, request.grid, missing, axis);
+    let u = direction(choice_u, Axis::U)?;
+    let v = choice_v.map(|choice| direction(choice, Axis::V));
+    Ok((u, v.transpose()?))
 }
 
 fn check_finite(points: &Points) -> Result<(), Invalid> {
@@ -297,10 +354,8 @@ fn check_method(request: &Request) -> Result<(), Invalid> {
             variant: Variant::Lspia { mu: Some(mu) },
             ..
         }) => positive("mu", *mu),
-        Method::Local(selection) if selection.row_by_row && request.v.is_none() => {
-            Err(Invalid::RowsOfCurve)
-        }
-        Method::Local(selection) => match &selection.indices {
+        Method::Local { row_by_row: true } if request.v.is_none() => Err(Invalid::RowsOfCurve),
+        Method::Local { .. } => match &request.selected {
             None => Ok(()),
             Some(indices) => check_indices(indices, request.grid.count()),
         },

@@ -70,6 +70,8 @@ fn problem() -> impl Strategy<Value = Request> {
                 missing: Vec::new(),
                 weights: Weights::None,
                 method: Method::Global,
+                selected: None,
+                start: None,
                 tolerance: Tolerance::Relative(1e-9),
                 max_iterations: 300,
             }
@@ -198,6 +200,8 @@ fn cubic_splines_converge_within_the_expected_iterations() {
             missing: Vec::new(),
             weights: Weights::None,
             method: Method::Global,
+            selected: None,
+            start: None,
             tolerance: Tolerance::Absolute(1e-9),
             max_iterations: 1000,
         });

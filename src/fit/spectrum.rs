@@ -114,7 +114,7 @@ pub fn check_convergence(problem: &Problem) -> Result<(), Invalid> {
     }
     let (method, omega, real_only) = match problem.method() {
         Method::Global => ("global", 1.0, false),
-        Method::Weighted { omega: Some(omega) } => ("weighted", *omega, false),
+        Method::Weighted { omega: Some(omega) } => ("weighted", omega, false),
         Method::Weighted { omega: None } => ("weighted", 1.0, true),
         Method::Chebyshev => ("chebyshev", 1.0, true),
         _ => return Ok(()),

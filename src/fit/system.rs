@@ -140,7 +140,7 @@ fn apply_directions(
     apply_tensor(u, v, grid, values, scratch);
 }
 
-fn transform(method: &Method, collocation: &Tensor, forecast: &Forecast) -> Transform {
+fn transform(method: Method, collocation: &Tensor, forecast: &Forecast) -> Transform {
     let (u, v) = (&collocation.u, collocation.v.as_ref());
     match method {
         Method::Extended { .. } => Transform::Orthogonal(u.orthogonal(), v.map(|v| v.orthogonal())),
@@ -188,7 +188,7 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
                 ..Forecast::default()
             }
         }
-        Method::Global | Method::Local(_) | Method::Adaptive { .. } if small => {
+        Method::Global | Method::Local { .. } | Method::Adaptive { .. } if small => {
             let lambda = least();
             Forecast {
                 lambda_min: Some(lambda),
@@ -201,7 +201,7 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
             ..Forecast::default()
         },
         Method::Extended { start } => Forecast {
-            exact_after: Some(nilpotency(problem, *start)),
+            exact_after: Some(nilpotency(problem, start)),
             ..Forecast::default()
         },
         _ => Forecast::default(),
@@ -210,14 +210,14 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
 
 /// After so many levels the error of the extended method is zero: `I − U B` is strictly upper
 /// triangular, so its power n + 1 vanishes; on surfaces, with highest indices m and n, the power
-/// m + n + 1. The start `U P` is one step ahead.
+/// m + n + 1. The start `U P` is one step ahead of all others.
 fn nilpotency(problem: &Problem, start: Start) -> usize {
     let highest: usize = problem
         .directions()
         .map(|direction| direction.free() - 1)
         .sum();
     match start {
-        Start::Data => highest + 1,
-        Start::Transformed => highest,
+        Start::Transformed if problem.start().is_none() => highest,
+        _ => highest + 1,
     }
 }

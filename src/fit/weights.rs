@@ -7,16 +7,19 @@ use super::points::{Grid, Points};
 const SEPARABLE: f64 = 1e-12;
 
 /// Lifts points to homogeneous coordinates, `Q_i = (w_i P_i, w_i)` (Lin10, section 2.1).
-pub fn lift(points: Points, weights: &[f64]) -> Result<Points, Invalid> {
+pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
     check(weights, points.len())?;
-    let mut lanes = points.into_lanes();
-    for lane in &mut lanes {
-        for (x, weight) in lane.iter_mut().zip(weights) {
-            *x *= weight;
-        }
+    let mut lanes = Vec::with_capacity(points.dimension() + 1);
+    for lane in points.lanes() {
+        let lane: Vec<f64> = lane
+            .iter()
+            .zip(weights)
+            .map(|(x, weight)| x * weight)
+            .collect();
         if lane.iter().any(|x| !x.is_finite()) {
             return Err(Invalid::WeightsTooLarge);
         }
+        lanes.push(lane);
     }
     lanes.push(weights.to_vec());
     Ok(Points::from_lanes(lanes))

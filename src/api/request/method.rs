@@ -10,7 +10,7 @@ use crate::api::numbers::Number;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
 use crate::api::strict::{Count, Name};
-use crate::fit::method::{LeastSquares, Method, Selection, Start, Variant};
+use crate::fit::method::{LeastSquares, Method, Start, Variant};
 use crate::fit::points::Grid;
 
 /// A method as clients write it. Which settings belong to which kind is checked later, so that
@@ -77,16 +77,20 @@ impl Kind {
     }
 }
 
+/// A method, and the points that it selects, if it does.
+pub(super) type Chosen = (Method, Option<Vec<usize>>);
+
 impl MethodRequest {
     /// Whether the two directions have numbers of control points of their own.
     pub(super) fn has_control_points_each(&self) -> bool {
         self.control_points.is_some_and(|count| count.is_each())
     }
 
-    /// The method for data points arranged in `grid`.
-    pub(super) fn method(self, grid: Grid, surface: bool) -> Result<Method, Problem> {
+    /// The method for data points arranged in `grid`, and the points that it selects.
+    pub(super) fn method(self, grid: Grid, surface: bool) -> Result<Chosen, Problem> {
         self.check_settings()?;
-        Ok(match self.kind.0 {
+        let selected = self.selected(grid, surface)?;
+        let method = match self.kind.0 {
             Kind::Global => Method::Global,
             Kind::Weighted => Method::Weighted {
                 omega: match self.omega {
@@ -94,7 +98,7 @@ impl MethodRequest {
                     Some(Omega::Given(omega)) => Some(omega),
                 },
             },
-            Kind::Local => Method::Local(self.selection(grid, surface)?),
+            Kind::Local => self.local(selected.is_some())?,
             Kind::Adaptive => match self.threshold {
                 Some(Number(threshold)) => Method::Adaptive { threshold },
                 None => {
@@ -115,7 +119,8 @@ impl MethodRequest {
             Kind::Chebyshev => Method::Chebyshev,
             Kind::Direct => Method::Direct,
             Kind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
-        })
+        };
+        Ok((method, selected))
     }
 
     /// Refuses settings of other methods.
@@ -151,51 +156,26 @@ impl MethodRequest {
         Ok(())
     }
 
-    fn selection(&self, grid: Grid, surface: bool) -> Result<Selection, Problem> {
+    fn local(&self, selects: bool) -> Result<Method, Problem> {
         let row_by_row = self.row_by_row.unwrap_or(false);
+        if !selects && !row_by_row {
+            let detail = "local needs the indices of the points to adjust, or row_by_row";
+            return Err(invalid("/method", detail));
+        }
+        Ok(Method::Local { row_by_row })
+    }
+
+    fn selected(&self, grid: Grid, surface: bool) -> Result<Option<Vec<usize>>, Problem> {
         let Some(given) = &self.indices else {
-            return if row_by_row {
-                Ok(Selection {
-                    indices: None,
-                    row_by_row,
-                })
-            } else {
-                Err(invalid(
-                    "/method",
-                    "local needs the indices of the points to adjust, or row_by_row",
-                ))
-            };
+            return Ok(None);
         };
         let mut indices = Vec::with_capacity(given.len());
         for (k, index) in given.iter().enumerate() {
-            let wrong = |detail: String| invalid(&format!("/method/indices/{k}"), detail);
-            indices.push(match (*index, surface) {
-                (Index::Single(i), false) => i,
-                (Index::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
-                    i * grid.columns + j
-                }
-                (Index::Pair(i, j), true) => {
-                    let Grid { rows, columns } = grid;
-                    return Err(wrong(format!(
-                        "[{i}, {j}] lies outside the {rows} rows and {columns} columns"
-                    )));
-                }
-                (Index::Pair(..), false) => {
-                    return Err(wrong(
-                        "the points of a curve have single indices".to_owned(),
-                    ));
-                }
-                (Index::Single(_), true) => {
-                    return Err(wrong(
-                        "the points of a surface have indices [row, column]".to_owned(),
-                    ));
-                }
-            });
+            let index = index.of_point(grid, surface);
+            let pointer = || format!("/method/indices/{k}");
+            indices.push(index.map_err(|detail| invalid(&pointer(), detail))?);
         }
-        Ok(Selection {
-            indices: Some(indices),
-            row_by_row,
-        })
+        Ok(Some(indices))
     }
 
     fn least_squares(&self, surface: bool) -> Result<LeastSquares, Problem> {
@@ -261,9 +241,32 @@ impl<'de> Deserialize<'de> for Omega {
 
 /// The index of a point: of a curve `i`, of a surface `[row, column]`.
 #[derive(Clone, Copy, Debug)]
-enum Index {
+pub(super) enum Index {
     Single(usize),
     Pair(usize, usize),
+}
+
+impl Index {
+    /// The index in the list of all points, row by row. Whether a point of a curve exists is
+    /// checked with the problem.
+    pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
+        match (self, surface) {
+            (Self::Single(i), false) => Ok(i),
+            (Self::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
+                Ok(i * grid.columns + j)
+            }
+            (Self::Pair(i, j), true) => {
+                let Grid { rows, columns } = grid;
+                Err(format!(
+                    "[{i}, {j}] lies outside the {rows} rows and {columns} columns"
+                ))
+            }
+            (Self::Pair(..), false) => Err("the points of a curve have single indices".to_owned()),
+            (Self::Single(_), true) => {
+                Err("the points of a surface have indices [row, column]".to_owned())
+            }
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for Index {

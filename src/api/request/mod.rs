@@ -120,8 +120,8 @@ impl JobRequest {
         check_count(&shape, config.max_points)?;
         let Object(stop) = self.stop.unwrap_or_default();
         let (tolerance, max_iterations) = stop.rules(config.max_iterations)?;
-        let method = match self.method {
-            None => Method::Global,
+        let (method, selected) = match self.method {
+            None => (Method::Global, None),
             Some(Object(method)) => {
                 shape.places.control_points_each = method.has_control_points_each();
                 method.method(shape.grid, shape.v.is_some())?
@@ -136,6 +136,8 @@ impl JobRequest {
             v: shape.v,
             weights: shape.weights,
             method,
+            selected,
+            start: None,
             tolerance,
             max_iterations,
         };

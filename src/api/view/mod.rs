@@ -52,7 +52,7 @@ pub fn error(error: &FitError, problem: &Problem) -> Value {
 }
 
 fn is_local(problem: &Problem) -> bool {
-    matches!(problem.method(), Method::Local(_))
+    matches!(problem.method(), Method::Local { .. })
 }
 
 /// The index of a data point: on surfaces `[row, column]`.
@@ -124,15 +124,14 @@ fn method(problem: &Problem, forecast: Option<Forecast>) -> Value {
     let mut value = json!({"kind": method.name()});
     match method {
         Method::Weighted { omega } => {
-            value["omega"] = json!(forecast.and_then(|it| it.omega).or(*omega));
+            value["omega"] = json!(forecast.and_then(|it| it.omega).or(omega));
         }
-        Method::Local(selection) => {
-            let adjusted = selection
-                .indices
-                .as_ref()
-                .map_or(problem.grid().count(), Vec::len);
+        Method::Local { row_by_row } => {
+            let adjusted = problem
+                .selected()
+                .map_or(problem.grid().count(), <[_]>::len);
             value["adjusted"] = json!(adjusted);
-            value["row_by_row"] = json!(selection.row_by_row);
+            value["row_by_row"] = json!(row_by_row);
         }
         Method::Adaptive { threshold } => value["threshold"] = json!(threshold),
         Method::Extended { start } => {

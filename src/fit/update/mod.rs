@@ -106,10 +106,8 @@ pub fn new(system: &System) -> Box<dyn Update> {
         | Method::Transpose
         | Method::Direct => Box::new(linear::Linear::new(system)),
         Method::Chebyshev => Box::new(chebyshev::Chebyshev::new(system)),
-        Method::Local(selection) => Box::new(selected::Selected::local(system, selection)),
-        Method::Adaptive { threshold } => {
-            Box::new(selected::Selected::adaptive(system, *threshold))
-        }
+        Method::Local { row_by_row } => Box::new(selected::Selected::local(system, row_by_row)),
+        Method::Adaptive { threshold } => Box::new(selected::Selected::adaptive(system, threshold)),
         Method::Convex => Box::new(convex::Convex::new(problem)),
         Method::LeastSquares(least_squares) => Box::new(least_squares::LeastSquaresUpdate::new(
             system,
@@ -123,10 +121,10 @@ pub fn new(system: &System) -> Box<dyn Update> {
 pub fn counted(system: &System) -> Option<Vec<bool>> {
     let problem = system.problem();
     match problem.method() {
-        Method::Local(selection) => {
-            let count = problem.grid().count();
-            let mut adjusted = vec![selection.indices.is_none(); count];
-            for &index in selection.indices.iter().flatten() {
+        Method::Local { .. } => {
+            let selected = problem.selected();
+            let mut adjusted = vec![selected.is_none(); problem.grid().count()];
+            for &index in selected.unwrap_or_default() {
                 adjusted[index] = true;
             }
             Some(adjusted)
@@ -135,10 +133,13 @@ pub fn counted(system: &System) -> Option<Vec<bool>> {
     }
 }
 
-/// The control points of level 0.
+/// The control points of level 0: given ones, or those of the method.
 pub fn start(system: &System) -> Points {
     let problem = system.problem();
     let data = problem.data();
+    if let Some(start) = problem.start() {
+        return Points::clone(start);
+    }
     match problem.method() {
         Method::LeastSquares(_) => least_squares::start(problem),
         Method::Extended {

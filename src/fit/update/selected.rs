@@ -5,7 +5,6 @@
 
 use super::{Change, State, Update};
 use crate::fit::linear::banded::Columns;
-use crate::fit::method::Selection;
 use crate::fit::norms::Norms;
 use crate::fit::system::System;
 
@@ -49,14 +48,14 @@ struct RowSweep {
 
 impl Selected {
     /// Of a local fit.
-    pub fn local(system: &System, selection: &Selection) -> Self {
+    pub fn local(system: &System, row_by_row: bool) -> Self {
         let grid = system.problem().grid();
-        let mut indices = match &selection.indices {
-            Some(indices) => indices.clone(),
+        let mut indices = match system.problem().selected() {
+            Some(indices) => indices.to_vec(),
             None => (0..grid.count()).collect(),
         };
         indices.sort_unstable();
-        if !selection.row_by_row {
+        if !row_by_row {
             return Self::new(system, Choice::Fixed, indices);
         }
         let rows = indices
