@@ -1,10 +1,13 @@
 //! The settings of a server: flags and `PIAD_*` variables.
 
 use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 
 use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use jiff::SignedDuration;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
 #[derive(Debug, Parser)]
@@ -61,9 +64,14 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_JOBS", default_value_t = 10_000)]
     pub max_jobs: usize,
 
-    /// Memory for running fits; jobs that do not fit in wait, those that never fit are refused.
-    #[arg(long, env = "PIAD_MEMORY", default_value = "4GiB")]
-    pub memory: ByteSize,
+    /// Directory in which jobs are kept, or :memory: to forget them when the server ends.
+    #[arg(long, env = "PIAD_DATA_DIR", default_value = "./piad-data")]
+    pub data_dir: DataDir,
+
+    /// Memory for running fits; jobs that do not fit in wait, those that never fit are refused
+    /// [default: half of what the machine or its control group has].
+    #[arg(long, env = "PIAD_MEMORY")]
+    pub memory: Option<ByteSize>,
 
     /// Memory for the recent iterations of each fit, from which its readers are served.
     #[arg(long, env = "PIAD_RING", default_value = "64MiB")]
@@ -73,9 +81,13 @@ pub struct Config {
     #[arg(long, env = "PIAD_RETAIN_JOBS", default_value_t = 1000)]
     pub retain_jobs: usize,
 
-    /// Memory for the data and results of ended jobs; the first to end goes first.
+    /// Room for the data and results of ended jobs; the first to end goes first.
     #[arg(long, env = "PIAD_RETAIN_BYTES", default_value = "1GiB")]
     pub retain_bytes: ByteSize,
+
+    /// How long ended jobs are kept, such as 36h or 90m.
+    #[arg(long, env = "PIAD_RETAIN_AGE", default_value = "168h", value_parser = duration)]
+    pub retain_age: Duration,
 
     /// Seconds between the comments that keep a quiet event stream open.
     #[arg(long, env = "PIAD_HEARTBEAT", default_value = "15", value_parser = seconds)]
@@ -98,6 +110,27 @@ pub struct Config {
     pub log: String,
 }
 
+/// Where jobs are kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DataDir {
+    /// Nowhere: they end with the server.
+    Memory,
+    /// In a file of this directory.
+    Directory(PathBuf),
+}
+
+impl FromStr for DataDir {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            ":memory:" => Ok(Self::Memory),
+            "" => Err("the name of a directory, or :memory:".to_owned()),
+            path => Ok(Self::Directory(path.into())),
+        }
+    }
+}
+
 /// How log lines look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
@@ -117,6 +150,12 @@ impl Config {
         }
     }
 
+    /// Bytes that running fits may take together: as set, or half of what there is.
+    pub fn memory_bytes(&self) -> u64 {
+        self.memory
+            .map_or_else(half_of_the_machine, |size| size.as_u64())
+    }
+
     /// The number of compute threads of each lane.
     pub fn worker_count(&self) -> usize {
         self.workers.map_or_else(
@@ -126,10 +165,30 @@ impl Config {
     }
 }
 
+/// Half of the memory of the machine, or of the control group if that may have less.
+fn half_of_the_machine() -> u64 {
+    let mut system = sysinfo::System::new();
+    system.refresh_memory();
+    let machine = system.total_memory();
+    let group = system.cgroup_limits().map(|limits| limits.total_memory);
+    group
+        .filter(|&group| group > 0)
+        .unwrap_or(machine)
+        .min(machine)
+        / 2
+}
+
 #[derive(Parser)]
 struct Standard {
     #[command(flatten)]
     config: Config,
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let duration: SignedDuration = text
+        .parse()
+        .map_err(|_| "not a duration such as 36h or 90m".to_owned())?;
+    Duration::try_from(duration).map_err(|_| "a duration is not negative".to_owned())
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

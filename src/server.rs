@@ -15,10 +15,14 @@ use tokio::sync::watch;
 use tracing::{info, warn};
 
 use crate::api::{self, App};
-use crate::config::Config;
-use crate::job::scheduler::{CloseOnDrop, Scheduler};
+use crate::config::{Config, DataDir};
+use crate::job::Resources;
+use crate::job::counters::Counters;
+use crate::job::scheduler::Scheduler;
 use crate::job::service::{Jobs, Limits};
-use crate::job::store::{Retention, memory::MemoryStore};
+use crate::job::store::embedded::EmbeddedStore;
+use crate::job::store::memory::MemoryStore;
+use crate::job::store::{Retention, Store};
 
 /// Serves on `listener` until `shutdown` completes; then ends event streams, lets other requests
 /// finish within the grace period and returns.
@@ -27,13 +31,18 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
-    let scheduler = Arc::new(Scheduler::new(config.worker_count())?);
-    let _closed_at_the_end = CloseOnDrop(Arc::clone(&scheduler));
-    let store = Arc::new(MemoryStore::default());
-    let jobs = Arc::new(Jobs::new(store, scheduler, limits(&config)));
+    let resources = Arc::new(Resources {
+        scheduler: Scheduler::new(config.worker_count())?,
+        ring_bytes: bytes(config.ring.as_u64()),
+        counters: Counters::default(),
+    });
+    let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
+    let store = open(&config, &resources.counters)?;
+    let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
+    jobs.resume().await.map_err(io::Error::other)?;
     let (stop, stopping) = watch::channel(false);
     let grace = config.grace;
-    let router = api::router(App::new(jobs, config, stopping.clone()));
+    let router = api::router(App::new(Arc::clone(&jobs), config, stopping.clone()));
 
     info!("listening on http://{}", listener.local_addr()?);
     let listener = listener.tap_io(|connection| {
@@ -48,7 +57,7 @@ pub async fn serve(
         info!("stopping: no new requests, event streams end");
         stop.send_replace(true);
     });
-    tokio::select! {
+    let served = tokio::select! {
         result = served.into_future() => result,
         () = async {
             // The sender is gone only if serving has ended.
@@ -58,19 +67,46 @@ pub async fn serve(
             warn!("requests were still open after the grace period of {grace:?}");
             Ok(())
         }
+    };
+    if tokio::time::timeout(grace, jobs.suspend()).await.is_err() {
+        warn!("jobs were still running after the grace period of {grace:?}");
+    }
+    served
+}
+
+fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
+    match &config.data_dir {
+        DataDir::Memory => Ok(Arc::new(MemoryStore::default())),
+        DataDir::Directory(directory) => {
+            let store = EmbeddedStore::open(directory, counters.clone());
+            Ok(Arc::new(store.map_err(io::Error::other)?))
+        }
     }
 }
 
 fn limits(config: &Config) -> Limits {
-    let bytes = |size: bytesize::ByteSize| usize::try_from(size.as_u64()).unwrap_or(usize::MAX);
     Limits {
-        memory: bytes(config.memory),
+        memory: bytes(config.memory_bytes()),
         jobs: config.max_jobs,
-        ring_bytes: bytes(config.ring),
         retention: Retention {
             jobs: config.retain_jobs,
-            bytes: bytes(config.retain_bytes),
+            bytes: config.retain_bytes.as_u64(),
+            age: config.retain_age,
         },
+    }
+}
+
+fn bytes(size: u64) -> usize {
+    usize::try_from(size).unwrap_or(usize::MAX)
+}
+
+/// Closes the compute pool when the server is gone: work in the pool holds the pool, so that it
+/// would not end by itself.
+struct CloseOnDrop(Arc<Resources>);
+
+impl Drop for CloseOnDrop {
+    fn drop(&mut self) {
+        self.0.scheduler.close();
     }
 }
 

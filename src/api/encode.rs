@@ -10,6 +10,7 @@ use crate::fit::points::Grid;
 use crate::job::Job;
 use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
+use crate::job::store::StoreError;
 
 /// So many numbers are written where they are needed, more of them on the compute pool.
 const SMALL: usize = 2000;
@@ -18,26 +19,29 @@ const SMALL: usize = 2000;
 const OPERATIONS_PER_NUMBER: usize = 50;
 
 /// The JSON of the `job` event, made once for each job.
-pub async fn description(job: &Arc<Job>) -> Bytes {
-    job.description(|| {
-        let numbers = job.problem().grid().count();
+pub async fn description(job: &Arc<Job>) -> Result<Bytes, StoreError> {
+    job.description(|| async {
+        let problem = job.problem().await?;
+        let numbers = problem.grid().count();
         let described = Arc::clone(job);
         let levels = job.status().levels;
-        off_network(job, numbers, move || view::description(&described, levels))
+        let describe = move || view::description(&described, &problem, levels);
+        Ok(off_network(job, numbers, describe).await)
     })
     .await
 }
 
 /// The JSON of an iteration, made once for each frame and view.
-pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, what: View) -> Bytes {
+pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, what: View) -> Result<Bytes, StoreError> {
     let key = match what {
         View::ControlPoints => String::new(),
         View::Errors => "errors".to_owned(),
         View::Samples(Grid { rows, columns }) => format!("{rows}x{columns}"),
     };
     let encoded = frame.encoded(&key);
+    let problem = job.problem().await?;
     let encode = || {
-        let problem = Arc::clone(job.problem());
+        job.resources().counters.encodings.inc();
         let numbers = match what {
             View::Errors => 0,
             View::ControlPoints => frame.control_points.len() * frame.control_points.dimension(),
@@ -57,7 +61,7 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, what: View) -> Bytes {
             }
         })
     };
-    encoded.get_or_init(encode).await.clone()
+    Ok(encoded.get_or_init(encode).await.clone())
 }
 
 /// Encodes on the compute pool, unless it is little.
@@ -70,6 +74,6 @@ pub async fn off_network(
         return encode();
     }
     let lane = Lane::of(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
-    let encoded = job.scheduler().compute(lane, encode).await;
+    let encoded = job.resources().scheduler.compute(lane, encode).await;
     encoded.unwrap_or_else(|_| Bytes::from_static(b"null"))
 }

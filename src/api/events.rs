@@ -16,6 +16,7 @@ use bytes::{Bytes, BytesMut};
 use futures_util::stream;
 use tokio::sync::watch;
 use tokio::time::{Duration, sleep};
+use tracing::error;
 use uuid::Uuid;
 
 use super::negotiate::{self, Framing};
@@ -26,6 +27,7 @@ use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::state::Status;
+use crate::job::store::StoreError;
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
@@ -44,7 +46,7 @@ pub async fn get(
     let framing = negotiate::framing(&headers)?;
     let parameters: StreamParameters = negotiate::query(&uri)?;
     let job = jobs::find(&app, &id).await?;
-    let options = parameters.options(job.problem().v().is_some())?;
+    let options = parameters.options(job.outline().surface)?;
     match last_event_id(&headers, parameters.last_event_id)? {
         None => Ok(stream(&app, job, framing, options, None)),
         // Only this status keeps an EventSource from connecting again.
@@ -146,7 +148,7 @@ enum Stage {
 
 /// What a stream was waiting for.
 enum Happened {
-    Next(Next),
+    Next(Result<Next, StoreError>),
     Nothing,
     Stopping,
 }
@@ -194,17 +196,14 @@ impl Feed {
             () = sleep(self.heartbeat) => Happened::Nothing,
             _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
         };
-        if matches!(
-            (&self.stage, &happened),
-            (Stage::Waiting, Happened::Next(_))
-        ) {
-            self.stage = Stage::Iterations;
-            let data = encode::description(&self.job).await;
-            self.push("job", None, data);
-        }
         match happened {
-            Happened::Next(Next::Frame(frame)) => self.push_frame(&frame).await,
-            Happened::Next(Next::End(status)) => self.finish(&status).await,
+            Happened::Next(next) => {
+                if let Err(reason) = self.push_next(next).await {
+                    // Without an end the client comes back.
+                    error!(job = %self.job.id(), %reason, "a stream broke off");
+                    self.stage = Stage::Over;
+                }
+            }
             Happened::Nothing => self.push_comment(": still here\n\n".into()),
             Happened::Stopping => {
                 // Clients come back one after the other, to whoever serves them then.
@@ -215,29 +214,45 @@ impl Feed {
         }
     }
 
-    async fn push_frame(&mut self, frame: &Arc<Frame>) {
+    /// The next frame or the end, and first of all the job.
+    async fn push_next(&mut self, next: Result<Next, StoreError>) -> Result<(), StoreError> {
+        let next = next?;
+        if matches!(self.stage, Stage::Waiting) {
+            self.stage = Stage::Iterations;
+            let data = encode::description(&self.job).await?;
+            self.push("job", None, data);
+        }
+        match next {
+            Next::Frame(frame) => self.push_frame(&frame).await,
+            Next::End(status) => self.finish(&status).await,
+        }
+    }
+
+    async fn push_frame(&mut self, frame: &Arc<Frame>) -> Result<(), StoreError> {
         let k = frame.level.iteration;
-        let data = encode::frame(&self.job, frame, self.options.view).await;
+        let data = encode::frame(&self.job, frame, self.options.view).await?;
         self.push("iteration", Some(&k.to_string()), data);
         self.seen = Some(k);
         self.cursor
             .seek((k + 1).next_multiple_of(self.options.every));
+        Ok(())
     }
 
     /// The last iteration, if it was left out so far, and the end.
-    async fn finish(&mut self, status: &Status) {
+    async fn finish(&mut self, status: &Status) -> Result<(), StoreError> {
         self.stage = Stage::Over;
         let last = status.levels.map(|levels| levels.last.iteration);
         if self.options.every > 1
             && let Some(last) = last.filter(|&last| Some(last) > self.seen)
         {
             self.cursor.seek(last);
-            if let Next::Frame(frame) = self.cursor.next().await {
-                self.push_frame(&frame).await;
+            if let Next::Frame(frame) = self.cursor.next().await? {
+                self.push_frame(&frame).await?;
             }
         }
         let data = view::end(&self.job, status);
         self.push("end", Some(END), data);
+        Ok(())
     }
 
     /// NDJSON has no comments.
@@ -248,6 +263,7 @@ impl Feed {
     }
 
     fn push(&mut self, event: &str, id: Option<&str>, data: Bytes) {
+        self.job.resources().counters.events.inc();
         let (before, after) = match self.framing {
             Framing::Sse => {
                 let id = id.map_or(String::new(), |id| format!("id: {id}\n"));

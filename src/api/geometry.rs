@@ -30,8 +30,8 @@ pub async fn iteration(
         "last" => last_level(&job)?,
         k => level_number(k)?,
     };
-    match Cursor::new(Arc::clone(&job), k).next().await {
-        Next::Frame(frame) => Ok(json_response(encode::frame(&job, &frame, view).await)),
+    match Cursor::new(Arc::clone(&job), k).next().await? {
+        Next::Frame(frame) => Ok(json_response(encode::frame(&job, &frame, view).await?)),
         Next::End(status) => {
             let reached = status.levels.map(|levels| levels.last.iteration);
             let detail = match reached {
@@ -55,19 +55,19 @@ pub async fn result(
 ) -> Result<Response, Problem> {
     let (job, view) = job_and_view(&app, &id, &uri, &headers).await?;
     let status = job.status();
-    let (Some(Levels { last: level, .. }), Some(points)) = (status.levels, job.result()) else {
+    let (Some(Levels { last: level, .. }), Some(points)) = (status.levels, job.result().await?)
+    else {
         let detail = format!("the job is {} and has no result", status.state);
         return Err(Problem::new(Kind::NoResult, detail));
     };
-    let points = Arc::clone(points);
     if view != View::ControlPoints {
         let frame = Arc::new(Frame::last(level, points));
-        return Ok(json_response(encode::frame(&job, &frame, view).await));
+        return Ok(json_response(encode::frame(&job, &frame, view).await?));
     }
-    let owner = Arc::clone(&job);
+    let (owner, problem) = (Arc::clone(&job), job.problem().await?);
     let numbers = points.len() * points.dimension();
     let json = encode::off_network(&job, numbers, move || {
-        view::result(&owner, &status, &level, &points)
+        view::result(&owner, &problem, &status, &level, &points)
     })
     .await;
     Ok(json_response(json))
@@ -81,12 +81,17 @@ pub async fn limit(
 ) -> Result<Response, Problem> {
     negotiate::json(&headers)?;
     let job = jobs::find(&app, &id).await?;
-    let computed = Arc::clone(&job);
+    let system = Arc::clone(job.system().await?);
     let compute = move || {
-        let start = Iteration::start(computed.system());
-        local_limit(&start).map(|limit| view::limit(computed.problem(), &limit))
+        let start = Iteration::start(system.get());
+        local_limit(&start).map(|limit| view::limit(system.problem(), &limit))
     };
-    let limit = app.jobs.scheduler().compute(Lane::Heavy, compute).await?;
+    let limit = app
+        .jobs
+        .resources()
+        .scheduler
+        .compute(Lane::Heavy, compute)
+        .await?;
     limit.map(json_response).map_err(|reason| {
         let detail = match reason {
             NoLimit::NotLocal => "only local fits have points that stay".to_owned(),
@@ -108,7 +113,7 @@ async fn job_and_view(
     negotiate::json(headers)?;
     let job = jobs::find(app, id).await?;
     let parameters: ViewParameters = negotiate::query(uri)?;
-    let view = parameters.view(job.problem().v().is_some())?;
+    let view = parameters.view(job.outline().surface)?;
     Ok((job, view))
 }
 

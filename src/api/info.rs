@@ -2,8 +2,10 @@
 
 use axum::Json;
 use axum::extract::{Path, State};
-use axum::http::StatusCode;
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use prometheus_client::encoding::text::encode;
+use prometheus_client::registry::Registry;
 use serde_json::{Value, json};
 
 use super::App;
@@ -21,6 +23,7 @@ pub async fn index() -> Json<Value> {
             "jobs": "/v1/jobs",
             "capabilities": "/v1/capabilities",
             "problems": "/problems",
+            "metrics": "/metrics",
             "livez": "/livez",
             "readyz": "/readyz",
         },
@@ -58,9 +61,10 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
             "points": config.max_points,
             "iterations": config.max_iterations,
             "jobs": config.max_jobs,
-            "memory_bytes": config.memory.as_u64(),
+            "memory_bytes": config.memory_bytes(),
             "retained_jobs": config.retain_jobs,
             "retained_bytes": config.retain_bytes.as_u64(),
+            "retained_seconds": config.retain_age.as_secs(),
         },
     }))
 }
@@ -81,6 +85,17 @@ fn methods() -> Value {
         method("direct", &[], true, true),
         method("least_squares", &least_squares, true, true),
     ])
+}
+
+/// `GET /metrics`: counters, for Prometheus.
+pub async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
+    let mut registry = Registry::default();
+    app.jobs.resources().counters.register(&mut registry);
+    let mut text = String::new();
+    encode(&mut text, &registry)
+        .map_err(|error| Problem::new(Kind::Internal, error.to_string()))?;
+    const OPEN_METRICS: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    Ok(([(header::CONTENT_TYPE, OPEN_METRICS)], text).into_response())
 }
 
 /// `GET /livez`

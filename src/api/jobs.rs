@@ -18,7 +18,9 @@ use super::request::{JobRequest, ValidJob};
 use super::strict::Object;
 use super::{App, body, events, no_store, view};
 use crate::job::Job;
+use crate::job::outline::Label;
 use crate::job::scheduler::Lane;
+use crate::job::service::Accepted;
 use crate::job::state::State as JobState;
 use crate::job::store::Selection;
 
@@ -41,7 +43,13 @@ pub async fn create(State(app): State<App>, request: Request) -> Result<Response
     let body = body::read_json(&app, request).await?;
     let ValidJob { name, problem } = parse(&app, body).await?;
     let options = parameters.options(problem.v().is_some())?;
-    let job = app.jobs.create(name, problem).await?;
+    let label = Label {
+        name,
+        ..Label::default()
+    };
+    let job = match app.jobs.create(label, problem, None).await? {
+        Accepted::New(job) | Accepted::Known(job) => job,
+    };
     let location = HeaderValue::from_str(&view::path(&job)).ok();
 
     let mut response = match answer {
@@ -75,7 +83,11 @@ async fn parse(app: &App, body: Bytes) -> Result<ValidJob, Problem> {
     if small {
         parse()
     } else {
-        app.jobs.scheduler().compute(Lane::Heavy, parse).await?
+        app.jobs
+            .resources()
+            .scheduler
+            .compute(Lane::Heavy, parse)
+            .await?
     }
 }
 

@@ -86,6 +86,7 @@ pub fn router(app: App) -> Router {
         .route("/", get(info::index))
         .route("/livez", get(info::livez))
         .route("/readyz", get(info::readyz))
+        .route("/metrics", get(info::metrics))
         .route("/problems", get(info::problems))
         .route("/problems/{slug}", get(info::problem))
         .route("/v1/capabilities", get(info::capabilities))

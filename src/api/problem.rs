@@ -11,7 +11,7 @@ use super::REQUEST_ID;
 use crate::job::scheduler::Broken;
 use crate::job::service::Refused;
 use crate::job::state::Failure;
-use crate::job::store::StoreError;
+use crate::job::store::{MOST_CRASHES, StoreError};
 
 /// The kinds of problems. Their `type` is `/problems/{slug}`, where a server explains them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,9 @@ pub enum Kind {
     AlreadyEnded,
     BodyTooLarge,
     UnsupportedMediaType,
+    KeyTaken,
     QueueFull,
+    StoreFull,
     Stopping,
     Overflow,
     Internal,
@@ -52,7 +54,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::NotJson,
         Self::InvalidRequest,
         Self::InvalidFit,
@@ -67,7 +69,9 @@ impl Kind {
         Self::AlreadyEnded,
         Self::BodyTooLarge,
         Self::UnsupportedMediaType,
+        Self::KeyTaken,
         Self::QueueFull,
+        Self::StoreFull,
         Self::Stopping,
         Self::Overflow,
         Self::Internal,
@@ -170,6 +174,18 @@ impl Kind {
                 S::UNSUPPORTED_MEDIA_TYPE,
                 "The body has a media type that is not understood",
                 "Jobs are sent as application/json.",
+            ),
+            Self::KeyTaken => (
+                "key-taken",
+                S::UNPROCESSABLE_ENTITY,
+                "The idempotency key belongs to another request",
+                "The same Idempotency-Key was sent with another body, or for another resource, within the last day; every request needs a key of its own.",
+            ),
+            Self::StoreFull => (
+                "store-full",
+                S::SERVICE_UNAVAILABLE,
+                "The server has no room to keep the job",
+                "The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.",
             ),
             Self::QueueFull => (
                 "queue-full",
@@ -328,6 +344,12 @@ impl From<Failure> for Problem {
                 Kind::Overflow,
                 "the distances from the data have left the range of numbers: the iteration has diverged, or the data are too large",
             ),
+            Failure::Crashes => Self::new(
+                Kind::Internal,
+                format!(
+                    "the server has crashed {MOST_CRASHES} times while this job was running; it is not tried again"
+                ),
+            ),
             Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
         }
     }
@@ -339,6 +361,7 @@ impl From<Refused> for Problem {
         match refused {
             Refused::Full { .. } => Self::new(Kind::QueueFull, detail).retry_after(5),
             Refused::TooLarge { .. } => Self::at_pointer(Kind::InvalidFit, String::new(), detail),
+            Refused::KeyTaken(_) => Self::new(Kind::KeyTaken, detail),
             Refused::Store(error) => error.into(),
         }
     }
@@ -346,7 +369,11 @@ impl From<Refused> for Problem {
 
 impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
-        Self::new(Kind::Internal, error.to_string())
+        let detail = error.to_string();
+        match error {
+            StoreError::Full(_) => Self::new(Kind::StoreFull, detail).retry_after(60),
+            StoreError::Failed(_) => Self::new(Kind::Internal, detail),
+        }
     }
 }
 

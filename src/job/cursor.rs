@@ -8,6 +8,7 @@ use super::Job;
 use super::frame::Frame;
 use super::run::{Attached, Read};
 use super::state::{State, Status};
+use super::store::StoreError;
 
 /// What a reader gets next.
 #[derive(Debug)]
@@ -22,7 +23,6 @@ pub enum Next {
 ///
 /// Nothing is computed ahead of a reader beyond a few frames, and nothing is kept for it: a reader
 /// that is slower than the ring of the run it follows goes on with a run of its own.
-#[derive(Debug)]
 pub struct Cursor {
     job: Arc<Job>,
     next: usize,
@@ -60,7 +60,7 @@ impl Cursor {
     }
 
     /// The next frame, or the end. Giving up the wait loses nothing.
-    pub async fn next(&mut self) -> Next {
+    pub async fn next(&mut self) -> Result<Next, StoreError> {
         loop {
             let status = self.status.borrow_and_update().clone();
             let job_ended = status.state.is_final();
@@ -74,21 +74,24 @@ impl Cursor {
                 let given_up = self.live && status.state == State::Cancelled;
                 let last = status.levels.map(|levels| levels.last.iteration);
                 if given_up || last < Some(self.next) {
-                    return Next::End(Box::new(status));
+                    return Ok(Next::End(Box::new(status)));
                 }
-                if let Some(frame) = self.last_frame(&status) {
+                if let Some(frame) = self.last_frame(&status).await? {
                     self.next += 1;
-                    return Next::Frame(frame);
+                    return Ok(Next::Frame(frame));
                 }
             } else if status.state == State::Queued {
                 changed(&mut self.status).await;
                 continue;
             }
-            let run = self.run.get_or_insert_with(|| self.job.attach(self.next));
+            let run = match &mut self.run {
+                Some(run) => run,
+                none => none.insert(self.job.attach(self.next).await?),
+            };
             match attempt(run, self.next, &mut self.status, job_ended).await {
                 Attempt::Frame(frame) => {
                     self.next += 1;
-                    return Next::Frame(frame);
+                    return Ok(Next::Frame(frame));
                 }
                 Attempt::TryAgain => {}
                 // Where only the newest frame counts, there is a newer one by now.
@@ -99,11 +102,15 @@ impl Cursor {
     }
 
     /// The last frame of a job that has ended is at hand, whoever computed it.
-    fn last_frame(&self, status: &Status) -> Option<Arc<Frame>> {
-        let level = status.levels?.last;
-        let points = self.job.result()?;
-        (level.iteration == self.next && self.run.is_none())
-            .then(|| Arc::new(Frame::last(level, Arc::clone(points))))
+    async fn last_frame(&self, status: &Status) -> Result<Option<Arc<Frame>>, StoreError> {
+        let Some(level) = status.levels.map(|levels| levels.last) else {
+            return Ok(None);
+        };
+        if level.iteration != self.next || self.run.is_some() {
+            return Ok(None);
+        }
+        let points = self.job.result().await?;
+        Ok(points.map(|points| Arc::new(Frame::last(level, points))))
     }
 }
 

@@ -1,5 +1,6 @@
 //! A fit as a thing that lives: with an id, a state, readers, and an end.
 //!
+//! - [`outline`]: a job without its points;
 //! - [`state`]: the state machine of a job;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
@@ -11,8 +12,10 @@
 //! An iterate is a pure function of the problem and its level. So frames are never stored: what is
 //! no longer at hand is computed again, by a run that starts over.
 
+pub mod counters;
 pub mod cursor;
 pub mod frame;
+pub mod outline;
 pub mod run;
 pub mod scheduler;
 pub mod service;
@@ -20,86 +23,93 @@ pub mod state;
 pub mod store;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock, Weak};
+use std::sync::{Arc, Weak};
 
 use bytes::Bytes;
-use jiff::Timestamp;
 use parking_lot::Mutex;
 use tokio::sync::{Notify, OnceCell, watch};
 use uuid::Uuid;
 
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
-use crate::fit::system::System;
+use counters::Counters;
+use outline::Outline;
 use run::{Attached, Run, SharedSystem};
 use scheduler::Scheduler;
 use state::{State, Status};
-use store::Record;
+use store::{Record, Store, StoreError};
 
-/// A job: a problem and what has become of it.
+/// What all jobs of a server share.
 #[derive(Debug)]
+pub struct Resources {
+    /// The compute pool.
+    pub scheduler: Scheduler,
+    /// Bytes of recent frames that each run keeps.
+    pub ring_bytes: usize,
+    /// What has been done so far.
+    pub counters: Counters,
+}
+
+/// A job: a problem and what has become of it. Its points are at hand while it runs, and once
+/// somebody asks for them.
 pub struct Job {
-    id: Uuid,
-    name: Option<String>,
-    created: Timestamp,
-    problem: Arc<Problem>,
+    outline: Outline,
     status: watch::Sender<Status>,
-    result: OnceLock<Arc<Points>>,
+    store: Arc<dyn Store>,
+    system: OnceCell<Arc<SharedSystem>>,
+    result: OnceCell<Option<Arc<Points>>>,
     cancel_requested: AtomicBool,
     cancel: Notify,
-    system: Arc<SharedSystem>,
     /// The run that decides the job's fate; gone once the job has ended.
     primary: Mutex<Weak<Run>>,
     /// Runs that readers can share, the primary one among them.
     runs: Mutex<Vec<Weak<Run>>>,
-    scheduler: Arc<Scheduler>,
-    ring_bytes: usize,
+    resources: Arc<Resources>,
     description: OnceCell<Bytes>,
 }
 
 impl Job {
     /// A job as the store knows it.
-    fn new(record: Record, scheduler: Arc<Scheduler>, ring_bytes: usize) -> Self {
-        let result = OnceLock::new();
-        if let Some(points) = record.result {
-            let _ = result.set(points);
-        }
+    fn new(record: Record, store: Arc<dyn Store>, resources: Arc<Resources>) -> Self {
         Self {
-            id: record.id,
-            name: record.name,
-            created: record.created,
-            system: Arc::new(SharedSystem::new(Arc::clone(&record.problem))),
-            problem: record.problem,
+            outline: record.outline,
             status: watch::Sender::new(record.status),
-            result,
+            store,
+            system: OnceCell::new(),
+            result: OnceCell::new(),
             cancel_requested: AtomicBool::new(false),
             cancel: Notify::new(),
             primary: Mutex::new(Weak::new()),
             runs: Mutex::new(Vec::new()),
-            scheduler,
-            ring_bytes,
+            resources,
             description: OnceCell::new(),
         }
     }
 
+    /// What it is, without its points.
+    pub fn outline(&self) -> &Outline {
+        &self.outline
+    }
+
     /// The id; ids grow with time.
     pub fn id(&self) -> Uuid {
-        self.id
-    }
-
-    /// The client's name for the job.
-    pub fn name(&self) -> Option<&str> {
-        self.name.as_deref()
-    }
-
-    /// When the job was accepted.
-    pub fn created(&self) -> Timestamp {
-        self.created
+        self.outline.id
     }
 
     /// The problem.
-    pub fn problem(&self) -> &Arc<Problem> {
-        &self.problem
+    pub async fn problem(&self) -> Result<Arc<Problem>, StoreError> {
+        Ok(Arc::clone(self.system().await?.problem()))
+    }
+
+    /// The system of the problem, which the job's runs share; made when it is first needed.
+    pub async fn system(&self) -> Result<&Arc<SharedSystem>, StoreError> {
+        let load = || async {
+            let problem = self.store.problem(self.id()).await?;
+            let problem =
+                problem.ok_or_else(|| StoreError::Failed("the job is gone".to_owned()))?;
+            Ok(Arc::new(SharedSystem::new(problem)))
+        };
+        self.system.get_or_try_init(load).await
     }
 
     /// The state, with the level that a running job has reached by now.
@@ -114,14 +124,12 @@ impl Job {
     }
 
     /// The free control points of the last level, once the job has ended.
-    pub fn result(&self) -> Option<&Arc<Points>> {
-        self.result.get()
-    }
-
-    /// The system of the problem, shared with the job's runs. It can take long to make: not for the
-    /// threads that serve the network.
-    pub fn system(&self) -> Arc<System> {
-        self.system.get()
+    pub async fn result(&self) -> Result<Option<Arc<Points>>, StoreError> {
+        if !self.status.borrow().state.is_final() {
+            return Ok(None);
+        }
+        let load = || self.store.result(self.id());
+        self.result.get_or_try_init(load).await.cloned()
     }
 
     /// Waits until the job has ended.
@@ -143,6 +151,14 @@ impl Job {
         }
     }
 
+    /// Stops the job for now: it goes on after the next start of the server.
+    fn suspend(&self) {
+        self.cancel.notify_waiters();
+        if let Some(run) = self.primary.lock().upgrade() {
+            run.stop();
+        }
+    }
+
     /// Waits until cancelling is asked for.
     async fn cancel_requested(&self) {
         let mut notified = std::pin::pin!(self.cancel.notified());
@@ -153,21 +169,24 @@ impl Job {
     }
 
     /// The encoded description of the job, made once by `encode`.
-    pub async fn description<F: Future<Output = Bytes>>(
+    pub async fn description<E, F: Future<Output = Result<Bytes, E>>>(
         &self,
         encode: impl FnOnce() -> F,
-    ) -> Bytes {
-        self.description.get_or_init(encode).await.clone()
+    ) -> Result<Bytes, E> {
+        self.description.get_or_try_init(encode).await.cloned()
     }
 
-    /// The compute pool that the job's runs share.
-    pub fn scheduler(&self) -> &Arc<Scheduler> {
-        &self.scheduler
+    /// What the job's runs share with those of other jobs.
+    pub fn resources(&self) -> &Resources {
+        &self.resources
     }
 
-    /// Makes the run that decides the job's fate.
-    fn start_primary(&self) -> Arc<Run> {
-        let run = self.new_run();
+    /// Makes the run that decides the job's fate. Readers may come as soon as it is there.
+    fn begin(&self, problem: Arc<Problem>) -> Arc<Run> {
+        let system = Arc::new(SharedSystem::new(problem));
+        // A reader may have asked for it while the job was waiting.
+        let _ = self.system.set(Arc::clone(&system));
+        let run = self.new_run(self.system.get().unwrap_or(&system));
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
         // A request to cancel may have come before there was anything to stop.
@@ -177,26 +196,33 @@ impl Job {
         run
     }
 
-    fn new_run(&self) -> Arc<Run> {
-        Run::new(
-            Arc::clone(&self.system),
-            Arc::clone(&self.scheduler),
-            self.ring_bytes,
-        )
+    fn new_run(&self, system: &Arc<SharedSystem>) -> Arc<Run> {
+        Run::new(Arc::clone(system), Arc::clone(&self.resources))
     }
 
     /// A run that can deliver frame `next`: one that has it or has not come so far, else a new one.
-    fn attach(&self, next: usize) -> Attached {
+    async fn attach(&self, next: usize) -> Result<Attached, StoreError> {
+        let system = self.system().await?;
         let mut runs = self.runs.lock();
         runs.retain(|run| run.strong_count() > 0);
         let mut live: Vec<Arc<Run>> = runs.iter().filter_map(Weak::upgrade).collect();
         // The run that is furthest needs the fewest steps to get there.
         live.sort_by_key(|run| std::cmp::Reverse(run.levels().map(|levels| levels.last.iteration)));
         if let Some(attached) = live.iter().find_map(|run| run.attach(next)) {
-            return attached;
+            return Ok(attached);
         }
-        let run = self.new_run();
+        let run = self.new_run(system);
         runs.push(Arc::downgrade(&run));
-        Attached::to_new(run, next)
+        Ok(Attached::to_new(run, next))
+    }
+}
+
+impl std::fmt::Debug for Job {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut fields = f.debug_struct("Job");
+        fields.field("outline", &self.outline);
+        fields
+            .field("status", &self.status())
+            .finish_non_exhaustive()
     }
 }

@@ -9,8 +9,9 @@ use parking_lot::Mutex;
 use tokio::sync::Notify;
 use tokio::sync::futures::Notified;
 
+use super::Resources;
 use super::frame::Frame;
-use super::scheduler::{Lane, Scheduler, Turn, Work};
+use super::scheduler::{Lane, Turn, Work};
 use super::state::Levels;
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::problem::Problem;
@@ -36,7 +37,13 @@ impl SharedSystem {
         }
     }
 
-    /// The system, which lives as long as somebody holds it.
+    /// The problem.
+    pub fn problem(&self) -> &Arc<Problem> {
+        &self.problem
+    }
+
+    /// The system, which lives as long as somebody holds it. It can take long to make: not
+    /// for the threads that serve the network.
     pub fn get(&self) -> Arc<System> {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {
@@ -75,7 +82,7 @@ pub enum Read {
 #[derive(Debug)]
 pub struct Run {
     system: Arc<SharedSystem>,
-    scheduler: Arc<Scheduler>,
+    resources: Arc<Resources>,
     lane: Lane,
     /// How many frames the ring holds: at least the newest.
     capacity: usize,
@@ -105,19 +112,15 @@ struct RunState {
 }
 
 impl Run {
-    /// A run that has not begun, with a ring of about `ring_bytes`.
-    pub fn new(
-        system: Arc<SharedSystem>,
-        scheduler: Arc<Scheduler>,
-        ring_bytes: usize,
-    ) -> Arc<Self> {
+    /// A run that has not begun.
+    pub fn new(system: Arc<SharedSystem>, resources: Arc<Resources>) -> Arc<Self> {
         let problem = &system.problem;
         let weight = Frame::weight(problem.data().dimension(), problem.control_grid().count());
-        let capacity = (ring_bytes / weight).max(1);
+        let capacity = (resources.ring_bytes / weight).max(1);
         Arc::new(Self {
             lane: Lane::of(problem.step_cost()),
             system,
-            scheduler,
+            resources,
             capacity,
             keeps_unread: capacity >= 4 * LOOK_AHEAD,
             state: Mutex::default(),
@@ -166,7 +169,7 @@ impl Run {
             state.scheduled = true;
             drop(state);
             let work: Arc<dyn Work> = Arc::<Self>::clone(self);
-            self.scheduler.submit(self.lane, work);
+            self.resources.scheduler.submit(self.lane, work);
         }
     }
 
@@ -294,6 +297,7 @@ impl Work for Run {
                     iteration
                 }
             };
+            self.resources.counters.iterations.inc();
             self.publish(&iteration);
             let mut state = self.state.lock();
             if state.ending.is_some() {

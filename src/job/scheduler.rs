@@ -140,17 +140,6 @@ impl Drop for Scheduler {
     }
 }
 
-/// Closes the pool when the server is gone: work in the pool holds the pool, so that it would not
-/// end by itself.
-#[derive(Debug)]
-pub struct CloseOnDrop(pub Arc<Scheduler>);
-
-impl Drop for CloseOnDrop {
-    fn drop(&mut self) {
-        self.0.close();
-    }
-}
-
 impl Queue {
     fn push(&self, work: Arc<dyn Work>) {
         let mut state = self.state.lock();

@@ -1,24 +1,29 @@
 //! All jobs of a server: creating, finding, listing, cancelling and deleting them.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Weak};
+use std::time::Duration;
 
 use jiff::Timestamp;
 use parking_lot::Mutex;
 use thiserror::Error;
-use tokio::sync::{Semaphore, SemaphorePermit};
-use tracing::{error, info};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tracing::{error, info, warn};
 use uuid::Uuid;
 
-use super::Job;
 use super::frame::Frame;
-use super::run::Ending;
-use super::scheduler::{Lane, Scheduler};
+use super::outline::{Label, Outline};
+use super::run::{Ending, Run};
+use super::scheduler::Lane;
 use super::state::{Failure, Reason, State, Status};
-use super::store::{Record, Retention, Selection, Store, StoreError};
+use super::store::{Key, Made, Record, Retention, Selection, Store, StoreError};
+use super::{Job, Resources};
 use crate::fit::iteration::Outcome;
 use crate::fit::problem::Problem;
+
+/// How long to wait before a result that could not be stored is stored again.
+const STORE_AGAIN: Duration = Duration::from_secs(2);
 
 /// The unit in which memory is handed out.
 const PAGE: usize = 4096;
@@ -30,8 +35,6 @@ pub struct Limits {
     pub memory: usize,
     /// Jobs that have not ended.
     pub jobs: usize,
-    /// Bytes of recent frames that each run keeps.
-    pub ring_bytes: usize,
     /// What is kept of jobs that have ended.
     pub retention: Retention,
 }
@@ -53,67 +56,177 @@ pub enum Refused {
         /// The limit in bytes.
         limit: usize,
     },
+    /// The key belongs to another request.
+    #[error("the key was used for another request, which made job {0}")]
+    KeyTaken(Uuid),
     /// It could not be kept.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
 
+/// A job that was asked for.
+#[derive(Debug)]
+pub enum Accepted {
+    /// It is new.
+    New(Arc<Job>),
+    /// It was made before, for the same key.
+    Known(Arc<Job>),
+}
+
 /// The jobs of a server.
 pub struct Jobs {
     store: Arc<dyn Store>,
-    scheduler: Arc<Scheduler>,
+    resources: Arc<Resources>,
     limits: Limits,
     /// Memory for jobs on the heavy and on the quick lane, in pages. A quarter is kept for the
     /// quick ones, so that none of them waits for a large one.
-    heavy: Semaphore,
-    quick: Semaphore,
+    heavy: Arc<Semaphore>,
+    quick: Arc<Semaphore>,
     unfinished: AtomicUsize,
+    /// The process is about to end: jobs go back to the queue.
+    suspended: AtomicBool,
     /// Jobs that somebody holds: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
 }
 
 impl Jobs {
     /// No jobs but those in the store.
-    pub fn new(store: Arc<dyn Store>, scheduler: Arc<Scheduler>, limits: Limits) -> Self {
+    pub fn new(store: Arc<dyn Store>, resources: Arc<Resources>, limits: Limits) -> Self {
         let pages = (limits.memory / PAGE).min(Semaphore::MAX_PERMITS);
         Self {
             store,
-            scheduler,
+            resources,
             limits,
-            heavy: Semaphore::new(pages - pages / 4),
-            quick: Semaphore::new(pages / 4),
+            heavy: Arc::new(Semaphore::new(pages - pages / 4)),
+            quick: Arc::new(Semaphore::new(pages / 4)),
             unfinished: AtomicUsize::new(0),
+            suspended: AtomicBool::new(false),
             live: Mutex::default(),
         }
     }
 
-    /// The compute pool.
-    pub fn scheduler(&self) -> &Arc<Scheduler> {
-        &self.scheduler
+    /// What the jobs share.
+    pub fn resources(&self) -> &Resources {
+        &self.resources
     }
 
-    /// Accepts a job and starts it.
+    /// Queues the jobs that had not ended when the process did, and keeps the past within limits
+    /// from now on.
+    pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
+        let unfinished = self.store.unfinished().await?;
+        if !unfinished.is_empty() {
+            info!(count = unfinished.len(), "jobs go on where they were left");
+        }
+        for record in unfinished {
+            let job = self.bring_to_life(record);
+            let place = Place::occupy(self);
+            tokio::spawn(Arc::clone(self).drive(job, None, place));
+        }
+        let jobs = Arc::downgrade(self);
+        tokio::spawn(async move {
+            while let Some(jobs) = jobs.upgrade() {
+                jobs.retain().await;
+                drop(jobs);
+                tokio::time::sleep(Duration::from_secs(60)).await;
+            }
+        });
+        Ok(())
+    }
+
+    /// Puts running jobs back into the queue, for the next start of the server.
+    pub async fn suspend(&self) {
+        self.suspended.store(true, Ordering::Release);
+        let live: Vec<_> = self
+            .live
+            .lock()
+            .values()
+            .filter_map(Weak::upgrade)
+            .collect();
+        for job in live {
+            job.suspend();
+        }
+        // Stopping takes a step, of at most a few seconds.
+        while self.unfinished.load(Ordering::Acquire) > 0 {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+    }
+
+    /// Accepts a job and starts it; or gives the job that was made for the same key. When it
+    /// returns, the job is kept.
     pub async fn create(
         self: &Arc<Self>,
-        name: Option<String>,
+        label: Label,
         problem: Problem,
-    ) -> Result<Arc<Job>, Refused> {
-        self.admit(&problem)?;
-        let place = Place::take(self)?;
+        key: Option<Key>,
+    ) -> Result<Accepted, Refused> {
+        let jobs = Arc::clone(self);
+        // A client that goes away in the meantime must not leave half a job behind.
+        let accepted = tokio::spawn(async move { jobs.accept(label, problem, key).await });
+        accepted.await.unwrap_or_else(|error| {
+            Err(StoreError::Failed(format!("the job could not be started: {error}")).into())
+        })
+    }
+
+    async fn accept(
+        self: Arc<Self>,
+        label: Label,
+        problem: Problem,
+        key: Option<Key>,
+    ) -> Result<Accepted, Refused> {
+        let outline = Outline::new(label, &problem);
+        self.admit(&outline)?;
+        let place = Place::take(&self)?;
+        let problem = Arc::new(problem);
+        let memory = self.memory_at_once(&outline);
         let record = Record {
-            id: Uuid::now_v7(),
-            name,
-            created: Timestamp::now(),
-            problem: Arc::new(problem),
-            status: Status::QUEUED,
-            result: None,
+            outline,
+            status: match memory {
+                Some(_) => Status::running(),
+                None => Status::QUEUED,
+            },
+            crashes: 0,
         };
         // Alive before it is stored: whoever finds it in the store finds it alive.
         let job = self.bring_to_life(record.clone());
-        self.store.insert(record).await?;
-        info!(job = %job.id(), points = job.problem().grid().count(), "job accepted");
-        tokio::spawn(Arc::clone(self).drive(Arc::clone(&job), place));
-        Ok(job)
+        let kept = self.store.insert(record, Arc::clone(&problem), key.clone());
+        // The fit does not wait for the disk; the answer does. A job that has to wait for memory
+        // does so without its points, which it gets back from the store.
+        let waiting = match memory {
+            Some(memory) => {
+                let start = (memory, job.begin(problem));
+                tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
+                None
+            }
+            None => Some(place),
+        };
+        let known = kept.await.inspect_err(|_| job.request_cancel())?;
+        if let Some(made) = known {
+            job.request_cancel();
+            return self.made_before(made, key.as_ref()).await;
+        }
+        if let Some(place) = waiting {
+            tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), None, place));
+        }
+        self.resources.counters.accepted.inc();
+        info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");
+        Ok(Accepted::New(job))
+    }
+
+    /// The job that was made for a key, if there is one.
+    pub async fn made_for(&self, key: &Key) -> Result<Option<Accepted>, Refused> {
+        match self.store.made(&key.name).await? {
+            None => Ok(None),
+            Some(made) => self.made_before(made, Some(key)).await.map(Some),
+        }
+    }
+
+    async fn made_before(&self, made: Made, key: Option<&Key>) -> Result<Accepted, Refused> {
+        if key.is_none_or(|key| key.digest != made.digest) {
+            return Err(Refused::KeyTaken(made.id));
+        }
+        let job = self.find(made.id).await?;
+        let job = job.ok_or_else(|| StoreError::Failed("the job of the key is gone".to_owned()))?;
+        Ok(Accepted::Known(job))
     }
 
     /// The job of this id.
@@ -139,7 +252,7 @@ impl Jobs {
         for record in self.store.list(selection).await? {
             let job = match record.status.state.is_final() {
                 true => Some(self.bring_to_life(record)),
-                false => self.find(record.id).await?,
+                false => self.find(record.outline.id).await?,
             };
             jobs.extend(job);
         }
@@ -152,9 +265,7 @@ impl Jobs {
             job.request_cancel();
             job.ended().await;
         }
-        let existed = self.store.remove(id).await?;
-        self.live.lock().remove(&id);
-        Ok(existed)
+        self.store.remove(id).await
     }
 
     fn live(&self, id: Uuid) -> Option<Arc<Job>> {
@@ -164,53 +275,80 @@ impl Jobs {
     /// The one [`Job`] of a record, which all who deal with it share.
     fn bring_to_life(&self, record: Record) -> Arc<Job> {
         let mut live = self.live.lock();
-        let id = record.id;
+        let id = record.outline.id;
         if let Some(job) = live.get(&id).and_then(Weak::upgrade) {
             return job;
         }
-        let job = Arc::new(Job::new(
-            record,
-            Arc::clone(&self.scheduler),
-            self.limits.ring_bytes,
-        ));
-        live.retain(|_, job| job.strong_count() > 0);
+        let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
+        let job = Arc::new(Job::new(record, store, resources));
+        if live.len() == live.capacity() {
+            live.retain(|_, job| job.strong_count() > 0);
+        }
         live.insert(id, Arc::downgrade(&job));
         job
     }
 
     /// Refuses what can never run.
-    fn admit(&self, problem: &Problem) -> Result<(), Refused> {
-        let (_, pages) = self.budget(problem);
-        let available = match Lane::of(problem.step_cost()) {
+    fn admit(&self, outline: &Outline) -> Result<(), Refused> {
+        let (_, pages) = self.budget(outline);
+        let available = match Lane::of(outline.step_cost) {
             Lane::Quick => self.limits.memory / PAGE / 4,
             Lane::Heavy => self.limits.memory / PAGE - self.limits.memory / PAGE / 4,
         };
         if pages as usize > available {
             return Err(Refused::TooLarge {
-                needed: problem.memory(),
+                needed: outline.memory,
                 limit: available * PAGE,
             });
         }
         Ok(())
     }
 
-    /// Which memory a problem takes, and how many pages of it.
-    fn budget(&self, problem: &Problem) -> (&Semaphore, u32) {
-        let pages = problem.memory().div_ceil(PAGE);
-        let memory = match Lane::of(problem.step_cost()) {
+    /// Which memory a job takes, and how many pages of it.
+    fn budget(&self, outline: &Outline) -> (&Arc<Semaphore>, u32) {
+        let pages = outline.memory.div_ceil(PAGE);
+        let memory = match Lane::of(outline.step_cost) {
             Lane::Quick => &self.quick,
             Lane::Heavy => &self.heavy,
         };
         (memory, u32::try_from(pages).unwrap_or(u32::MAX))
     }
 
-    /// Takes a job from `queued` to its end.
-    async fn drive(self: Arc<Self>, job: Arc<Job>, place: Place) {
-        let (ending, last) = tokio::select! {
-            biased;
-            () = job.cancel_requested() => (Ending::Stopped, None),
-            memory = self.memory_for(&job) => self.run(&job, memory).await,
+    /// The memory that a job needs, if nobody else waits for it.
+    fn memory_at_once(&self, outline: &Outline) -> Option<OwnedSemaphorePermit> {
+        let (memory, pages) = self.budget(outline);
+        Arc::clone(memory).try_acquire_many_owned(pages).ok()
+    }
+
+    async fn memory_for(&self, outline: &Outline) -> Option<OwnedSemaphorePermit> {
+        let (memory, pages) = self.budget(outline);
+        Arc::clone(memory).acquire_many_owned(pages).await.ok()
+    }
+
+    /// Takes a job to its end: at once with the memory and the problem that it has got, else when
+    /// it is its turn.
+    async fn drive(self: Arc<Self>, job: Arc<Job>, start: Option<Start>, place: Place) {
+        let ended = async {
+            let turn = match start {
+                Some(start) => Some(start),
+                None => self.turn(&job).await?,
+            };
+            match turn {
+                Some((memory, run)) => Ok(self.run(&job, memory, run).await),
+                None => Ok((Ending::Stopped, None)),
+            }
         };
+        let (ending, last) = ended.await.unwrap_or_else(|error: StoreError| {
+            error!(job = %job.id(), %error, "a job could not be run");
+            (Ending::Broken, None)
+        });
+        if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
+            let queued = self.store.update(job.id(), Status::QUEUED).await;
+            if let Err(error) = queued {
+                warn!(job = %job.id(), %error, "a job could not be put back into the queue");
+            }
+            return drop(place);
+        }
         let (state, reason, failure) = verdict(ending);
         let status = Status {
             state,
@@ -220,40 +358,54 @@ impl Jobs {
             ..job.status()
         };
         let result = last.map(|frame| Arc::clone(&frame.control_points));
-        if let Some(points) = &result {
-            let _ = job.result.set(Arc::clone(points));
-        }
-        if let Err(error) = self.store.finish(job.id(), status.clone(), result).await {
-            error!(job = %job.id(), %error, "the end of a job could not be stored");
-        }
+        let kept = self.store.finish(job.id(), status.clone(), result.clone());
         info!(job = %job.id(), %state, "job ended");
+        self.resources.counters.count_end(state);
         drop(place);
-        job.status.send_replace(status);
-        if let Err(error) = self.store.retain(self.limits.retention).await {
-            error!(%error, "old jobs could not be removed");
+        let _ = job.result.set(result.clone());
+        job.status.send_replace(status.clone());
+        let mut kept = kept.await;
+        // Until the disk takes it the job lives in memory; after a crash it would run again.
+        while let Err(error) = kept {
+            error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
+            self.retain().await;
+            tokio::time::sleep(STORE_AGAIN).await;
+            kept = self
+                .store
+                .finish(job.id(), status.clone(), result.clone())
+                .await;
         }
+        self.retain().await;
     }
 
-    async fn memory_for(&self, job: &Job) -> Option<SemaphorePermit<'_>> {
-        let (memory, pages) = self.budget(job.problem());
-        memory.acquire_many(pages).await.ok()
+    /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
+    async fn turn(&self, job: &Job) -> Result<Option<Start>, StoreError> {
+        let memory = tokio::select! {
+            biased;
+            () = job.cancel_requested() => return Ok(None),
+            memory = self.memory_for(job.outline()) => memory,
+        };
+        let Some(memory) = memory else {
+            return Ok(None);
+        };
+        let problem = job.problem().await?;
+        let status = Status::running();
+        // Whether a job was running in a crash must be known after it.
+        self.store.update(job.id(), status.clone()).await?;
+        let run = job.begin(problem);
+        job.status.send_replace(status);
+        Ok(Some((memory, run)))
     }
 
     async fn run(
         &self,
         job: &Job,
-        memory: Option<SemaphorePermit<'_>>,
+        memory: OwnedSemaphorePermit,
+        run: Arc<Run>,
     ) -> (Ending, Option<Arc<Frame>>) {
-        let run = job.start_primary();
-        let status = Status {
-            state: State::Running,
-            started: Some(Timestamp::now()),
-            ..Status::QUEUED
-        };
-        if let Err(error) = self.store.update(job.id(), status.clone()).await {
-            error!(job = %job.id(), %error, "the state of a job could not be stored");
+        if self.suspended.load(Ordering::Acquire) {
+            run.stop();
         }
-        job.status.send_replace(status);
         let end = run.complete().await;
         // What the levels were must outlive the run.
         job.status.send_if_modified(|status| {
@@ -263,7 +415,16 @@ impl Jobs {
         drop(memory);
         end
     }
+
+    async fn retain(&self) {
+        if let Err(error) = self.store.retain(self.limits.retention).await {
+            error!(%error, "old jobs could not be removed");
+        }
+    }
 }
+
+/// The memory that a job may take, and its run.
+type Start = (OwnedSemaphorePermit, Arc<Run>);
 
 /// What the end of its run means for a job.
 fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
@@ -284,6 +445,12 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
 struct Place(Arc<Jobs>);
 
 impl Place {
+    /// Of a job that was accepted before.
+    fn occupy(jobs: &Arc<Jobs>) -> Self {
+        jobs.unfinished.fetch_add(1, Ordering::AcqRel);
+        Self(Arc::clone(jobs))
+    }
+
     fn take(jobs: &Arc<Jobs>) -> Result<Self, Refused> {
         let limit = jobs.limits.jobs;
         jobs.unfinished

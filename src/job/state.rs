@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use jiff::Timestamp;
 
+use super::outline::Outline;
 use crate::fit::iteration::Level;
-use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
 use crate::fit::update::Stall;
 
@@ -98,6 +98,8 @@ pub enum Failure {
     Overflow,
     /// A defect of the program.
     Defect,
+    /// The process has crashed each time that the job was running.
+    Crashes,
 }
 
 /// What is known of a job's progress.
@@ -147,9 +149,18 @@ impl Status {
         failure: None,
     };
 
+    /// A job that begins to run now.
+    pub fn running() -> Self {
+        Self {
+            state: State::Running,
+            started: Some(Timestamp::now()),
+            ..Self::QUEUED
+        }
+    }
+
     /// How far the fit is, in [0, 1]. PIA converges geometrically, so that with a tolerance it is
     /// `log(e₀/e) / log(e₀/tolerance)`; without one the part of the iterations that are allowed.
-    pub fn progress(&self, problem: &Problem) -> f64 {
+    pub fn progress(&self, outline: &Outline) -> f64 {
         if matches!(
             self.state,
             State::Converged | State::Exhausted | State::Stalled
@@ -160,13 +171,13 @@ impl Status {
             return 0.0;
         };
         let (initial, current) = (first.error.max, last.error.max);
-        let tolerance = problem.tolerance();
+        let tolerance = outline.tolerance;
         let progress = if current <= tolerance {
             1.0
         } else if tolerance > 0.0 {
             (initial / current).ln() / (initial / tolerance).ln()
         } else {
-            last.iteration as f64 / problem.max_iterations().max(1) as f64
+            last.iteration as f64 / outline.max_iterations.max(1) as f64
         };
         // Errors may grow for a while, and numbers may overflow in a fit that fails.
         if progress.is_nan() {

@@ -22,7 +22,8 @@ async fn capabilities_name_the_limits() {
     assert_eq!(capabilities["limits"]["body_bytes"], 256 * 1024 * 1024);
     let index = server.json("/").await;
     for link in index["links"].as_object().unwrap().values() {
-        server.json(link.as_str().unwrap()).await;
+        let response = server.get(link.as_str().unwrap()).send().await.unwrap();
+        assert_eq!(response.status(), 200, "{link}");
     }
 }
 

@@ -1,81 +1,13 @@
 //! The program itself: its flags, its signals, its health check.
 
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::path::Path;
+use std::process::Command;
 
 use futures_util::StreamExt;
-use serde_json::Value;
 
 use crate::data;
+use crate::program::{PROGRAM, Program};
 use crate::support::events;
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_piad");
-
-struct Program {
-    child: Child,
-    address: String,
-}
-
-impl Program {
-    /// Starts the server on a free port and waits until it says which.
-    fn start() -> Self {
-        let mut child = Command::new(PROGRAM)
-            .args([
-                "--listen",
-                "127.0.0.1:0",
-                "--log-format",
-                "json",
-                "--max-iterations",
-                "1000000000",
-            ])
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut log = BufReader::new(child.stderr.take().unwrap());
-        let mut line = String::new();
-        log.read_line(&mut line).unwrap();
-        let line: Value = serde_json::from_str(&line).unwrap();
-        let message = line["fields"]["message"].as_str().unwrap();
-        let address = message
-            .strip_prefix("listening on http://")
-            .unwrap()
-            .to_owned();
-        // A pipe that nobody reads would fill up.
-        std::thread::spawn(move || std::io::copy(&mut log, &mut std::io::sink()));
-        Self { child, address }
-    }
-
-    fn signal(&self, name: &str) {
-        let id = self.child.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args([name, &id])
-                .status()
-                .unwrap()
-                .success()
-        );
-    }
-
-    fn wait(&mut self) -> ExitStatus {
-        let begin = Instant::now();
-        loop {
-            if let Some(status) = self.child.try_wait().unwrap() {
-                return status;
-            }
-            assert!(begin.elapsed() < Duration::from_secs(5), "it does not stop");
-            std::thread::sleep(Duration::from_millis(10));
-        }
-    }
-}
-
-impl Drop for Program {
-    fn drop(&mut self) {
-        // If a test has failed the process is still there.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
 
 fn health(address: &str) -> bool {
     let check = Command::new(PROGRAM)
@@ -88,13 +20,12 @@ fn health(address: &str) -> bool {
 #[tokio::test(flavor = "multi_thread")]
 async fn signals_end_it_with_open_streams() {
     for signal in ["-TERM", "-INT"] {
-        let mut program = Program::start();
+        let mut program = Program::start(Path::new(":memory:"));
         assert!(health(&program.address));
-        let client = reqwest::Client::new();
         let mut streams = Vec::new();
         for _ in 0..3 {
-            let request = client
-                .post(format!("http://{}/v1/jobs", program.address))
+            let request = program
+                .post("/v1/jobs")
                 .header("accept", "text/event-stream")
                 .json(&data::endless_job());
             let mut stream = events(request.send().await.unwrap());
@@ -119,10 +50,12 @@ fn help_names_every_flag_and_its_variable() {
         "max-points",
         "max-iterations",
         "max-jobs",
+        "data-dir",
         "memory",
         "ring",
         "retain-jobs",
         "retain-bytes",
+        "retain-age",
         "heartbeat",
         "body-timeout",
         "grace",
@@ -144,6 +77,8 @@ fn wrong_settings_are_refused() {
         vec!["--max-body", "lots"],
         vec!["--grace", "-1"],
         vec!["--log", "="],
+        vec!["--retain-age", "long"],
+        vec!["--data-dir", ""],
         vec!["--speed", "9"],
         vec!["fly"],
     ] {
@@ -155,7 +90,7 @@ fn wrong_settings_are_refused() {
 
 #[test]
 fn a_port_in_use_is_an_error() {
-    let program = Program::start();
+    let program = Program::start(Path::new(":memory:"));
     let second = Command::new(PROGRAM)
         .args(["serve", "--listen", &program.address])
         .output()

@@ -48,7 +48,7 @@ async fn limits_are_named() {
 
 #[tokio::test]
 async fn fits_that_need_too_much_memory_are_refused() {
-    let server = Server::with(|config| config.memory = "1MiB".parse().unwrap()).await;
+    let server = Server::with(|config| config.memory = Some("1MiB".parse().unwrap())).await;
     let job = json!({"curve": {"points": data::wave(50_000)}});
     let (status, answer) = problem(server.post("/v1/jobs").json(&job).send().await.unwrap()).await;
     assert_eq!(status, 422);

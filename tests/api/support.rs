@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eventsource_stream::Eventsource;
 use futures_util::{Stream, StreamExt};
-use piad::config::Config;
+use piad::config::{Config, DataDir};
 use reqwest::{Client, RequestBuilder, Response};
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
@@ -32,6 +32,7 @@ impl Server {
         let mut config = Config::standard();
         // So that there are jobs that outlast any test.
         config.max_iterations = 1_000_000_000;
+        config.data_dir = DataDir::Memory;
         change(&mut config);
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());

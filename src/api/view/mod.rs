@@ -20,6 +20,7 @@ use crate::fit::points::{Grid, Points};
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
 use crate::job::Job;
+use crate::job::outline::Outline;
 use crate::job::state::{Levels, Reason, Status};
 
 /// A value as bytes of JSON. The values of this module always have a JSON form.
@@ -33,13 +34,40 @@ pub fn to_bytes(value: &impl Serialize) -> Bytes {
     }
 }
 
+/// How the data points of a job are numbered, and whether some of them are fixed.
+#[derive(Clone, Copy)]
+pub struct Arrangement {
+    /// On surfaces the number of columns.
+    columns: Option<usize>,
+    local: bool,
+}
+
+impl From<&Problem> for Arrangement {
+    fn from(problem: &Problem) -> Self {
+        Self {
+            columns: problem.v().map(|_| problem.grid().columns),
+            local: matches!(problem.method(), Method::Local { .. }),
+        }
+    }
+}
+
+impl From<&Outline> for Arrangement {
+    fn from(outline: &Outline) -> Self {
+        Self {
+            columns: outline.surface.then_some(outline.grid.columns),
+            local: matches!(outline.method, Method::Local { .. }),
+        }
+    }
+}
+
 /// The distances of a level from the data. On surfaces `at` is `[row, column]`. Distances that are
 /// infinite, of points whose weight is not positive, are null.
-pub fn error(error: &FitError, problem: &Problem) -> Value {
-    let at = point_index(error.at, problem);
+pub fn error(error: &FitError, of: impl Into<Arrangement>) -> Value {
+    let of = of.into();
+    let at = point_index(error.at, of);
     let mut value = json!({"max": error.max, "rms": error.rms, "sum": error.sum, "at": at});
     let more = [
-        ("fixed_max", error.fixed_max.filter(|_| is_local(problem))),
+        ("fixed_max", error.fixed_max.filter(|_| of.local)),
         ("homogeneous", error.homogeneous),
         ("gradient", error.gradient),
     ];
@@ -51,44 +79,39 @@ pub fn error(error: &FitError, problem: &Problem) -> Value {
     value
 }
 
-fn is_local(problem: &Problem) -> bool {
-    matches!(problem.method(), Method::Local { .. })
-}
-
 /// The index of a data point: on surfaces `[row, column]`.
-fn point_index(index: usize, problem: &Problem) -> Value {
-    match problem.v() {
+fn point_index(index: usize, of: impl Into<Arrangement>) -> Value {
+    match of.into().columns {
         None => json!(index),
-        Some(_) => {
-            let columns = problem.grid().columns;
-            json!([index / columns, index % columns])
-        }
+        Some(columns) => json!([index / columns, index % columns]),
     }
 }
 
 /// The job as a resource.
 pub fn job(job: &Job) -> Value {
     let status = job.status();
-    let problem = job.problem();
-    let id = job.id();
+    let outline = job.outline();
     let level = status.levels.map(|levels| levels.last);
     let mut value = json!({
-        "id": id,
-        "name": job.name(),
-        "kind": kind(problem),
+        "id": outline.id,
+        "name": outline.label.name,
+        "kind": kind(outline),
         "state": status.state.name(),
         "reason": status.reason.map(Reason::name),
-        "points": problem.grid().count(),
-        "method": method(problem, status.levels.map(|levels| levels.forecast)),
-        "stop": stop(problem),
+        "points": outline.grid.count(),
+        "method": method(outline, status.levels.map(|levels| levels.forecast)),
+        "stop": stop(outline),
         "iteration": level.map(|level| level.iteration),
-        "error": level.map(|level| error(&level.error, problem)),
-        "progress": status.progress(problem),
-        "created_at": job.created(),
+        "error": level.map(|level| error(&level.error, outline)),
+        "progress": status.progress(outline),
+        "created_at": outline.created,
         "started_at": status.started,
         "finished_at": status.finished,
         "links": links(job),
     });
+    if let Some(parent) = outline.label.parent {
+        value["parent"] = json!({"id": parent.id, "iteration": parent.iteration});
+    }
     if let Some(failure) = status.failure {
         value["problem"] = api::Problem::from(failure).to_json(None);
     }
@@ -111,26 +134,20 @@ pub fn path(job: &Job) -> String {
     format!("/v1/jobs/{}", job.id())
 }
 
-fn kind(problem: &Problem) -> &'static str {
-    match problem.v() {
-        None => "curve",
-        Some(_) => "surface",
-    }
+fn kind(outline: &Outline) -> &'static str {
+    if outline.surface { "surface" } else { "curve" }
 }
 
 /// The method with its settings, and with the numbers that were computed for it.
-fn method(problem: &Problem, forecast: Option<Forecast>) -> Value {
-    let method = problem.method();
+fn method(outline: &Outline, forecast: Option<Forecast>) -> Value {
+    let method = outline.method;
     let mut value = json!({"kind": method.name()});
     match method {
         Method::Weighted { omega } => {
             value["omega"] = json!(forecast.and_then(|it| it.omega).or(omega));
         }
         Method::Local { row_by_row } => {
-            let adjusted = problem
-                .selected()
-                .map_or(problem.grid().count(), <[_]>::len);
-            value["adjusted"] = json!(adjusted);
+            value["adjusted"] = json!(outline.adjusted);
             value["row_by_row"] = json!(row_by_row);
         }
         Method::Adaptive { threshold } => value["threshold"] = json!(threshold),
@@ -141,9 +158,9 @@ fn method(problem: &Problem, forecast: Option<Forecast>) -> Value {
             });
         }
         Method::LeastSquares(settings) => {
-            value["control_points"] = match problem.v() {
-                None => json!(settings.u),
-                Some(_) => json!({"u": settings.u, "v": settings.v}),
+            value["control_points"] = match outline.surface {
+                false => json!(settings.u),
+                true => json!({"u": settings.u, "v": settings.v}),
             };
             value["variant"] = json!(match settings.variant {
                 Variant::Diagonal => "diagonal",
@@ -159,8 +176,8 @@ fn method(problem: &Problem, forecast: Option<Forecast>) -> Value {
     value
 }
 
-fn stop(problem: &Problem) -> Value {
-    json!({"tolerance": problem.tolerance(), "max_iterations": problem.max_iterations()})
+fn stop(outline: &Outline) -> Value {
+    json!({"tolerance": outline.tolerance, "max_iterations": outline.max_iterations})
 }
 
 /// One value for a curve, `{"u": …, "v": …}` for a surface.
@@ -183,7 +200,7 @@ enum OneOrTwo<T> {
 }
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
-pub fn description(job: &Job, levels: Option<Levels>) -> Bytes {
+pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Bytes {
     #[derive(Serialize)]
     struct Description<'a, D, B, K, P> {
         id: uuid::Uuid,
@@ -202,24 +219,24 @@ pub fn description(job: &Job, levels: Option<Levels>) -> Bytes {
         knots: K,
         parameters: P,
     }
-    let problem = job.problem();
+    let outline = job.outline();
     to_bytes(&Description {
-        id: job.id(),
-        name: job.name(),
-        kind: kind(problem),
+        id: outline.id,
+        name: outline.label.name.as_deref(),
+        kind: kind(outline),
         points: problem.grid().count(),
         basis: per_direction(problem, |direction| direction.basis.name()),
         degree: per_direction(problem, |direction| direction.basis.degree()),
         closed: json!(per_direction(problem, Direction::is_closed)),
         rational: rational(problem),
-        method: method(problem, levels.map(|levels| levels.forecast)),
+        method: method(outline, levels.map(|levels| levels.forecast)),
         predicted: json!({
             "rate": levels.and_then(|levels| levels.forecast.rate),
             "iterations": levels.and_then(|levels| {
                 levels.forecast.iterations(levels.first.error.max, problem.tolerance())
             }),
         }),
-        stop: stop(problem),
+        stop: stop(outline),
         links: links(job),
         weights: fixed_weights(problem),
         knots: per_direction(problem, |direction| direction.basis.knots()),
@@ -308,7 +325,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
         "state": status.state.name(),
         "reason": status.reason.map(Reason::name),
         "iterations": level.map_or(0, |level| level.iteration),
-        "error": level.map(|level| error(&level.error, job.problem())),
+        "error": level.map(|level| error(&level.error, job.outline())),
         "elapsed": elapsed,
         "links": {"self": path(job), "result": format!("{}/result", path(job))},
     });
@@ -319,7 +336,13 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
 }
 
 /// The result: geometry that can be read without anything else.
-pub fn result(job: &Job, status: &Status, level: &Level, control_points: &Points) -> Bytes {
+pub fn result(
+    job: &Job,
+    problem: &Problem,
+    status: &Status,
+    level: &Level,
+    control_points: &Points,
+) -> Bytes {
     #[derive(Serialize)]
     struct ResultView<'a, B, D, K> {
         id: uuid::Uuid,
@@ -345,7 +368,6 @@ pub fn result(job: &Job, status: &Status, level: &Level, control_points: &Points
         Net(NetWeights<'a>),
         Fixed(Value),
     }
-    let problem = job.problem();
     let geometry = Geometry::new(problem, control_points);
     let weights = match rational(problem) {
         None => None,
@@ -354,8 +376,8 @@ pub fn result(job: &Job, status: &Status, level: &Level, control_points: &Points
     };
     to_bytes(&ResultView {
         id: job.id(),
-        name: job.name(),
-        kind: kind(problem),
+        name: job.outline().label.name.as_deref(),
+        kind: kind(job.outline()),
         state: status.state.name(),
         iteration: level.iteration,
         error: error(&level.error, problem),

@@ -1,33 +1,90 @@
 //! Where jobs are kept: their problems, states and final control points. Frames are not.
 
+pub mod embedded;
 pub mod memory;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use async_trait::async_trait;
+use futures_util::future::BoxFuture;
 use jiff::Timestamp;
 use thiserror::Error;
 use uuid::Uuid;
 
-use super::state::{State, Status};
+use super::outline::Outline;
+use super::state::{Failure, State, Status};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
-/// A job as it is kept.
-#[derive(Clone, Debug)]
+/// How long the key of a request is remembered.
+pub const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
+
+/// A job that was running in so many crashes of the process is not run again.
+pub const MOST_CRASHES: u32 = 3;
+
+/// A job as it is kept, without its points.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// The id; ids grow with time.
-    pub id: Uuid,
-    /// The client's name for the job.
-    pub name: Option<String>,
-    /// When it was accepted.
-    pub created: Timestamp,
-    /// The problem.
-    pub problem: Arc<Problem>,
-    /// The state.
+    /// What it is.
+    pub outline: Outline,
+    /// What has become of it.
     pub status: Status,
-    /// The free control points of the last level, once it has ended.
-    pub result: Option<Arc<Points>>,
+    /// In how many crashes of the process it was running.
+    pub crashes: u32,
+}
+
+impl Record {
+    /// The record after a start of the process: what was running goes back to the queue, unless it
+    /// was running in too many crashes. `None` if nothing changes.
+    pub fn recovered(&self) -> Option<Self> {
+        if self.status.state != State::Running {
+            return None;
+        }
+        let crashes = self.crashes + 1;
+        let status = if crashes >= MOST_CRASHES {
+            Status {
+                state: State::Failed,
+                finished: Some(Timestamp::now()),
+                failure: Some(Failure::Crashes),
+                ..self.status.clone()
+            }
+        } else {
+            Status::QUEUED
+        };
+        Some(Self {
+            status,
+            crashes,
+            ..self.clone()
+        })
+    }
+}
+
+/// A key by which a client recognises its request, and a digest of what was asked for with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// The key.
+    pub name: String,
+    /// SHA-256 of the request.
+    pub digest: [u8; 32],
+}
+
+/// The job that was made for a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Made {
+    /// The job.
+    pub id: Uuid,
+    /// The digest of the request.
+    pub digest: [u8; 32],
+    /// When it was made.
+    pub at: Timestamp,
+}
+
+impl Made {
+    /// Whether the key is not remembered any more.
+    pub fn is_forgotten(&self) -> bool {
+        Timestamp::now().duration_since(self.at).unsigned_abs() > KEY_LIFETIME
+    }
 }
 
 /// Which jobs to list.
@@ -41,46 +98,103 @@ pub struct Selection {
     pub limit: usize,
 }
 
-/// How much of the past is kept.
+/// How much of the past is kept: the first jobs to end are the first to be forgotten.
 #[derive(Clone, Copy, Debug)]
 pub struct Retention {
     /// Jobs that have ended.
     pub jobs: usize,
     /// Bytes of their data and results.
-    pub bytes: usize,
+    pub bytes: u64,
+    /// How long after their end.
+    pub age: Duration,
 }
 
 /// The store did not do what it was asked for.
 #[derive(Clone, Debug, Error)]
-#[error("the store failed: {0}")]
-pub struct StoreError(pub String);
+pub enum StoreError {
+    /// There is no room.
+    #[error("the store is full: {0}")]
+    Full(String),
+    /// Anything else.
+    #[error("the store failed: {0}")]
+    Failed(String),
+}
 
-/// Keeps jobs. What a method has returned from is kept as well as the store can keep it.
+/// The acknowledgement of a write.
+pub type Kept<T> = BoxFuture<'static, Result<T, StoreError>>;
+
+/// Keeps jobs.
+///
+/// Writes take effect in the order in which they are called; what a write's future has returned
+/// from is kept, whatever happens to the process.
 #[async_trait]
 pub trait Store: Send + Sync {
-    /// Keeps a new job.
-    async fn insert(&self, record: Record) -> Result<(), StoreError>;
+    /// Keeps a new job, unless there is one for the same key: then gives that one.
+    fn insert(&self, record: Record, problem: Arc<Problem>, key: Option<Key>)
+    -> Kept<Option<Made>>;
 
     /// Keeps the state of a job. A job that is gone stays gone.
-    async fn update(&self, id: Uuid, status: Status) -> Result<(), StoreError>;
+    fn update(&self, id: Uuid, status: Status) -> Kept<()>;
 
     /// Keeps the final state and control points of a job. A job that is gone stays gone.
-    async fn finish(
-        &self,
-        id: Uuid,
-        status: Status,
-        result: Option<Arc<Points>>,
-    ) -> Result<(), StoreError>;
+    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Kept<()>;
+
+    /// Forgets a job; says whether there was one.
+    fn remove(&self, id: Uuid) -> Kept<bool>;
+
+    /// Forgets jobs that have ended until the rest is within `retention`, and old keys.
+    fn retain(&self, retention: Retention) -> Kept<Vec<Uuid>>;
 
     /// The job of this id.
     async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError>;
 
+    /// The problem of the job of this id.
+    async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError>;
+
+    /// The free control points of the last level of a job that has ended.
+    async fn result(&self, id: Uuid) -> Result<Option<Arc<Points>>, StoreError>;
+
     /// Jobs, the newest first.
     async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError>;
 
-    /// Forgets a job; says whether there was one.
-    async fn remove(&self, id: Uuid) -> Result<bool, StoreError>;
+    /// Jobs that have not ended, the oldest first.
+    async fn unfinished(&self) -> Result<Vec<Record>, StoreError>;
 
-    /// Forgets jobs that have ended, the first to end first, until the rest is within `retention`.
-    async fn retain(&self, retention: Retention) -> Result<Vec<Uuid>, StoreError>;
+    /// The job that was made for a key.
+    async fn made(&self, key: &str) -> Result<Option<Made>, StoreError>;
+}
+
+/// Which of the jobs that have ended to forget, and how many there are: the bookkeeping that
+/// stores share. Jobs are ordered by the time at which they ended.
+#[derive(Debug, Default)]
+pub struct Ended {
+    jobs: std::collections::BTreeMap<(Timestamp, Uuid), u64>,
+    bytes: u64,
+}
+
+impl Ended {
+    /// A job has ended and takes so many bytes.
+    pub fn add(&mut self, at: Timestamp, id: Uuid, bytes: u64) {
+        let before = self.jobs.insert((at, id), bytes).unwrap_or(0);
+        self.bytes = self.bytes + bytes - before;
+    }
+
+    /// A job is gone.
+    pub fn remove(&mut self, at: Timestamp, id: Uuid) {
+        self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
+    }
+
+    /// The jobs to be forgotten.
+    pub fn surplus(&self, retention: Retention) -> Vec<Uuid> {
+        let now = Timestamp::now();
+        let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
+        let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
+            let old = now.duration_since(at).unsigned_abs() > retention.age;
+            let forget = old || jobs > retention.jobs || bytes > retention.bytes;
+            jobs -= 1;
+            bytes -= size;
+            forget
+        });
+        surplus.map(|(&(_, id), _)| id).collect()
+    }
 }

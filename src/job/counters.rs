@@ -1,0 +1,60 @@
+//! What a server has done so far, as Prometheus metrics.
+
+use prometheus_client::encoding::EncodeLabelSet;
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::registry::Registry;
+
+use super::state::State;
+
+/// Counters from the start of the server on.
+#[derive(Clone, Debug, Default)]
+pub struct Counters {
+    /// Levels computed, of all runs of all jobs.
+    pub iterations: Counter,
+    /// Frames written for the wire: one for each frame and view, however many clients read it.
+    pub encodings: Counter,
+    /// Events sent.
+    pub events: Counter,
+    /// Jobs accepted.
+    pub accepted: Counter,
+    /// Commits of the store.
+    pub commits: Counter,
+    /// Writes in those commits.
+    pub writes: Counter,
+    ended: Family<Ending, Counter>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct Ending {
+    state: &'static str,
+}
+
+impl Counters {
+    /// Counts the end of a job.
+    pub fn count_end(&self, state: State) {
+        let state = state.name();
+        self.ended.get_or_create(&Ending { state }).inc();
+    }
+
+    /// Makes the counters known under their names.
+    pub fn register(&self, registry: &mut Registry) {
+        let plain = [
+            ("iterations", "Levels computed", &self.iterations),
+            ("encodings", "Frames encoded", &self.encodings),
+            ("events", "Events of streams sent", &self.events),
+            ("jobs_accepted", "Jobs accepted", &self.accepted),
+            ("store_commits", "Commits of the store", &self.commits),
+            (
+                "store_writes",
+                "Writes in commits of the store",
+                &self.writes,
+            ),
+        ];
+        for (name, help, counter) in plain {
+            registry.register(format!("piad_{name}"), help, counter.clone());
+        }
+        let ended = self.ended.clone();
+        registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
+    }
+}

@@ -1,0 +1,80 @@
+//! What is known of a job without its points: what lists show and what admission needs.
+
+use std::sync::Arc;
+
+use jiff::Timestamp;
+use uuid::Uuid;
+
+use crate::fit::method::Method;
+use crate::fit::points::Grid;
+use crate::fit::problem::Problem;
+
+/// A job without its points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// The id; ids grow with time.
+    pub id: Uuid,
+    /// What its client said about it.
+    pub label: Label,
+    /// When it was accepted.
+    pub created: Timestamp,
+    /// Whether it is a surface.
+    pub surface: bool,
+    /// The arrangement of the data points.
+    pub grid: Grid,
+    /// The method.
+    pub method: Method,
+    /// Local fits: how many control points may move.
+    pub adjusted: Option<usize>,
+    /// The largest allowed distance of the curve from a data point, in data units.
+    pub tolerance: f64,
+    /// The last level that is computed.
+    pub max_iterations: usize,
+    /// Bytes that running it takes.
+    pub memory: usize,
+    /// Multiplications of one iteration.
+    pub step_cost: usize,
+}
+
+/// What a client says about a job besides the problem.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Label {
+    /// The client's name for the job.
+    pub name: Option<String>,
+    /// Where the fit comes from, if it is an edit of another one.
+    pub parent: Option<Parent>,
+    /// How its streams go if they do not say it themselves; only the API understands it.
+    pub stream: Option<Arc<str>>,
+}
+
+/// The level of another job from whose control points a job has started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parent {
+    /// The other job.
+    pub id: Uuid,
+    /// Its level.
+    pub iteration: usize,
+}
+
+impl Outline {
+    /// The outline of a new job.
+    pub fn new(label: Label, problem: &Problem) -> Self {
+        let adjusted = || {
+            let all = problem.grid().count();
+            problem.selected().map_or(all, <[usize]>::len)
+        };
+        Self {
+            id: Uuid::now_v7(),
+            label,
+            created: Timestamp::now(),
+            surface: problem.v().is_some(),
+            grid: problem.grid(),
+            method: problem.method(),
+            adjusted: matches!(problem.method(), Method::Local { .. }).then(adjusted),
+            tolerance: problem.tolerance(),
+            max_iterations: problem.max_iterations(),
+            memory: problem.memory(),
+            step_cost: problem.step_cost(),
+        }
+    }
+}

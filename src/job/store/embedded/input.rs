@@ -1,0 +1,403 @@
+//! Problems as they were asked for, and points, as protobuf messages.
+//!
+//! The problem itself follows from what was asked for: it is computed again when it is read.
+
+use std::sync::Arc;
+
+use prost::{Enumeration, Message, Oneof};
+
+use super::super::StoreError;
+use super::header::number;
+use super::tables::damaged;
+use crate::fit::basis::{Polynomial, knots::Knots};
+use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::parameters::Parametrization;
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+
+/// A problem as it was asked for.
+#[derive(Clone, PartialEq, Message)]
+pub(super) struct Input {
+    #[prost(message, optional, tag = "1")]
+    points: Option<PointsMessage>,
+    #[prost(uint64, tag = "2")]
+    rows: u64,
+    #[prost(uint64, tag = "3")]
+    columns: u64,
+    #[prost(uint64, repeated, tag = "4")]
+    missing: Vec<u64>,
+    #[prost(message, optional, tag = "5")]
+    u: Option<DirectionMessage>,
+    #[prost(message, optional, tag = "6")]
+    v: Option<DirectionMessage>,
+    #[prost(enumeration = "WeightsCode", tag = "7")]
+    weights: i32,
+    #[prost(double, repeated, tag = "8")]
+    weight_values: Vec<f64>,
+    #[prost(message, optional, tag = "9")]
+    method: Option<MethodMessage>,
+    #[prost(bool, tag = "10")]
+    selects: bool,
+    #[prost(uint64, repeated, tag = "11")]
+    selected: Vec<u64>,
+    #[prost(message, optional, tag = "12")]
+    start: Option<PointsMessage>,
+    #[prost(double, tag = "13")]
+    tolerance: f64,
+    #[prost(bool, tag = "14")]
+    relative: bool,
+    #[prost(uint64, tag = "15")]
+    max_iterations: u64,
+}
+
+/// Points, coordinate by coordinate.
+#[derive(Clone, PartialEq, Message)]
+pub(super) struct PointsMessage {
+    #[prost(uint32, tag = "1")]
+    dimension: u32,
+    #[prost(double, repeated, tag = "2")]
+    coordinates: Vec<f64>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct DirectionMessage {
+    #[prost(enumeration = "BasisCode", tag = "1")]
+    basis: i32,
+    #[prost(uint64, tag = "2")]
+    degree: u64,
+    #[prost(enumeration = "KnotsCode", tag = "3")]
+    knots: i32,
+    #[prost(double, repeated, tag = "4")]
+    knot_values: Vec<f64>,
+    #[prost(enumeration = "ParametersCode", tag = "5")]
+    parameters: i32,
+    #[prost(double, repeated, tag = "6")]
+    parameter_values: Vec<f64>,
+    #[prost(bool, tag = "7")]
+    closed: bool,
+    #[prost(bool, tag = "8")]
+    weighted: bool,
+    #[prost(double, repeated, tag = "9")]
+    weights: Vec<f64>,
+}
+
+/// A method with its settings.
+#[derive(Clone, Copy, PartialEq, Message)]
+pub(super) struct MethodMessage {
+    #[prost(oneof = "MethodCase", tags = "1, 2, 3, 4, 5, 6, 7, 8, 9, 10")]
+    case: Option<MethodCase>,
+}
+
+#[derive(Clone, Copy, PartialEq, Oneof)]
+enum MethodCase {
+    #[prost(message, tag = "1")]
+    Global(Nothing),
+    #[prost(message, tag = "2")]
+    Weighted(Number),
+    /// Row by row?
+    #[prost(bool, tag = "3")]
+    Local(bool),
+    /// The threshold.
+    #[prost(double, tag = "4")]
+    Adaptive(f64),
+    /// From the data?
+    #[prost(bool, tag = "5")]
+    Extended(bool),
+    #[prost(message, tag = "6")]
+    Transpose(Nothing),
+    #[prost(message, tag = "7")]
+    Convex(Nothing),
+    #[prost(message, tag = "8")]
+    Chebyshev(Nothing),
+    #[prost(message, tag = "9")]
+    Direct(Nothing),
+    #[prost(message, tag = "10")]
+    LeastSquares(LeastSquaresMessage),
+}
+
+#[derive(Clone, Copy, PartialEq, Message)]
+struct Nothing {}
+
+#[derive(Clone, Copy, PartialEq, Message)]
+struct Number {
+    #[prost(double, optional, tag = "1")]
+    value: Option<f64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Message)]
+struct LeastSquaresMessage {
+    #[prost(uint64, tag = "1")]
+    u: u64,
+    #[prost(uint64, tag = "2")]
+    v: u64,
+    #[prost(enumeration = "VariantCode", tag = "3")]
+    variant: i32,
+    #[prost(double, optional, tag = "4")]
+    mu: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
+enum WeightsCode {
+    None = 0,
+    Homogeneous = 1,
+    FixedGrid = 2,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
+enum BasisCode {
+    BSpline = 0,
+    Bernstein = 1,
+    SaidBall = 2,
+    WangBall = 3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
+enum KnotsCode {
+    Usual = 0,
+    Data = 1,
+    Averaged = 2,
+    Explicit = 3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
+enum ParametersCode {
+    ChordLength = 0,
+    Centripetal = 1,
+    Uniform = 2,
+    Explicit = 3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
+enum VariantCode {
+    Diagonal = 0,
+    Lspia = 1,
+    ConjugateGradients = 2,
+}
+
+impl Input {
+    /// What was asked for.
+    pub(super) fn new(problem: &Problem) -> Self {
+        let request = problem.request();
+        let (weights, weight_values) = match &request.weights {
+            Weights::None => (WeightsCode::None, Vec::new()),
+            Weights::Homogeneous(values) => (WeightsCode::Homogeneous, values.clone()),
+            Weights::FixedGrid(values) => (WeightsCode::FixedGrid, values.clone()),
+        };
+        let (tolerance, relative) = match request.tolerance {
+            Tolerance::Absolute(value) => (value, false),
+            Tolerance::Relative(value) => (value, true),
+        };
+        let wide = |indices: &[usize]| indices.iter().map(|&index| index as u64).collect();
+        Self {
+            points: Some(PointsMessage::new(&request.points)),
+            rows: request.grid.rows as u64,
+            columns: request.grid.columns as u64,
+            missing: wide(&request.missing),
+            u: Some((&request.u).into()),
+            v: request.v.as_ref().map(DirectionMessage::from),
+            weights: weights as i32,
+            weight_values,
+            method: Some(request.method.into()),
+            selects: request.selected.is_some(),
+            selected: wide(request.selected.as_deref().unwrap_or_default()),
+            start: request.start.as_deref().map(PointsMessage::new),
+            tolerance,
+            relative,
+            max_iterations: request.max_iterations as u64,
+        }
+    }
+
+    /// What was asked for, to be computed again.
+    pub(super) fn into_request(self) -> Result<Request, StoreError> {
+        let code = self.weights();
+        let points = self.points.ok_or_else(|| damaged("no points"))?;
+        let selected = self.selects.then(|| narrow(self.selected)).transpose()?;
+        let start = self.start.map(PointsMessage::into_points).transpose()?;
+        Ok(Request {
+            points: points.into_points()?,
+            grid: Grid {
+                rows: number(self.rows)?,
+                columns: number(self.columns)?,
+            },
+            missing: narrow(self.missing)?,
+            u: self.u.ok_or_else(|| damaged("no direction"))?.try_into()?,
+            v: self.v.map(DirectionChoice::try_from).transpose()?,
+            weights: match code {
+                WeightsCode::None => Weights::None,
+                WeightsCode::Homogeneous => Weights::Homogeneous(self.weight_values),
+                WeightsCode::FixedGrid => Weights::FixedGrid(self.weight_values),
+            },
+            method: self
+                .method
+                .ok_or_else(|| damaged("no method"))?
+                .try_into()?,
+            selected,
+            start: start.map(Arc::new),
+            tolerance: match self.relative {
+                true => Tolerance::Relative(self.tolerance),
+                false => Tolerance::Absolute(self.tolerance),
+            },
+            max_iterations: number(self.max_iterations)?,
+        })
+    }
+}
+
+fn narrow(indices: Vec<u64>) -> Result<Vec<usize>, StoreError> {
+    indices.into_iter().map(number).collect()
+}
+
+impl PointsMessage {
+    /// Points as a message.
+    pub(super) fn new(points: &Points) -> Self {
+        Self {
+            dimension: u32::try_from(points.dimension()).unwrap_or(u32::MAX),
+            coordinates: points.lanes().concat(),
+        }
+    }
+
+    /// The points of a message.
+    pub(super) fn into_points(self) -> Result<Points, StoreError> {
+        let dimension = number(self.dimension.into())?;
+        if dimension == 0 || self.coordinates.len() % dimension != 0 {
+            return Err(damaged("coordinates are missing"));
+        }
+        let lanes = self.coordinates.chunks(self.coordinates.len() / dimension);
+        Ok(Points::from_lanes(lanes.map(<[f64]>::to_vec).collect()))
+    }
+}
+
+impl From<&DirectionChoice> for DirectionMessage {
+    fn from(choice: &DirectionChoice) -> Self {
+        let (basis, degree, knots, knot_values) = match &choice.basis {
+            BasisChoice::Polynomial(kind) => {
+                let basis = match kind {
+                    Polynomial::Bernstein => BasisCode::Bernstein,
+                    Polynomial::SaidBall => BasisCode::SaidBall,
+                    Polynomial::WangBall => BasisCode::WangBall,
+                };
+                (basis, 0, KnotsCode::Usual, Vec::new())
+            }
+            BasisChoice::BSpline { degree, knots } => {
+                let (code, values) = match knots {
+                    Knots::Usual => (KnotsCode::Usual, Vec::new()),
+                    Knots::Data => (KnotsCode::Data, Vec::new()),
+                    Knots::Averaged => (KnotsCode::Averaged, Vec::new()),
+                    Knots::Explicit(values) => (KnotsCode::Explicit, values.clone()),
+                };
+                (BasisCode::BSpline, *degree, code, values)
+            }
+        };
+        let (parameters, parameter_values) = match &choice.parameters {
+            Parametrization::ChordLength => (ParametersCode::ChordLength, Vec::new()),
+            Parametrization::Centripetal => (ParametersCode::Centripetal, Vec::new()),
+            Parametrization::Uniform => (ParametersCode::Uniform, Vec::new()),
+            Parametrization::Explicit(values) => (ParametersCode::Explicit, values.clone()),
+        };
+        Self {
+            basis: basis as i32,
+            degree: degree as u64,
+            knots: knots as i32,
+            knot_values,
+            parameters: parameters as i32,
+            parameter_values,
+            closed: choice.closed,
+            weighted: choice.weights.is_some(),
+            weights: choice.weights.clone().unwrap_or_default(),
+        }
+    }
+}
+
+impl TryFrom<DirectionMessage> for DirectionChoice {
+    type Error = StoreError;
+
+    fn try_from(message: DirectionMessage) -> Result<Self, StoreError> {
+        let parameters = match message.parameters() {
+            ParametersCode::ChordLength => Parametrization::ChordLength,
+            ParametersCode::Centripetal => Parametrization::Centripetal,
+            ParametersCode::Uniform => Parametrization::Uniform,
+            ParametersCode::Explicit => Parametrization::Explicit(message.parameter_values.clone()),
+        };
+        let basis = match message.basis() {
+            BasisCode::Bernstein => BasisChoice::Polynomial(Polynomial::Bernstein),
+            BasisCode::SaidBall => BasisChoice::Polynomial(Polynomial::SaidBall),
+            BasisCode::WangBall => BasisChoice::Polynomial(Polynomial::WangBall),
+            BasisCode::BSpline => BasisChoice::BSpline {
+                degree: number(message.degree)?,
+                knots: match message.knots() {
+                    KnotsCode::Usual => Knots::Usual,
+                    KnotsCode::Data => Knots::Data,
+                    KnotsCode::Averaged => Knots::Averaged,
+                    KnotsCode::Explicit => Knots::Explicit(message.knot_values),
+                },
+            },
+        };
+        Ok(Self {
+            basis,
+            parameters,
+            closed: message.closed,
+            control_points: None,
+            weights: message.weighted.then_some(message.weights),
+        })
+    }
+}
+
+impl From<Method> for MethodMessage {
+    fn from(method: Method) -> Self {
+        let case = match method {
+            Method::Global => MethodCase::Global(Nothing {}),
+            Method::Weighted { omega: value } => MethodCase::Weighted(Number { value }),
+            Method::Local { row_by_row } => MethodCase::Local(row_by_row),
+            Method::Adaptive { threshold } => MethodCase::Adaptive(threshold),
+            Method::Extended { start } => MethodCase::Extended(start == Start::Data),
+            Method::Transpose => MethodCase::Transpose(Nothing {}),
+            Method::Convex => MethodCase::Convex(Nothing {}),
+            Method::Chebyshev => MethodCase::Chebyshev(Nothing {}),
+            Method::Direct => MethodCase::Direct(Nothing {}),
+            Method::LeastSquares(LeastSquares { u, v, variant }) => {
+                let (variant, mu) = match variant {
+                    Variant::Diagonal => (VariantCode::Diagonal, None),
+                    Variant::Lspia { mu } => (VariantCode::Lspia, mu),
+                    Variant::ConjugateGradients => (VariantCode::ConjugateGradients, None),
+                };
+                MethodCase::LeastSquares(LeastSquaresMessage {
+                    u: u as u64,
+                    v: v as u64,
+                    variant: variant as i32,
+                    mu,
+                })
+            }
+        };
+        Self { case: Some(case) }
+    }
+}
+
+impl TryFrom<MethodMessage> for Method {
+    type Error = StoreError;
+
+    fn try_from(message: MethodMessage) -> Result<Self, StoreError> {
+        Ok(match message.case.ok_or_else(|| damaged("no method"))? {
+            MethodCase::Global(_) => Self::Global,
+            MethodCase::Weighted(Number { value: omega }) => Self::Weighted { omega },
+            MethodCase::Local(row_by_row) => Self::Local { row_by_row },
+            MethodCase::Adaptive(threshold) => Self::Adaptive { threshold },
+            MethodCase::Extended(true) => Self::Extended { start: Start::Data },
+            MethodCase::Extended(false) => Self::Extended {
+                start: Start::Transformed,
+            },
+            MethodCase::Transpose(_) => Self::Transpose,
+            MethodCase::Convex(_) => Self::Convex,
+            MethodCase::Chebyshev(_) => Self::Chebyshev,
+            MethodCase::Direct(_) => Self::Direct,
+            MethodCase::LeastSquares(message) => Self::LeastSquares(LeastSquares {
+                u: number(message.u)?,
+                v: number(message.v)?,
+                variant: match message.variant() {
+                    VariantCode::Diagonal => Variant::Diagonal,
+                    VariantCode::Lspia => Variant::Lspia { mu: message.mu },
+                    VariantCode::ConjugateGradients => Variant::ConjugateGradients,
+                },
+            }),
+        })
+    }
+}

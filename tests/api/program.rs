@@ -1,0 +1,131 @@
+//! The program as a process of its own: started, signalled, killed.
+
+use std::ffi::OsStr;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use reqwest::{Client, RequestBuilder};
+use serde_json::Value;
+
+use crate::support::PATIENCE;
+
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_piad");
+
+/// A running server.
+pub struct Program {
+    child: Child,
+    pub address: String,
+    pub client: Client,
+}
+
+impl Program {
+    /// Starts a server that keeps its jobs in a directory, on a free port.
+    pub fn start(data: &Path) -> Self {
+        Self::with(data, &[])
+    }
+
+    /// Starts a server with more arguments.
+    pub fn with(data: &Path, arguments: &[&str]) -> Self {
+        let mut command = Command::new(PROGRAM);
+        command.args(arguments);
+        Self::launch(command, data)
+    }
+
+    /// Starts a server in a shell that prepares its environment; `exec "$@"` is the server.
+    pub fn in_shell(script: &str, data: &Path) -> Self {
+        let mut command = Command::new("sh");
+        command.args(["-c", script, "sh", PROGRAM]);
+        Self::launch(command, data)
+    }
+
+    fn launch(mut command: Command, data: &Path) -> Self {
+        let mut child = command
+            .args(["--listen", "127.0.0.1:0", "--log-format", "json"])
+            .args(["--max-iterations", "1000000000"])
+            .args([OsStr::new("--data-dir"), data.as_os_str()])
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut log = BufReader::new(child.stderr.take().unwrap());
+        let address = address(&mut log);
+        // A pipe that nobody reads would fill up.
+        std::thread::spawn(move || std::io::copy(&mut log, &mut std::io::sink()));
+        Self {
+            child,
+            address,
+            client: Client::builder().timeout(PATIENCE).build().unwrap(),
+        }
+    }
+
+    /// Starts a server that must refuse to start, and gives what it has said.
+    pub fn refused(data: &Path) -> Output {
+        let mut command = Command::new(PROGRAM);
+        command.args(["--listen", "127.0.0.1:0", "--data-dir"]);
+        command.arg(data).output().unwrap()
+    }
+
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    pub fn get(&self, path: &str) -> RequestBuilder {
+        self.client.get(format!("http://{}{path}", self.address))
+    }
+
+    pub fn post(&self, path: &str) -> RequestBuilder {
+        self.client.post(format!("http://{}{path}", self.address))
+    }
+
+    pub async fn json(&self, path: &str) -> Value {
+        let response = self.get(path).send().await.unwrap();
+        assert_eq!(response.status(), 200, "{path}");
+        response.json().await.unwrap()
+    }
+
+    pub fn signal(&self, name: &str) {
+        let id = self.child.id().to_string();
+        let killed = Command::new("kill").args([name, &id]).status().unwrap();
+        assert!(killed.success());
+    }
+
+    /// `kill -9`, and waits until it is dead.
+    pub fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
+    /// Waits for it to end by itself.
+    pub fn wait(&mut self) -> ExitStatus {
+        let begin = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                return status;
+            }
+            assert!(begin.elapsed() < Duration::from_secs(8), "it does not stop");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // If a test has failed the process is still there.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Reads the log up to the line that tells the address.
+fn address(log: &mut impl BufRead) -> String {
+    loop {
+        let mut line = String::new();
+        assert!(log.read_line(&mut line).unwrap() > 0, "it has not started");
+        let line: Value = serde_json::from_str(&line).unwrap();
+        let message = line["fields"]["message"].as_str().unwrap();
+        if let Some(address) = message.strip_prefix("listening on http://") {
+            return address.to_owned();
+        }
+    }
+}
