@@ -1,4 +1,4 @@
-//! Single iterations, results, and the limits of local fits.
+//! Inputs, single iterations, results, and the limits of local fits.
 
 use std::sync::Arc;
 
@@ -44,6 +44,22 @@ pub async fn iteration(
             Err(Problem::new(Kind::NoSuchIteration, detail))
         }
     }
+}
+
+/// `GET /v1/jobs/{id}/input`: the job as it was accepted.
+pub async fn input(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    negotiate::json(&headers)?;
+    let job = jobs::find(&app, &id).await?;
+    let (owner, problem) = (Arc::clone(&job), job.problem().await?);
+    let numbers = problem.data().len() * problem.data().dimension();
+    let write = move || view::input(owner.outline(), &problem);
+    Ok(json_response(
+        encode::off_network(&job, numbers, write).await,
+    ))
 }
 
 /// `GET /v1/jobs/{id}/result`

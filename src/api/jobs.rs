@@ -1,114 +1,24 @@
-//! Creating, listing, showing, cancelling and deleting jobs.
+//! Listing, showing, cancelling and deleting jobs.
 
 use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::{Path, Request, State};
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
+use axum::extract::{Path, State};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
 use serde::Deserialize;
 use serde_json::json;
 use uuid::Uuid;
 
-use super::negotiate::{self, Answer};
-use super::options::StreamParameters;
+use super::negotiate::{self};
 use super::problem::{Kind, Problem};
-use super::request::{JobRequest, ValidJob};
-use super::strict::Object;
-use super::{App, body, events, no_store, view};
+use super::{App, no_store, view};
 use crate::job::Job;
-use crate::job::outline::Label;
-use crate::job::scheduler::Lane;
-use crate::job::service::Accepted;
 use crate::job::state::State as JobState;
 use crate::job::store::Selection;
 
-/// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
-const PARSED_AT_ONCE: usize = 16 * 1024;
-
 const DEFAULT_PAGE: usize = 50;
 const LARGEST_PAGE: usize = 1000;
-
-/// `POST /v1/jobs`
-pub async fn create(State(app): State<App>, request: Request) -> Result<Response, Problem> {
-    if *app.stopping.borrow() {
-        return Err(Problem::new(Kind::Stopping, "the server is stopping").retry_after(5));
-    }
-    let parameters: StreamParameters = negotiate::query(request.uri())?;
-    let headers = request.headers().clone();
-    let answer = negotiate::answer(&headers)?;
-    let wait = negotiate::wait(&headers)?;
-    check_parameters(answer, &parameters)?;
-    let body = body::read_json(&app, request).await?;
-    let ValidJob { name, problem } = parse(&app, body).await?;
-    let options = parameters.options(problem.v().is_some())?;
-    let label = Label {
-        name,
-        ..Label::default()
-    };
-    let job = match app.jobs.create(label, problem, None).await? {
-        Accepted::New(job) | Accepted::Known(job) => job,
-    };
-    let location = HeaderValue::from_str(&view::path(&job)).ok();
-
-    let mut response = match answer {
-        Answer::Events(framing) => events::stream(&app, Arc::clone(&job), framing, options, None),
-        Answer::Json => {
-            if let Some(wait) = wait {
-                // Either way the job is shown as it stands then.
-                let _ = tokio::time::timeout(wait, job.ended()).await;
-            }
-            (StatusCode::CREATED, Json(view::job(&job))).into_response()
-        }
-    };
-    let headers = response.headers_mut();
-    headers.extend(location.map(|location| (header::LOCATION, location)));
-    if let (Answer::Json, Some(wait)) = (answer, wait) {
-        let applied = HeaderValue::from_str(&format!("wait={}", wait.as_secs())).ok();
-        let name = header::HeaderName::from_static("preference-applied");
-        headers.extend(applied.map(|applied| (name, applied)));
-    }
-    Ok(response)
-}
-
-/// Parses and validates a job; large ones off the threads that serve the network.
-async fn parse(app: &App, body: Bytes) -> Result<ValidJob, Problem> {
-    let config = Arc::clone(&app.config);
-    let small = body.len() <= PARSED_AT_ONCE;
-    let parse = move || {
-        let Object(request) = body::parse::<Object<JobRequest>>(&body)?;
-        request.validate(&config)
-    };
-    if small {
-        parse()
-    } else {
-        app.jobs
-            .resources()
-            .scheduler
-            .compute(Lane::Heavy, parse)
-            .await?
-    }
-}
-
-/// The parameters are about the stream, and about one that starts at the beginning.
-fn check_parameters(answer: Answer, parameters: &StreamParameters) -> Result<(), Problem> {
-    let refused = match answer {
-        Answer::Json => parameters.given(),
-        Answer::Events(_) => parameters.last_event_id.as_ref().map(|_| "last_event_id"),
-    };
-    match refused {
-        None => Ok(()),
-        Some("last_event_id") => Err(Problem::at_parameter(
-            "last_event_id",
-            "a new job has no events yet",
-        )),
-        Some(name) => Err(Problem::at_parameter(
-            name,
-            "it is about event streams, but the Accept header does not ask for one",
-        )),
-    }
-}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

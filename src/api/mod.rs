@@ -5,7 +5,7 @@
 //!   one value for both directions or one for each;
 //! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
-//! - [`jobs`]: create, list, get, cancel, delete;
+//! - [`create`]: new jobs and edits; [`jobs`]: list, get, cancel, delete;
 //! - [`events`]: a job as a stream of events;
 //! - [`geometry`]: single iterations and results;
 //! - [`options`]: query parameters that say what to show;
@@ -14,6 +14,7 @@
 //! - [`problem`]: errors as problem objects (RFC 9457).
 
 pub mod body;
+pub mod create;
 pub mod encode;
 pub mod events;
 pub mod geometry;
@@ -90,10 +91,12 @@ pub fn router(app: App) -> Router {
         .route("/problems", get(info::problems))
         .route("/problems/{slug}", get(info::problem))
         .route("/v1/capabilities", get(info::capabilities))
-        .route("/v1/jobs", post(jobs::create).get(jobs::list))
+        .route("/v1/jobs", post(create::job).get(jobs::list))
         .route("/v1/jobs/{id}", get(jobs::get).delete(jobs::delete))
         .route("/v1/jobs/{id}/cancel", post(jobs::cancel))
+        .route("/v1/jobs/{id}/edits", post(create::edit))
         .route("/v1/jobs/{id}/events", get(events::get))
+        .route("/v1/jobs/{id}/input", get(geometry::input))
         .route("/v1/jobs/{id}/iterations/{k}", get(geometry::iteration))
         .route("/v1/jobs/{id}/result", get(geometry::result))
         .route("/v1/jobs/{id}/limit", get(geometry::limit))

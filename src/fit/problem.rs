@@ -59,6 +59,9 @@ pub struct Request {
     /// The free control points of level 0, in homogeneous coordinates if the fit is; without them
     /// the method says where to start.
     pub start: Option<Arc<Points>>,
+    /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one:
+    /// of many points it takes longer to compute than a local fit.
+    pub lambda_min: Option<f64>,
     /// The largest allowed distance of the curve from a data point.
     pub tolerance: Tolerance,
     /// The last level that is computed.

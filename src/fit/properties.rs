@@ -72,6 +72,7 @@ fn problem() -> impl Strategy<Value = Request> {
                 method: Method::Global,
                 selected: None,
                 start: None,
+                lambda_min: None,
                 tolerance: Tolerance::Relative(1e-9),
                 max_iterations: 300,
             }
@@ -202,6 +203,7 @@ fn cubic_splines_converge_within_the_expected_iterations() {
             method: Method::Global,
             selected: None,
             start: None,
+            lambda_min: None,
             tolerance: Tolerance::Absolute(1e-9),
             max_iterations: 1000,
         });

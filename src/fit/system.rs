@@ -160,10 +160,9 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
     let grid = problem.grid();
     let small = grid.rows.max(grid.columns) <= FORECAST;
     let least = || -> f64 {
-        collocation
-            .directions()
-            .map(spectrum::least_eigenvalue)
-            .product()
+        let known = problem.request().lambda_min;
+        let directions = collocation.directions();
+        known.unwrap_or_else(|| directions.map(spectrum::least_eigenvalue).product())
     };
     match problem.method() {
         Method::Weighted { omega } => {

@@ -37,7 +37,11 @@ fn mixed_jobs() -> Vec<Value> {
         .collect();
     let planar: Vec<_> = points.iter().map(|p| json!([p[0], p[1]])).collect();
     let grid: Vec<Vec<_>> = (0..7)
-        .map(|i| (0..6).map(|j| json!([i, j, f64::from(i * j % 5)])).collect())
+        .map(|i| {
+            (0..6)
+                .map(|j| json!([i, j, f64::from(i * j % 5)]))
+                .collect()
+        })
         .collect();
     let weights: Vec<_> = (0..24).map(|i| 1.0 + f64::from(i % 3)).collect();
     let curve = |method: Value| json!({"curve": {"points": points}, "method": method});
@@ -86,7 +90,10 @@ async fn ended_jobs_are_the_same_after_a_restart() {
     assert_eq!(program.json("/v1/jobs?limit=5").await, listed);
     for (job, result, input, story) in before {
         assert_eq!(program.json(path(&job)).await, job);
-        assert_eq!(program.json(&format!("{}/result", path(&job))).await, result);
+        assert_eq!(
+            program.json(&format!("{}/result", path(&job))).await,
+            result
+        );
         assert_eq!(program.json(&format!("{}/input", path(&job))).await, input);
         let again = stream(&program, path(&job)).await;
         assert_eq!(again.job, story.job);
@@ -113,7 +120,11 @@ async fn a_stream_goes_on_after_a_restart_where_it_was() {
         let data = tempfile::tempdir().unwrap();
         let mut program = Program::start(data.path());
         let request = program.post("/v1/jobs").json(&long_job(60));
-        let response = request.header("accept", "text/event-stream").send().await.unwrap();
+        let response = request
+            .header("accept", "text/event-stream")
+            .send()
+            .await
+            .unwrap();
         let path = response.headers()["location"].to_str().unwrap().to_owned();
         let mut stream = events(response);
         // The job event, and iterations 0 … 17.
@@ -127,7 +138,9 @@ async fn a_stream_goes_on_after_a_restart_where_it_was() {
         drop(stream);
 
         let program = Program::start(data.path());
-        let request = program.get(&format!("{path}/events")).header("last-event-id", "17");
+        let request = program
+            .get(&format!("{path}/events"))
+            .header("last-event-id", "17");
         let response = request.send().await.unwrap();
         assert_eq!(response.headers()["piad-resumed-after"], "17");
         let rest = Story::read(response).await;
@@ -184,18 +197,22 @@ async fn wait_for(program: &Program, path: &str, state: &str) {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_commit_that_is_cut_off_has_not_happened() {
     let data = tempfile::tempdir().unwrap();
-    let file = data.path().join("piad.redb");
     let mut program = Program::start(data.path());
     let small = fit(&program, &data::small_job()).await;
-    let points: Vec<_> = (0..200_000).map(|i| json!([i, i % 7, i % 11])).collect();
+    let points: Vec<_> = (0..400_000).map(|i| json!([i, i % 7, i % 11])).collect();
     let large = json!({"curve": {"points": points}});
     let mut cut_off = 0;
-    for _ in 0..3 {
+    // Few are not cut off in the first attempts.
+    for attempt in 0.. {
+        if cut_off > 1 {
+            break;
+        }
+        assert!(attempt < 20, "no commit was cut off");
         let before = written(&program);
         let request = program.post("/v1/jobs").json(&large).send();
         let posted = tokio::spawn(request);
-        // The input of the job is 5 MB: the commit has begun, and goes on.
-        while written(&program) < before + 1_000_000 && !posted.is_finished() {
+        // The input of the job is 10 MB: the commit has begun, and goes on.
+        while written(&program) < before + 100_000 && !posted.is_finished() {
             std::thread::yield_now();
         }
         program.kill();
@@ -208,13 +225,15 @@ async fn a_commit_that_is_cut_off_has_not_happened() {
         assert_eq!(program.json(path(&small)).await, small);
         for job in jobs["jobs"].as_array().unwrap() {
             if job["id"] != small["id"] {
-                program.client.delete(format!("http://{}{}", program.address, path(job)))
-                    .send().await.unwrap();
+                program
+                    .client
+                    .delete(format!("http://{}{}", program.address, path(job)))
+                    .send()
+                    .await
+                    .unwrap();
             }
         }
     }
-    assert!(cut_off > 0, "no commit was cut off");
-    assert!(file.exists());
 }
 
 /// Bytes that a process has handed to the system so far.
@@ -251,7 +270,11 @@ fn unknown_files_and_versions_are_clear_errors() {
     let database = redb::Database::create(&file).unwrap();
     let transaction = database.begin_write().unwrap();
     let facts = redb::TableDefinition::<&str, u64>::new("facts");
-    transaction.open_table(facts).unwrap().insert("version", 99).unwrap();
+    transaction
+        .open_table(facts)
+        .unwrap()
+        .insert("version", 99)
+        .unwrap();
     transaction.commit().unwrap();
     drop(database);
     refused(data.path(), "has version 99 of the format");
@@ -271,11 +294,18 @@ async fn a_key_makes_one_job() {
     let small = data::small_job();
     // At the same time: one of them makes the job, and all get it.
     let (first, second) = tokio::join!(post(&program, "a", &small), post(&program, "a", &small));
-    assert_eq!((first.status(), second.status()), (201.into_status(), 201.into_status()));
+    assert_eq!(
+        (first.status(), second.status()),
+        (201.into_status(), 201.into_status())
+    );
     let first: Value = first.json().await.unwrap();
     let second: Value = second.json().await.unwrap();
     assert_eq!(first["id"], second["id"]);
-    let other = post(&program, "b", &small).await.json::<Value>().await.unwrap();
+    let other = post(&program, "b", &small)
+        .await
+        .json::<Value>()
+        .await
+        .unwrap();
     assert_ne!(first["id"], other["id"]);
     // It is remembered by the disk, not by the process.
     program.kill();
@@ -285,7 +315,10 @@ async fn a_key_makes_one_job() {
     assert_eq!(again.json::<Value>().await.unwrap()["id"], first["id"]);
 
     let (status, refused) = problem(post(&program, "a", &data::endless_job()).await).await;
-    assert_eq!((status, refused["type"].as_str()), (422, Some("/problems/key-taken")));
+    assert_eq!(
+        (status, refused["type"].as_str()),
+        (422, Some("/problems/key-taken"))
+    );
     let (status, _) = problem(post(&program, "", &small).await).await;
     assert_eq!(status, 400);
     let (status, _) = problem(post(&program, &"k".repeat(256), &small).await).await;
@@ -293,7 +326,11 @@ async fn a_key_makes_one_job() {
     // A job that is deleted gives its key back.
     let url = format!("http://{}{}", program.address, path(&first));
     program.client.delete(url).send().await.unwrap();
-    let anew = post(&program, "a", &small).await.json::<Value>().await.unwrap();
+    let anew = post(&program, "a", &small)
+        .await
+        .json::<Value>()
+        .await
+        .unwrap();
     assert_ne!(anew["id"], first["id"]);
 }
 
@@ -318,7 +355,10 @@ async fn a_full_disk_refuses_new_jobs_and_loses_none() {
     assert!(!kept.is_empty());
     assert_eq!(refused.headers()["retry-after"], "60");
     let (status, refused) = problem(refused).await;
-    assert_eq!((status, refused["type"].as_str()), (503, Some("/problems/store-full")));
+    assert_eq!(
+        (status, refused["type"].as_str()),
+        (503, Some("/problems/store-full"))
+    );
     // The server still works, and after a restart with more room nothing is missing.
     for job in &kept {
         assert_eq!(program.json(path(job)).await["id"], job["id"]);

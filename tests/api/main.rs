@@ -14,6 +14,7 @@ mod closed;
 mod convex;
 mod data;
 mod durable;
+mod edits;
 mod examples;
 mod facts;
 mod goldens;

@@ -1,5 +1,6 @@
 //! The JSON of a job, and its way to a fitting problem.
 
+pub mod edit;
 mod method;
 mod places;
 
@@ -101,12 +102,7 @@ pub struct ValidJob {
 impl JobRequest {
     /// Checks the request against the limits and the mathematics.
     pub fn validate(self, config: &Config) -> Result<ValidJob, Problem> {
-        if let Some(name) = &self.name
-            && name.chars().count() > LONGEST_NAME
-        {
-            let detail = format!("the name is longer than {LONGEST_NAME} characters");
-            return Err(invalid("/name", detail));
-        }
+        check_name(self.name.as_deref())?;
         let rational = self.rational.map(|Name(rational)| rational);
         let mut shape = match (self.curve, self.surface) {
             (Some(Object(curve)), None) => curve.shape(rational)?,
@@ -138,6 +134,7 @@ impl JobRequest {
             method,
             selected,
             start: None,
+            lambda_min: None,
             tolerance,
             max_iterations,
         };
@@ -147,6 +144,16 @@ impl JobRequest {
             name: self.name,
             problem,
         })
+    }
+}
+
+fn check_name(name: Option<&str>) -> Result<(), Problem> {
+    match name {
+        Some(name) if name.chars().count() > LONGEST_NAME => {
+            let detail = format!("the name is longer than {LONGEST_NAME} characters");
+            Err(invalid("/name", detail))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -217,7 +224,7 @@ impl SurfaceRequest {
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
             control_points_each: false,
         };
-        let (weights, fixed) = surface_weights(self.weights, rational, grid)?;
+        let (weights, fixed) = surface_weights(self.weights, rational, grid, "/surface/weights")?;
         let (basis_u, basis_v) = self.basis.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
@@ -257,8 +264,8 @@ fn surface_weights(
     weights: Option<PerDirection<WeightList>>,
     rational: Option<RationalRequest>,
     grid: Grid,
+    pointer: &str,
 ) -> Result<(Weights, FixedWeights), Problem> {
-    const POINTER: &str = "/surface/weights";
     let Some(weights) = weights else {
         return match rational {
             None => Ok((Weights::None, None)),
@@ -274,7 +281,7 @@ fn surface_weights(
                     "{rows} rows of {columns} weights for {} rows of {} points",
                     grid.rows, grid.columns
                 );
-                return Err(invalid(POINTER, detail));
+                return Err(invalid(pointer, detail));
             }
             let weights = if fixed {
                 Weights::FixedGrid(values)
@@ -294,7 +301,7 @@ fn surface_weights(
             {
                 if given != expected {
                     let detail = format!("{given} weights for {expected} points");
-                    return Err(invalid(&format!("{POINTER}/{name}"), detail));
+                    return Err(invalid(&format!("{pointer}/{name}"), detail));
                 }
             }
             for (name, weights) in [("u", &u), ("v", &v)] {
@@ -303,7 +310,7 @@ fn surface_weights(
                     let value = weights[index];
                     let detail =
                         format!("weight {index} is {value}; weights are finite and greater than 0");
-                    return Err(invalid(&format!("{POINTER}/{name}/{index}"), detail));
+                    return Err(invalid(&format!("{pointer}/{name}/{index}"), detail));
                 }
             }
             let products = u.iter().flat_map(|u| v.iter().map(move |v| u * v));
@@ -312,7 +319,7 @@ fn surface_weights(
         _ => {
             let detail =
                 "the weights of a surface are rows of numbers, or {\"u\": […], \"v\": […]}";
-            Err(invalid(POINTER, detail))
+            Err(invalid(pointer, detail))
         }
     }
 }

@@ -79,7 +79,7 @@ impl Places {
     }
 }
 
-fn direction(each: bool, axis: Axis) -> &'static str {
+pub(super) fn direction(each: bool, axis: Axis) -> &'static str {
     match (each, axis) {
         (false, _) => "",
         (true, Axis::U) => "/u",

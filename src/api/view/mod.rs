@@ -1,5 +1,6 @@
 //! The JSON of answers.
 
+mod input;
 mod net;
 
 use bytes::Bytes;
@@ -7,6 +8,7 @@ use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+pub use input::input;
 use net::{Line, Lines, Net, NetWeights};
 
 use super::problem as api;
@@ -123,7 +125,9 @@ fn links(job: &Job) -> Value {
     json!({
         "self": base,
         "events": format!("{base}/events"),
+        "input": format!("{base}/input"),
         "result": format!("{base}/result"),
+        "edits": format!("{base}/edits"),
         "limit": format!("{base}/limit"),
         "cancel": format!("{base}/cancel"),
     })

@@ -49,6 +49,8 @@ pub(super) struct Input {
     relative: bool,
     #[prost(uint64, tag = "15")]
     max_iterations: u64,
+    #[prost(double, optional, tag = "16")]
+    lambda_min: Option<f64>,
 }
 
 /// Points, coordinate by coordinate.
@@ -205,6 +207,7 @@ impl Input {
             tolerance,
             relative,
             max_iterations: request.max_iterations as u64,
+            lambda_min: request.lambda_min,
         }
     }
 
@@ -239,6 +242,7 @@ impl Input {
                 false => Tolerance::Absolute(self.tolerance),
             },
             max_iterations: number(self.max_iterations)?,
+            lambda_min: self.lambda_min,
         })
     }
 }

@@ -1,0 +1,319 @@
+//! The JSON of an edit, and its way from the parent's problem to a new one.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, Unexpected, Visitor};
+
+use super::method::{Index, MethodRequest};
+use super::{RationalRequest, StopRequest, ValidJob, check_name, invalid, surface_weights};
+use crate::api::numbers::{Number, WeightList};
+use crate::api::per_direction::PerDirection;
+use crate::api::problem::Problem;
+use crate::api::strict::{Name, Object};
+use crate::config::Config;
+use crate::fit::invalid::{Invalid, Place};
+use crate::fit::points::Points;
+use crate::fit::problem::{self as fit, Weights};
+
+/// An edit as clients write it: whatever is not given stays as it is.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EditRequest {
+    name: Option<String>,
+    iteration: Option<IterationRequest>,
+    points: Option<Vec<Object<Move>>>,
+    weights: Option<PerDirection<WeightList>>,
+    rational: Option<Name<RationalRequest>>,
+    method: Option<Object<MethodRequest>>,
+    stop: Option<Object<StopRequest>>,
+}
+
+/// The level of the parent to start from: a number or `"last"`.
+#[derive(Clone, Copy, Debug)]
+struct IterationRequest(Option<usize>);
+
+impl<'de> Deserialize<'de> for IterationRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct IterationVisitor;
+        impl Visitor<'_> for IterationVisitor {
+            type Value = IterationRequest;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("the number of an iteration, or \"last\"")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<IterationRequest, E> {
+                match text {
+                    "last" => Ok(IterationRequest(None)),
+                    _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
+                }
+            }
+
+            fn visit_u64<E: Error>(self, value: u64) -> Result<IterationRequest, E> {
+                // Too large for this machine is beyond every job.
+                let value = usize::try_from(value).unwrap_or(usize::MAX);
+                Ok(IterationRequest(Some(value)))
+            }
+        }
+        deserializer.deserialize_any(IterationVisitor)
+    }
+}
+
+/// A data point that goes elsewhere, or gets another weight.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Move {
+    index: Index,
+    point: Option<Vec<Number>>,
+    weight: Option<Number>,
+}
+
+impl EditRequest {
+    /// The level of the parent to start from; without one, its last.
+    pub fn iteration(&self) -> Option<usize> {
+        self.iteration.and_then(|IterationRequest(k)| k)
+    }
+
+    /// The problem with the changes, starting from the parent's control points. `lambda_min` is what
+    /// is known of the parent's collocation matrix.
+    pub fn apply(
+        self,
+        parent: &fit::Problem,
+        control_points: &Arc<Points>,
+        lambda_min: Option<f64>,
+        config: &Config,
+    ) -> Result<ValidJob, Problem> {
+        check_name(self.name.as_deref())?;
+        if self.points.is_none()
+            && self.weights.is_none()
+            && self.rational.is_none()
+            && self.method.is_none()
+            && self.stop.is_none()
+        {
+            let detail = "an edit changes something: points, weights, method or stop";
+            return Err(invalid("", detail));
+        }
+        let mut request = parent.restated();
+        let moved = self.points.unwrap_or_default();
+        let mut places = EditPlaces {
+            surface: request.v.is_some(),
+            columns: request.grid.columns,
+            moved: Vec::with_capacity(moved.len()),
+            control_points_each: false,
+        };
+        let mut seen = HashSet::with_capacity(moved.len());
+        let rational = self.rational.map(|Name(rational)| rational);
+        // Fixed weights are a part of the basis.
+        let same_matrix = self.weights.is_none() || rational == Some(RationalRequest::Homogeneous);
+        request.lambda_min = lambda_min.filter(|_| same_matrix);
+        set_weights(&mut request, self.weights, rational)?;
+        for (k, Object(change)) in moved.into_iter().enumerate() {
+            let index = change.apply(k, &mut request)?;
+            if !seen.insert(index) {
+                let detail = "this point has been moved before, by the same edit";
+                return Err(invalid(&format!("/points/{k}/index"), detail));
+            }
+            places.moved.push(index);
+        }
+        if let Some(Object(method)) = self.method {
+            places.control_points_each = method.has_control_points_each();
+            (request.method, request.selected) =
+                method.method(request.grid, request.v.is_some())?;
+        }
+        if let Some(Object(stop)) = self.stop {
+            (request.tolerance, request.max_iterations) = stop.rules(config.max_iterations)?;
+        }
+        request.start = Some(start(parent, &request, control_points)?);
+        let problem = fit::Problem::new(request)
+            .map_err(|error| invalid(&places.pointer(&error), error.to_string()))?;
+        let bases = |problem: &fit::Problem| -> Vec<_> {
+            let bases = problem
+                .directions()
+                .map(|direction| direction.basis.clone());
+            bases.collect()
+        };
+        if bases(&problem) != bases(parent) {
+            let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
+            return Err(invalid("/method", detail));
+        }
+        Ok(ValidJob {
+            name: self.name,
+            problem,
+        })
+    }
+}
+
+impl Move {
+    /// Puts the point elsewhere; gives its index.
+    fn apply(self, k: usize, request: &mut fit::Request) -> Result<usize, Problem> {
+        let wrong =
+            |field: &str, detail: String| Err(invalid(&format!("/points/{k}{field}"), detail));
+        let surface = request.v.is_some();
+        let index = match self.index.of_point(request.grid, surface) {
+            Ok(index) if index < request.grid.count() => index,
+            Ok(index) => {
+                let count = request.grid.count();
+                return wrong(
+                    "/index",
+                    format!("{index} is not one of the {count} points"),
+                );
+            }
+            Err(detail) => return wrong("/index", detail),
+        };
+        if self.point.is_none() && self.weight.is_none() {
+            return wrong("", "a point or a weight is needed".to_owned());
+        }
+        let weights = match &mut request.weights {
+            Weights::Homogeneous(weights) => Some(weights),
+            _ => None,
+        };
+        match (self.weight, weights) {
+            (None, _) => {}
+            (Some(Number(weight)), Some(weights)) => weights[index] = weight,
+            (Some(_), None) => {
+                let detail = "only points of homogeneous fits have weights of their own";
+                return wrong("/weight", detail.to_owned());
+            }
+        }
+        if let Some(point) = self.point {
+            let dimension = request.points.dimension();
+            if point.len() != dimension {
+                let given = point.len();
+                let detail =
+                    format!("{given} coordinates, but the points of this fit have {dimension}");
+                return wrong("/point", detail);
+            }
+            let coordinates = point.into_iter().map(|Number(x)| x);
+            request.points.set(index, coordinates);
+            request.missing.retain(|&missing| missing != index);
+        }
+        Ok(index)
+    }
+}
+
+/// New weights. They stay of the kind that they were: control points of homogeneous fits have a
+/// coordinate more.
+fn set_weights(
+    request: &mut fit::Request,
+    weights: Option<PerDirection<WeightList>>,
+    rational: Option<RationalRequest>,
+) -> Result<(), Problem> {
+    let before = if matches!(request.weights, Weights::Homogeneous(_)) {
+        Some(RationalRequest::Homogeneous)
+    } else if request.u.weights.is_some() || matches!(request.weights, Weights::FixedGrid(_)) {
+        Some(RationalRequest::Fixed)
+    } else {
+        None
+    };
+    let kind = rational.or(before);
+    if before.is_some() && kind != before {
+        let detail = "the weights of a fit stay homogeneous or fixed, as those of its parent";
+        return Err(invalid("/rational", detail));
+    }
+    let Some(weights) = weights else {
+        return match rational {
+            None => Ok(()),
+            Some(_) => Err(super::no_weights()),
+        };
+    };
+    if let Some(v) = &mut request.v {
+        let (weights, fixed) = surface_weights(Some(weights), kind, request.grid, "/weights")?;
+        request.weights = weights;
+        (request.u.weights, v.weights) = fixed.unzip();
+        return Ok(());
+    }
+    let PerDirection::Both(WeightList::Line(weights)) = weights else {
+        let detail = "the weights of a curve are a list of numbers";
+        return Err(invalid("/weights", detail));
+    };
+    match kind {
+        Some(RationalRequest::Fixed) => request.u.weights = Some(weights),
+        _ => request.weights = Weights::Homogeneous(weights),
+    }
+    Ok(())
+}
+
+/// The parent's control points. Where data points get other weights, so do their control points,
+/// which stay where they are: the old weights would go through the data as well, and be kept.
+fn start(
+    parent: &fit::Problem,
+    request: &fit::Request,
+    control_points: &Arc<Points>,
+) -> Result<Arc<Points>, Problem> {
+    let Weights::Homogeneous(new) = &request.weights else {
+        return Ok(Arc::clone(control_points));
+    };
+    let count = request.grid.count();
+    if new.len() != count {
+        let detail = format!("{} weights for {count} points", new.len());
+        return Err(invalid("/weights", detail));
+    }
+    let ones = vec![1.0; count];
+    let old = match &parent.request().weights {
+        Weights::Homogeneous(old) => old,
+        _ => &ones,
+    };
+    if old == new && parent.is_homogeneous() {
+        return Ok(Arc::clone(control_points));
+    }
+    if control_points.len() != old.len() {
+        let detail = "the control points of a least-squares fit do not belong to single data points, so that its weights cannot be edited: post a new job";
+        return Err(invalid("/weights", detail));
+    }
+    let mut lanes = control_points.lanes().to_vec();
+    if !parent.is_homogeneous() {
+        lanes.push(ones.clone());
+    }
+    for lane in &mut lanes {
+        for (x, (new, old)) in lane.iter_mut().zip(new.iter().zip(old)) {
+            *x *= new / old;
+        }
+    }
+    Ok(Arc::new(Points::from_lanes(lanes)))
+}
+
+/// Where in an edit the parts of a problem stand.
+struct EditPlaces {
+    surface: bool,
+    columns: usize,
+    /// The points that are moved, in the order of the edit.
+    moved: Vec<usize>,
+    control_points_each: bool,
+}
+
+impl EditPlaces {
+    fn pointer(&self, error: &Invalid) -> String {
+        match error.place() {
+            Place::Point(index) => self.entry(index),
+            Place::Weight(index) => match self.entry(index) {
+                entry if entry.is_empty() && self.surface => {
+                    format!("/weights/{}/{}", index / self.columns, index % self.columns)
+                }
+                entry if entry.is_empty() => format!("/weights/{index}"),
+                entry => format!("{entry}/weight"),
+            },
+            Place::Points => "/points".to_owned(),
+            Place::Weights | Place::AxisWeights(_) | Place::AxisWeight(..) => "/weights".to_owned(),
+            Place::Method => "/method".to_owned(),
+            Place::Setting(name) => format!("/method/{name}"),
+            Place::Index(index) => format!("/method/indices/{index}"),
+            Place::ControlPoints(axis) => format!(
+                "/method/control_points{}",
+                super::places::direction(self.control_points_each, axis)
+            ),
+            Place::Tolerance => "/stop/tolerance".to_owned(),
+            Place::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
+            // Of what cannot be edited nothing can be wrong by an edit.
+            _ => String::new(),
+        }
+    }
+
+    /// The entry that moves a point.
+    fn entry(&self, index: usize) -> String {
+        let place = self.moved.iter().position(|&moved| moved == index);
+        place.map_or(String::new(), |k| format!("/points/{k}"))
+    }
+}

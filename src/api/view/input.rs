@@ -1,0 +1,242 @@
+//! A job as it was asked for.
+
+use bytes::Bytes;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
+
+use super::{point_index, to_bytes};
+use crate::fit::basis::knots::Knots;
+use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::parameters::Parametrization;
+use crate::fit::points::Points;
+use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::job::outline::Outline;
+
+/// The body that would ask for the same problem again. The start of an edit is not a part of it: that
+/// is its iteration 0.
+pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
+    to_bytes(&Input { outline, problem })
+}
+
+struct Input<'a> {
+    outline: &'a Outline,
+    problem: &'a Problem,
+}
+
+impl Serialize for Input<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { outline, problem } = self;
+        let request = problem.request();
+        let mut fields = serializer.serialize_map(None)?;
+        if let Some(name) = &outline.label.name {
+            fields.serialize_entry("name", name)?;
+        }
+        let kind = if outline.surface { "surface" } else { "curve" };
+        fields.serialize_entry(kind, &Shape(request))?;
+        if let Some(rational) = rational(request) {
+            fields.serialize_entry("rational", rational)?;
+        }
+        fields.serialize_entry("method", &method(problem))?;
+        fields.serialize_entry("stop", &stop(request))?;
+        fields.end()
+    }
+}
+
+/// The curve or the surface.
+struct Shape<'a>(&'a Request);
+
+impl Serialize for Shape<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let request = self.0;
+        let mut fields = serializer.serialize_map(None)?;
+        let points = DataPoints::new(request);
+        match &request.v {
+            None => fields.serialize_entry("points", &points.line(0, request.grid.rows))?,
+            Some(_) => fields.serialize_entry("points", &points)?,
+        }
+        fields.serialize_entry("basis", &per_direction(request, basis))?;
+        fields.serialize_entry("parameters", &per_direction(request, parameters))?;
+        if let Some(weights) = weights(request) {
+            fields.serialize_entry("weights", &weights)?;
+        }
+        fields.serialize_entry("closed", &per_direction(request, |it| json!(it.closed)))?;
+        fields.end()
+    }
+}
+
+/// Rows of points; missing ones are null.
+struct DataPoints<'a> {
+    points: &'a Points,
+    missing: Vec<bool>,
+    rows: usize,
+    columns: usize,
+}
+
+impl<'a> DataPoints<'a> {
+    fn new(request: &'a Request) -> Self {
+        let mut missing = vec![false; request.grid.count()];
+        for &index in &request.missing {
+            missing[index] = true;
+        }
+        Self {
+            points: &request.points,
+            missing,
+            rows: request.grid.rows,
+            columns: request.grid.columns,
+        }
+    }
+
+    fn line(&self, start: usize, count: usize) -> DataLine<'_> {
+        DataLine {
+            points: self.points,
+            missing: &self.missing[start..start + count],
+            start,
+        }
+    }
+}
+
+impl Serialize for DataPoints<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let rows = (0..self.rows).map(|row| self.line(row * self.columns, self.columns));
+        serializer.collect_seq(rows)
+    }
+}
+
+struct DataLine<'a> {
+    points: &'a Points,
+    missing: &'a [bool],
+    start: usize,
+}
+
+impl Serialize for DataLine<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let places = self.missing.iter().enumerate();
+        serializer.collect_seq(
+            places.map(|(k, missing)| (!missing).then(|| Coordinates(self.points, self.start + k))),
+        )
+    }
+}
+
+struct Coordinates<'a>(&'a Points, usize);
+
+impl Serialize for Coordinates<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.point(self.1))
+    }
+}
+
+/// One value if both directions have the same, else `{"u": …, "v": …}`.
+fn per_direction(request: &Request, of: impl Fn(&DirectionChoice) -> Value) -> Value {
+    let u = of(&request.u);
+    match request.v.as_ref().map(of) {
+        Some(v) if v != u => json!({"u": u, "v": v}),
+        _ => u,
+    }
+}
+
+fn basis(choice: &DirectionChoice) -> Value {
+    match &choice.basis {
+        BasisChoice::Polynomial(kind) => json!({"kind": kind.name()}),
+        BasisChoice::BSpline { degree, knots } => {
+            let mut value = json!({"kind": "bspline", "degree": degree});
+            match knots {
+                Knots::Usual => {}
+                Knots::Data => value["knots"] = json!("data"),
+                Knots::Averaged => value["knots"] = json!("averaged"),
+                Knots::Explicit(knots) => value["knots"] = json!(knots),
+            }
+            value
+        }
+    }
+}
+
+fn parameters(choice: &DirectionChoice) -> Value {
+    match &choice.parameters {
+        Parametrization::ChordLength => json!("chord_length"),
+        Parametrization::Centripetal => json!("centripetal"),
+        Parametrization::Uniform => json!("uniform"),
+        Parametrization::Explicit(values) => json!(values),
+    }
+}
+
+fn rational(request: &Request) -> Option<&'static str> {
+    match &request.weights {
+        Weights::Homogeneous(_) => Some("homogeneous"),
+        Weights::FixedGrid(_) => Some("fixed"),
+        Weights::None => request.u.weights.as_ref().map(|_| "fixed"),
+    }
+}
+
+fn weights(request: &Request) -> Option<Value> {
+    let columns = request.grid.columns;
+    match (&request.weights, &request.u.weights, &request.v) {
+        (Weights::None, None, _) => None,
+        (Weights::None, Some(weights), None) => Some(json!(weights)),
+        (Weights::None, Some(u), Some(v)) => Some(json!({"u": u, "v": v.weights})),
+        (Weights::Homogeneous(weights), _, None) => Some(json!(weights)),
+        (Weights::Homogeneous(grid) | Weights::FixedGrid(grid), ..) => {
+            Some(grid.chunks(columns).map(|row| json!(row)).collect())
+        }
+    }
+}
+
+fn method(problem: &Problem) -> Value {
+    let mut value = Map::new();
+    let method = problem.method();
+    value.insert("kind".to_owned(), json!(method.name()));
+    let mut set = |name: &str, setting: Value| {
+        value.insert(name.to_owned(), setting);
+    };
+    match method {
+        Method::Weighted { omega } => set("omega", omega.map_or(json!("auto"), Value::from)),
+        Method::Local { row_by_row } => {
+            if let Some(selected) = problem.selected() {
+                let indices = selected.iter().map(|&index| point_index(index, problem));
+                set("indices", indices.collect());
+            }
+            set("row_by_row", json!(row_by_row));
+        }
+        Method::Adaptive { threshold } => set("threshold", json!(threshold)),
+        Method::Extended { start } => set(
+            "start",
+            json!(match start {
+                Start::Transformed => "transformed",
+                Start::Data => "data",
+            }),
+        ),
+        Method::LeastSquares(LeastSquares { u, v, variant }) => {
+            set(
+                "control_points",
+                match problem.v() {
+                    None => json!(u),
+                    Some(_) => json!({"u": u, "v": v}),
+                },
+            );
+            let (name, mu) = match variant {
+                Variant::Diagonal => ("diagonal", None),
+                Variant::Lspia { mu } => ("lspia", mu),
+                Variant::ConjugateGradients => ("cg", None),
+            };
+            set("variant", json!(name));
+            if let Some(mu) = mu {
+                set("mu", json!(mu));
+            }
+        }
+        Method::Global
+        | Method::Transpose
+        | Method::Convex
+        | Method::Chebyshev
+        | Method::Direct => {}
+    }
+    Value::Object(value)
+}
+
+fn stop(request: &Request) -> Value {
+    let (name, tolerance) = match request.tolerance {
+        Tolerance::Absolute(value) => ("tolerance", value),
+        Tolerance::Relative(value) => ("relative_tolerance", value),
+    };
+    json!({name: tolerance, "max_iterations": request.max_iterations})
+}
