@@ -77,6 +77,10 @@ pub struct Config {
     #[arg(long, env = "PIAD_RING", default_value = "64MiB")]
     pub ring: ByteSize,
 
+    /// Memory for jobs that have just ended, so that reading and editing them is quick.
+    #[arg(long, env = "PIAD_RECENT", default_value = "64MiB")]
+    pub recent: ByteSize,
+
     /// Most ended jobs that are kept; the first to end goes first.
     #[arg(long, env = "PIAD_RETAIN_JOBS", default_value_t = 1000)]
     pub retain_jobs: usize,

@@ -87,6 +87,7 @@ fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
 fn limits(config: &Config) -> Limits {
     Limits {
         memory: bytes(config.memory_bytes()),
+        recent: bytes(config.recent.as_u64()),
         jobs: config.max_jobs,
         retention: Retention {
             jobs: config.retain_jobs,

@@ -18,6 +18,7 @@ use super::request::{JobRequest, ValidJob};
 use super::strict::Object;
 use super::{App, body, events, jobs, no_store, view};
 use crate::fit::problem as fit;
+use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
@@ -54,7 +55,7 @@ pub async fn job(State(app): State<App>, request: Request) -> Result<Response, P
         name,
         ..Label::default()
     };
-    posted.create(&app, label, problem).await
+    posted.create(&app, label, problem, None).await
 }
 
 /// `POST /v1/jobs/{id}/edits`: a new job that starts from the control points of another one.
@@ -87,7 +88,8 @@ pub async fn edit(
         }),
         ..Label::default()
     };
-    posted.create(&app, label, problem).await
+    let like = parent.system().await?.at_hand();
+    posted.create(&app, label, problem, like).await
 }
 
 /// The level of the parent that an edit starts from.
@@ -180,11 +182,15 @@ impl Posted {
         app: &App,
         label: Label,
         problem: fit::Problem,
+        like: Option<Arc<System>>,
     ) -> Result<Response, Problem> {
         // What is wrong with the parameters is said before there is a job.
         self.parameters.options(problem.v().is_some())?;
         self.body = Bytes::new();
-        let accepted = app.jobs.create(label, problem, self.key.clone()).await?;
+        let accepted = app
+            .jobs
+            .create(label, problem, like, self.key.clone())
+            .await?;
         self.answer(app, accepted).await
     }
 

@@ -5,6 +5,8 @@
 //! `B_u ⊗ B_v`, applied one direction after the other and never formed: with the points as a grid
 //! `X`, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use super::direction::Direction;
@@ -122,7 +124,7 @@ impl Collocation {
     }
 
     /// The entries by columns.
-    pub fn by_columns(&self) -> Columns {
+    fn by_columns(&self) -> Columns {
         match self {
             Self::Banded(banded) => {
                 let row = |i| banded.row(i).map(move |(j, value)| (i, j, value));
@@ -215,6 +217,37 @@ pub struct Tensor {
     pub u: Collocation,
     /// The matrix of the v direction of a surface.
     pub v: Option<Collocation>,
+    columns: OnceLock<Arc<TensorColumns>>,
+}
+
+/// The entries of both matrices by columns.
+#[derive(Debug)]
+pub struct TensorColumns {
+    /// Of a curve, or of the u direction.
+    pub u: Columns,
+    /// Of the v direction of a surface.
+    pub v: Option<Columns>,
+}
+
+impl TensorColumns {
+    /// Calls `visit` for every entry (row, value) of the column of control point `index`, where the
+    /// control points stand in so many columns.
+    pub fn visit(&self, index: usize, columns: usize, mut visit: impl FnMut(usize, f64)) {
+        match &self.v {
+            None => {
+                for &(i, value) in self.u.column(index) {
+                    visit(i as usize, value);
+                }
+            }
+            Some(v) => {
+                for &(i, a) in self.u.column(index / columns) {
+                    for &(j, b) in v.column(index % columns) {
+                        visit(i as usize * columns + j as usize, a * b);
+                    }
+                }
+            }
+        }
+    }
 }
 
 impl Tensor {
@@ -225,7 +258,18 @@ impl Tensor {
             control: problem.control_grid(),
             u: Collocation::new(problem.u()),
             v: problem.v().map(Collocation::new),
+            columns: OnceLock::new(),
         }
+    }
+
+    /// The entries by columns, sorted when they are first needed.
+    pub fn columns(&self) -> &Arc<TensorColumns> {
+        self.columns.get_or_init(|| {
+            Arc::new(TensorColumns {
+                u: self.u.by_columns(),
+                v: self.v.as_ref().map(Collocation::by_columns),
+            })
+        })
     }
 
     /// One direction or both.

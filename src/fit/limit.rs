@@ -79,21 +79,13 @@ pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
 fn principal_matrix(system: &System, adjusted: &[usize], place: &[Option<usize>]) -> DMatrix<f64> {
     let collocation = system.collocation();
     let columns = system.problem().grid().columns;
-    let columns_u = collocation.u.by_columns();
-    let columns_v = collocation.v.as_ref().map(|v| v.by_columns());
     let mut matrix = DMatrix::zeros(adjusted.len(), adjusted.len());
     for (k, &index) in adjusted.iter().enumerate() {
-        for &(i, a) in columns_u.column(index / columns) {
-            let single = [(0, 1.0)];
-            let across = columns_v
-                .as_ref()
-                .map_or(&single[..], |v| v.column(index % columns));
-            for &(j, b) in across {
-                if let Some(row) = place[i as usize * columns + j as usize] {
-                    matrix[(row, k)] = a * b;
-                }
+        collocation.columns().visit(index, columns, |row, value| {
+            if let Some(row) = place[row] {
+                matrix[(row, k)] = value;
             }
-        }
+        });
     }
     matrix
 }

@@ -16,7 +16,7 @@ const FORECAST: usize = 100_000;
 #[derive(Debug)]
 pub struct System {
     problem: Arc<Problem>,
-    collocation: Tensor,
+    collocation: Arc<Tensor>,
     transform: Transform,
     forecast: Forecast,
 }
@@ -68,7 +68,20 @@ impl Forecast {
 impl System {
     /// Evaluates the collocation matrix and prepares the transform.
     pub fn new(problem: Arc<Problem>) -> Self {
-        let collocation = Tensor::new(&problem);
+        let collocation = Arc::new(Tensor::new(&problem));
+        Self::with(problem, collocation)
+    }
+
+    /// Like [`new`](Self::new), but shares the collocation matrix of `other` if it is the same.
+    pub fn like(problem: Arc<Problem>, other: &Self) -> Self {
+        if problem.directions().eq(other.problem.directions()) {
+            Self::with(problem, Arc::clone(&other.collocation))
+        } else {
+            Self::new(problem)
+        }
+    }
+
+    fn with(problem: Arc<Problem>, collocation: Arc<Tensor>) -> Self {
         let forecast = forecast(&problem, &collocation);
         let transform = transform(problem.method(), &collocation, &forecast);
         Self {

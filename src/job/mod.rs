@@ -7,7 +7,8 @@
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`store`]: where jobs are kept.
+//! - [`store`]: where jobs are kept; [`recent`]: those that are still at hand;
+//! - [`counters`]: what has been done so far.
 //!
 //! An iterate is a pure function of the problem and its level. So frames are never stored: what is
 //! no longer at hand is computed again, by a run that starts over.
@@ -16,6 +17,7 @@ pub mod counters;
 pub mod cursor;
 pub mod frame;
 pub mod outline;
+pub mod recent;
 pub mod run;
 pub mod scheduler;
 pub mod service;
@@ -32,6 +34,7 @@ use uuid::Uuid;
 
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::fit::system::System;
 use counters::Counters;
 use outline::Outline;
 use run::{Attached, Run, SharedSystem};
@@ -107,7 +110,7 @@ impl Job {
             let problem = self.store.problem(self.id()).await?;
             let problem =
                 problem.ok_or_else(|| StoreError::Failed("the job is gone".to_owned()))?;
-            Ok(Arc::new(SharedSystem::new(problem)))
+            Ok(Arc::new(SharedSystem::new(problem, None)))
         };
         self.system.get_or_try_init(load).await
     }
@@ -182,8 +185,8 @@ impl Job {
     }
 
     /// Makes the run that decides the job's fate. Readers may come as soon as it is there.
-    fn begin(&self, problem: Arc<Problem>) -> Arc<Run> {
-        let system = Arc::new(SharedSystem::new(problem));
+    fn begin(&self, problem: Arc<Problem>, like: Option<Arc<System>>) -> Arc<Run> {
+        let system = Arc::new(SharedSystem::new(problem, like));
         // A reader may have asked for it while the job was waiting.
         let _ = self.system.set(Arc::clone(&system));
         let run = self.new_run(self.system.get().unwrap_or(&system));

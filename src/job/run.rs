@@ -15,7 +15,7 @@ use super::scheduler::{Lane, Turn, Work};
 use super::state::Levels;
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::problem::Problem;
-use crate::fit::system::{Forecast, System};
+use crate::fit::system::System;
 
 /// How many levels a run may be ahead of its readers.
 const LOOK_AHEAD: usize = 32;
@@ -26,15 +26,23 @@ const LOOK_AHEAD: usize = 32;
 pub struct SharedSystem {
     problem: Arc<Problem>,
     system: Mutex<Weak<System>>,
+    /// A system that may have the same collocation matrix; given up once it has been used.
+    like: Mutex<Option<Arc<System>>>,
 }
 
 impl SharedSystem {
-    /// Nothing is computed yet.
-    pub fn new(problem: Arc<Problem>) -> Self {
+    /// Nothing is computed yet. The matrix may be that of another system.
+    pub fn new(problem: Arc<Problem>, like: Option<Arc<System>>) -> Self {
         Self {
             problem,
             system: Mutex::new(Weak::new()),
+            like: Mutex::new(like),
         }
+    }
+
+    /// The system, if somebody holds it.
+    pub fn at_hand(&self) -> Option<Arc<System>> {
+        self.system.lock().upgrade()
     }
 
     /// The problem.
@@ -47,7 +55,11 @@ impl SharedSystem {
     pub fn get(&self) -> Arc<System> {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {
-            let system = Arc::new(System::new(Arc::clone(&self.problem)));
+            let problem = Arc::clone(&self.problem);
+            let system = Arc::new(match self.like.lock().take() {
+                Some(other) => System::like(problem, &other),
+                None => System::new(problem),
+            });
             *shared = Arc::downgrade(&system);
             system
         })
@@ -97,6 +109,8 @@ pub struct Run {
 struct RunState {
     /// `None` before the first slice, while a slice works on it, and after the end.
     iteration: Option<Iteration>,
+    /// Kept beyond the end of the iteration, for those who come next.
+    system: Option<Arc<System>>,
     levels: Option<Levels>,
     /// The level up to which somebody wants frames.
     wanted: Option<usize>,
@@ -132,6 +146,11 @@ impl Run {
     /// The levels reached, if any.
     pub fn levels(&self) -> Option<Levels> {
         self.state.lock().levels
+    }
+
+    /// The system, once it has been made.
+    pub fn system(&self) -> Option<Arc<System>> {
+        self.state.lock().system.clone()
     }
 
     /// Stops the run after its current step. Frames in the ring can still be read.
@@ -211,7 +230,7 @@ impl Run {
         } else {
             state.ring.clear();
         }
-        state.reached(level, iteration.system().forecast());
+        state.reached(level, iteration.system());
         if let Some(outcome) = outcome {
             state.end(Ending::Outcome(outcome));
         }
@@ -249,12 +268,13 @@ impl RunState {
         self.readers > 0 && level >= self.keep_from
     }
 
-    fn reached(&mut self, level: Level, forecast: Forecast) {
+    fn reached(&mut self, level: Level, system: &Arc<System>) {
+        self.system.get_or_insert_with(|| Arc::clone(system));
         let first = self.levels.map_or(level, |levels| levels.first);
         self.levels = Some(Levels {
             first,
             last: level,
-            forecast,
+            forecast: system.forecast(),
         });
     }
 

@@ -14,6 +14,7 @@ use uuid::Uuid;
 
 use super::frame::Frame;
 use super::outline::{Label, Outline};
+use super::recent::Recent;
 use super::run::{Ending, Run};
 use super::scheduler::Lane;
 use super::state::{Failure, Reason, State, Status};
@@ -21,6 +22,7 @@ use super::store::{Key, Made, Record, Retention, Selection, Store, StoreError};
 use super::{Job, Resources};
 use crate::fit::iteration::Outcome;
 use crate::fit::problem::Problem;
+use crate::fit::system::System;
 
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
@@ -33,6 +35,8 @@ const PAGE: usize = 4096;
 pub struct Limits {
     /// Bytes that running jobs may take together.
     pub memory: usize,
+    /// Bytes of jobs that have just ended and are still at hand.
+    pub recent: usize,
     /// Jobs that have not ended.
     pub jobs: usize,
     /// What is kept of jobs that have ended.
@@ -85,6 +89,7 @@ pub struct Jobs {
     unfinished: AtomicUsize,
     /// The process is about to end: jobs go back to the queue.
     suspended: AtomicBool,
+    recent: Recent,
     /// Jobs that somebody holds: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
 }
@@ -101,6 +106,7 @@ impl Jobs {
             quick: Arc::new(Semaphore::new(pages / 4)),
             unfinished: AtomicUsize::new(0),
             suspended: AtomicBool::new(false),
+            recent: Recent::new(limits.recent),
             live: Mutex::default(),
         }
     }
@@ -152,16 +158,17 @@ impl Jobs {
     }
 
     /// Accepts a job and starts it; or gives the job that was made for the same key. When it
-    /// returns, the job is kept.
+    /// returns, the job is kept. Its collocation matrix may be that of the system `like`.
     pub async fn create(
         self: &Arc<Self>,
         label: Label,
         problem: Problem,
+        like: Option<Arc<System>>,
         key: Option<Key>,
     ) -> Result<Accepted, Refused> {
         let jobs = Arc::clone(self);
         // A client that goes away in the meantime must not leave half a job behind.
-        let accepted = tokio::spawn(async move { jobs.accept(label, problem, key).await });
+        let accepted = tokio::spawn(async move { jobs.accept(label, problem, like, key).await });
         accepted.await.unwrap_or_else(|error| {
             Err(StoreError::Failed(format!("the job could not be started: {error}")).into())
         })
@@ -171,6 +178,7 @@ impl Jobs {
         self: Arc<Self>,
         label: Label,
         problem: Problem,
+        like: Option<Arc<System>>,
         key: Option<Key>,
     ) -> Result<Accepted, Refused> {
         let outline = Outline::new(label, &problem);
@@ -193,7 +201,7 @@ impl Jobs {
         // does so without its points, which it gets back from the store.
         let waiting = match memory {
             Some(memory) => {
-                let start = (memory, job.begin(problem));
+                let start = (memory, job.begin(problem, like));
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
                 None
             }
@@ -265,6 +273,7 @@ impl Jobs {
             job.request_cancel();
             job.ended().await;
         }
+        self.recent.forget(id);
         self.store.remove(id).await
     }
 
@@ -392,14 +401,14 @@ impl Jobs {
         let status = Status::running();
         // Whether a job was running in a crash must be known after it.
         self.store.update(job.id(), status.clone()).await?;
-        let run = job.begin(problem);
+        let run = job.begin(problem, None);
         job.status.send_replace(status);
         Ok(Some((memory, run)))
     }
 
     async fn run(
         &self,
-        job: &Job,
+        job: &Arc<Job>,
         memory: OwnedSemaphorePermit,
         run: Arc<Run>,
     ) -> (Ending, Option<Arc<Frame>>) {
@@ -407,12 +416,14 @@ impl Jobs {
             run.stop();
         }
         let end = run.complete().await;
+        let system = run.system();
         // What the levels were must outlive the run.
         job.status.send_if_modified(|status| {
             status.levels = run.levels();
             false
         });
         drop(memory);
+        self.recent.keep(job, system);
         end
     }
 

@@ -53,6 +53,7 @@ fn help_names_every_flag_and_its_variable() {
         "data-dir",
         "memory",
         "ring",
+        "recent",
         "retain-jobs",
         "retain-bytes",
         "retain-age",

@@ -3,7 +3,10 @@
 //! Moving control point i by δ changes the residual only where its basis function does not vanish.
 //! So an update costs as much as the supports of the moved points, whatever the number of data.
 
+use std::sync::Arc;
+
 use super::{Change, State, Update};
+use crate::fit::collocation::TensorColumns;
 use crate::fit::linear::banded::Columns;
 use crate::fit::norms::Norms;
 use crate::fit::system::System;
@@ -16,8 +19,7 @@ pub struct Selected {
     active: Vec<usize>,
     /// Their adjusting vectors, one coordinate.
     deltas: Vec<f64>,
-    columns_u: Columns,
-    columns_v: Option<Columns>,
+    matrix: Arc<TensorColumns>,
     /// The update that last changed the residual of each point.
     stamps: Vec<u32>,
     stamp: u32,
@@ -79,39 +81,20 @@ impl Selected {
     fn new(system: &System, choice: Choice, active: Vec<usize>) -> Self {
         let collocation = system.collocation();
         let grid = system.problem().grid();
-        let columns_u = collocation.u.by_columns();
-        let columns_v = collocation.v.as_ref().map(|v| v.by_columns());
-        let widths = |v: &Columns| v.longest();
-        let point_cost = columns_u.longest() * columns_v.as_ref().map_or(1, widths);
-        let whole = columns_u.longest() + columns_v.as_ref().map_or(0, widths);
+        let matrix = Arc::clone(collocation.columns());
+        let width_u = matrix.u.longest();
+        let width_v = matrix.v.as_ref().map(Columns::longest);
+        let point_cost = width_u * width_v.unwrap_or(1);
+        let whole = width_u + width_v.unwrap_or(0);
         Self {
             choice,
             active,
             deltas: Vec::new(),
-            columns_u,
-            columns_v,
+            matrix,
             stamps: vec![0; grid.count()],
             stamp: 0,
             whole_cost: whole * grid.count(),
             point_cost,
-        }
-    }
-
-    /// Calls `visit` for every entry (row, value) of the column of control point `index`.
-    fn column(&self, index: usize, columns: usize, mut visit: impl FnMut(usize, f64)) {
-        match &self.columns_v {
-            None => {
-                for &(i, value) in self.columns_u.column(index) {
-                    visit(i as usize, value);
-                }
-            }
-            Some(columns_v) => {
-                for &(i, a) in self.columns_u.column(index / columns) {
-                    for &(j, b) in columns_v.column(index % columns) {
-                        visit(i as usize * columns + j as usize, a * b);
-                    }
-                }
-            }
         }
     }
 
@@ -128,7 +111,9 @@ impl Selected {
             deltas.extend(self.active.iter().map(|&index| residual[index]));
             for (&index, delta) in self.active.iter().zip(&deltas) {
                 x[index] += delta;
-                self.column(index, columns, |row, value| residual[row] -= value * delta);
+                self.matrix.visit(index, columns, |row, value| {
+                    residual[row] -= value * delta;
+                });
             }
         }
         self.deltas = deltas;
@@ -141,7 +126,7 @@ impl Selected {
         let mut stamps = std::mem::take(&mut self.stamps);
         changed.clear();
         for &index in &self.active {
-            self.column(index, columns, |row, _| {
+            self.matrix.visit(index, columns, |row, _| {
                 if stamps[row] != stamp {
                     stamps[row] = stamp;
                     changed.push(row);
