@@ -538,6 +538,7 @@ mod tests {
                     control: grid,
                     u: Collocation::new(&u),
                     v: Some(Collocation::new(&v)),
+                    columns: OnceLock::new(),
                 };
                 let x: Vec<f64> = (0..rows * columns)
                     .map(|i| (i as f64 * 0.7).sin())

@@ -57,6 +57,8 @@ pub struct Resources {
 /// somebody asks for them.
 pub struct Job {
     outline: Outline,
+    /// In how many crashes of the process it was running.
+    crashes: u32,
     status: watch::Sender<Status>,
     store: Arc<dyn Store>,
     system: OnceCell<Arc<SharedSystem>>,
@@ -76,6 +78,7 @@ impl Job {
     fn new(record: Record, store: Arc<dyn Store>, resources: Arc<Resources>) -> Self {
         Self {
             outline: record.outline,
+            crashes: record.crashes,
             status: watch::Sender::new(record.status),
             store,
             system: OnceCell::new(),

@@ -86,6 +86,9 @@ pub struct Jobs {
     /// quick ones, so that none of them waits for a large one.
     heavy: Arc<Semaphore>,
     quick: Arc<Semaphore>,
+    /// Jobs that were running in a crash run again one at a time: what brings the process down does
+    /// so alone, and the others come to their ends.
+    suspects: Arc<Semaphore>,
     unfinished: AtomicUsize,
     /// The process is about to end: jobs go back to the queue.
     suspended: AtomicBool,
@@ -104,6 +107,7 @@ impl Jobs {
             limits,
             heavy: Arc::new(Semaphore::new(pages - pages / 4)),
             quick: Arc::new(Semaphore::new(pages / 4)),
+            suspects: Arc::new(Semaphore::new(1)),
             unfinished: AtomicUsize::new(0),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent),
@@ -119,7 +123,8 @@ impl Jobs {
     /// Queues the jobs that had not ended when the process did, and keeps the past within limits
     /// from now on.
     pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
-        let unfinished = self.store.unfinished().await?;
+        let mut unfinished = self.store.unfinished().await?;
+        unfinished.sort_by_key(|record| record.crashes);
         if !unfinished.is_empty() {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }
@@ -201,7 +206,11 @@ impl Jobs {
         // does so without its points, which it gets back from the store.
         let waiting = match memory {
             Some(memory) => {
-                let start = (memory, job.begin(problem, like));
+                let start = Start {
+                    _memory: memory,
+                    _alone: None,
+                    run: job.begin(problem, like),
+                };
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
                 None
             }
@@ -343,7 +352,7 @@ impl Jobs {
                 None => self.turn(&job).await?,
             };
             match turn {
-                Some((memory, run)) => Ok(self.run(&job, memory, run).await),
+                Some(start) => Ok(self.run(&job, start).await),
                 None => Ok((Ending::Stopped, None)),
             }
         };
@@ -367,13 +376,16 @@ impl Jobs {
             ..job.status()
         };
         let result = last.map(|frame| Arc::clone(&frame.control_points));
-        let kept = self.store.finish(job.id(), status.clone(), result.clone());
+        let mut kept = self
+            .store
+            .finish(job.id(), status.clone(), result.clone())
+            .await;
         info!(job = %job.id(), %state, "job ended");
         self.resources.counters.count_end(state);
         drop(place);
         let _ = job.result.set(result.clone());
+        // From here on clients know of the end: a crash does not undo it any more.
         job.status.send_replace(status.clone());
-        let mut kept = kept.await;
         // Until the disk takes it the job lives in memory; after a crash it would run again.
         while let Err(error) = kept {
             error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
@@ -389,12 +401,19 @@ impl Jobs {
 
     /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
     async fn turn(&self, job: &Job) -> Result<Option<Start>, StoreError> {
-        let memory = tokio::select! {
-            biased;
-            () = job.cancel_requested() => return Ok(None),
-            memory = self.memory_for(job.outline()) => memory,
+        let permits = async {
+            let alone = match job.crashes {
+                0 => None,
+                _ => Some(Arc::clone(&self.suspects).acquire_owned().await.ok()?),
+            };
+            Some((alone, self.memory_for(job.outline()).await?))
         };
-        let Some(memory) = memory else {
+        let permits = tokio::select! {
+            biased;
+            () = job.cancel_requested() => None,
+            permits = permits => permits,
+        };
+        let Some((alone, memory)) = permits else {
             return Ok(None);
         };
         let problem = job.problem().await?;
@@ -403,15 +422,15 @@ impl Jobs {
         self.store.update(job.id(), status.clone()).await?;
         let run = job.begin(problem, None);
         job.status.send_replace(status);
-        Ok(Some((memory, run)))
+        Ok(Some(Start {
+            _memory: memory,
+            _alone: alone,
+            run,
+        }))
     }
 
-    async fn run(
-        &self,
-        job: &Arc<Job>,
-        memory: OwnedSemaphorePermit,
-        run: Arc<Run>,
-    ) -> (Ending, Option<Arc<Frame>>) {
+    async fn run(&self, job: &Arc<Job>, start: Start) -> (Ending, Option<Arc<Frame>>) {
+        let run = &start.run;
         if self.suspended.load(Ordering::Acquire) {
             run.stop();
         }
@@ -422,20 +441,26 @@ impl Jobs {
             status.levels = run.levels();
             false
         });
-        drop(memory);
         self.recent.keep(job, system);
         end
     }
 
     async fn retain(&self) {
-        if let Err(error) = self.store.retain(self.limits.retention).await {
-            error!(%error, "old jobs could not be removed");
+        match self.store.retain(self.limits.retention).await {
+            Ok(forgotten) => forgotten.into_iter().for_each(|id| self.recent.forget(id)),
+            Err(error) => error!(%error, "old jobs could not be removed"),
         }
     }
 }
 
-/// The memory that a job may take, and its run.
-type Start = (OwnedSemaphorePermit, Arc<Run>);
+/// A job that may run.
+struct Start {
+    run: Arc<Run>,
+    /// The memory that it takes.
+    _memory: OwnedSemaphorePermit,
+    /// The right to be the only one that was running in a crash.
+    _alone: Option<OwnedSemaphorePermit>,
+}
 
 /// What the end of its run means for a job.
 fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {

@@ -12,6 +12,7 @@
 mod bad_requests;
 mod closed;
 mod convex;
+mod crashes;
 mod data;
 mod durable;
 mod edits;

@@ -109,7 +109,8 @@ async fn the_latest_pace_skips_what_is_old() {
     stream.next().await.unwrap();
     let mut last = None;
     let mut skipped = 0;
-    for _ in 0..50 {
+    // A busy machine may not compute faster than it sends, for a while.
+    while last < Some(50) || skipped == 0 {
         let k = stream.next().await.unwrap().data["iteration"]
             .as_u64()
             .unwrap();
@@ -121,7 +122,6 @@ async fn the_latest_pace_skips_what_is_old() {
         // Slower than the fit.
         tokio::time::sleep(Duration::from_millis(2)).await;
     }
-    assert!(skipped > 0);
     server.stop().await;
 }
 
