@@ -1,5 +1,5 @@
-//! Jobs that have just ended: their results are read and their points are edited in the next
-//! moments, for which they stay in memory with their collocation matrices.
+//! Jobs that have just ended: they are read and edited in the next moments, for which they stay in
+//! memory, with their recent frames and collocation matrices.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -8,6 +8,7 @@ use parking_lot::Mutex;
 use uuid::Uuid;
 
 use super::Job;
+use super::run::Run;
 use crate::fit::system::System;
 
 /// The last jobs to end, up to so many bytes.
@@ -26,7 +27,9 @@ struct Kept {
 #[derive(Debug)]
 struct Entry {
     job: Arc<Job>,
-    /// A job does not hold its system by itself.
+    bytes: usize,
+    /// A job does not hold its runs and its system by itself.
+    _run: Option<Arc<Run>>,
     _system: Option<Arc<System>>,
 }
 
@@ -40,22 +43,27 @@ impl Recent {
     }
 
     /// Keeps a job at hand, and lets go of the oldest ones that it leaves no room for.
-    pub fn keep(&self, job: &Arc<Job>, system: Option<Arc<System>>) {
+    pub fn keep(&self, job: &Arc<Job>, run: &Arc<Run>) {
+        let alone = size_of::<Job>() + job.outline().memory;
+        let with_frames = alone + run.ring_bytes();
+        let frames_fit = with_frames <= self.limit;
         let entry = Entry {
             job: Arc::clone(job),
-            _system: system,
+            bytes: if frames_fit { with_frames } else { alone },
+            _run: frames_fit.then(|| Arc::clone(run)),
+            _system: run.system(),
         };
-        if entry.bytes() > self.limit {
+        if entry.bytes > self.limit {
             return;
         }
         let mut kept = self.kept.lock();
-        kept.bytes += entry.bytes();
+        kept.bytes += entry.bytes;
         kept.jobs.push_back(entry);
         let mut dropped = Vec::new();
         while kept.bytes > self.limit
             && let Some(entry) = kept.jobs.pop_front()
         {
-            kept.bytes -= entry.bytes();
+            kept.bytes -= entry.bytes;
             dropped.push(entry);
         }
         // Freeing large arrays takes a while: not under the lock.
@@ -69,13 +77,7 @@ impl Recent {
         if let Some(place) = kept.jobs.iter().position(|entry| entry.job.id() == id)
             && let Some(entry) = kept.jobs.remove(place)
         {
-            kept.bytes -= entry.bytes();
+            kept.bytes -= entry.bytes;
         }
-    }
-}
-
-impl Entry {
-    fn bytes(&self) -> usize {
-        size_of::<Job>() + self.job.outline().memory
     }
 }

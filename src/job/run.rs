@@ -98,6 +98,7 @@ pub struct Run {
     lane: Lane,
     /// How many frames the ring holds: at least the newest.
     capacity: usize,
+    frame_bytes: usize,
     /// Frames of this run are small enough to be kept even if nobody reads them yet.
     keeps_unread: bool,
     state: Mutex<RunState>,
@@ -136,6 +137,7 @@ impl Run {
             system,
             resources,
             capacity,
+            frame_bytes: weight,
             keeps_unread: capacity >= 4 * LOOK_AHEAD,
             state: Mutex::default(),
             changed: Notify::new(),
@@ -151,6 +153,11 @@ impl Run {
     /// The system, once it has been made.
     pub fn system(&self) -> Option<Arc<System>> {
         self.state.lock().system.clone()
+    }
+
+    /// Bytes of the frames that it keeps.
+    pub fn ring_bytes(&self) -> usize {
+        self.state.lock().ring.len() * self.frame_bytes
     }
 
     /// Stops the run after its current step. Frames in the ring can still be read.

@@ -435,13 +435,12 @@ impl Jobs {
             run.stop();
         }
         let end = run.complete().await;
-        let system = run.system();
         // What the levels were must outlive the run.
         job.status.send_if_modified(|status| {
             status.levels = run.levels();
             false
         });
-        self.recent.keep(job, system);
+        self.recent.keep(job, run);
         end
     }
 

@@ -189,9 +189,9 @@ async fn kills_lose_nothing() {
     for kill in 0..kills() {
         let mut program = Program::with(data.path(), &["--retain-jobs", "1000000"]);
         place.send_replace(Some(program.address.clone()));
-        // What is running in three crashes is given up: every third life is long enough for all
+        // What is running in three crashes is given up: every second life is long enough for all
         // that was there to end.
-        if kill % 3 == 2 {
+        if kill % 2 == 1 {
             everything_ends(&program).await;
         }
         let life = random(&mut state, 300);

@@ -13,6 +13,7 @@ mod bad_requests;
 mod closed;
 mod convex;
 mod crashes;
+mod crowd;
 mod data;
 mod durable;
 mod edits;

@@ -1,0 +1,153 @@
+//! Many readers and slow readers of one job: what is computed and encoded once, what is buffered.
+
+use std::time::Duration;
+
+use futures_util::future::join_all;
+use futures_util::{Stream, StreamExt};
+use serde_json::{Value, json};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+
+use crate::data;
+use crate::program::Program;
+use crate::support::{Event, Server, Story, events};
+
+/// A counter of `/metrics`.
+async fn counter(server: &Server, name: &str) -> u64 {
+    let response = server.get("/metrics").send().await.unwrap();
+    let text = response.text().await.unwrap();
+    let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+    line.split_whitespace().last().unwrap().parse().unwrap()
+}
+
+/// A job of 40 iterations.
+fn forty_iterations() -> Value {
+    let points: Vec<_> = (0..300)
+        .map(|i| {
+            let t = f64::from(i) / 10.0;
+            json!([t.cos(), t.sin(), t])
+        })
+        .collect();
+    json!({"curve": {"points": points}, "stop": {"tolerance": 0, "max_iterations": 40}})
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_thousand_clients_share_one_computation_and_one_encoding() {
+    let server = Server::start().await;
+    let job = server.create(&forty_iterations()).await;
+    let path = format!("{}/events", job["links"]["self"].as_str().unwrap());
+    let connect = || async {
+        let response = server.get(&path).send().await.unwrap();
+        assert_eq!(response.status(), 200);
+        Story::read(response).await
+    };
+    let stories = join_all((0..1000).map(|_| connect())).await;
+    let first = &stories[0];
+    assert_eq!(first.iterations.len(), 41);
+    for story in &stories {
+        assert!(story.iterations == first.iterations, "all get the same");
+    }
+    assert_eq!(counter(&server, "piad_iterations_total").await, 41);
+    assert_eq!(counter(&server, "piad_encodings_total").await, 41);
+    // The job, its iterations and its end, for each of them.
+    assert_eq!(counter(&server, "piad_events_total").await, 1000 * 43);
+}
+
+/// Bytes of memory that a process has.
+fn memory(program: &Program) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{}/status", program.id())).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kilobytes: u64 = line
+        .unwrap()
+        .trim()
+        .trim_end_matches(" kB")
+        .parse()
+        .unwrap();
+    kilobytes * 1024
+}
+
+/// A client with a small receive buffer that has sent its request and reads nothing yet.
+async fn stalled_client(program: &Program, path: &str) -> TcpStream {
+    let socket = tokio::net::TcpSocket::new_v4().unwrap();
+    socket.set_recv_buffer_size(4096).unwrap();
+    let mut stream = socket
+        .connect(program.address.parse().unwrap())
+        .await
+        .unwrap();
+    // In HTTP/1.0 the body is what comes until the end.
+    let request = format!("GET {path} HTTP/1.0\r\nHost: piad\r\n\r\n");
+    stream.write_all(request.as_bytes()).await.unwrap();
+    stream
+}
+
+/// Reads 1 kB/s for a while, then as fast as it can, to the end; gives what it has read.
+async fn read_slowly(mut stream: TcpStream, seconds: usize) -> Vec<u8> {
+    let mut received = Vec::new();
+    let mut kilobyte = [0; 1024];
+    for _ in 0..seconds {
+        stream.read_exact(&mut kilobyte).await.unwrap();
+        received.extend_from_slice(&kilobyte);
+        tokio::time::sleep(Duration::from_secs(1)).await;
+    }
+    stream.read_to_end(&mut received).await.unwrap();
+    received
+}
+
+/// The events of a response that was read with its head.
+fn events_of(received: Vec<u8>) -> impl Stream<Item = Event> + Unpin {
+    let head = received.windows(4).position(|four| four == b"\r\n\r\n");
+    let body = received[head.unwrap() + 4..].to_vec();
+    events(axum::http::Response::new(body).into())
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_that_reads_a_kilobyte_a_second_costs_nobody_anything() {
+    let data = tempfile::tempdir().unwrap();
+    let program = Program::with(data.path(), &["--ring", "16MiB", "--recent", "0B"]);
+    let points: Vec<_> = (0..100_000)
+        .map(|i| {
+            let t = f64::from(i) / 100.0;
+            json!([t.cos(), t.sin(), t])
+        })
+        .collect();
+    let large = json!({"curve": {"points": points}, "method": {"kind": "weighted", "omega": 0.3},
+        "stop": {"tolerance": 0, "max_iterations": 5}});
+    let request = program
+        .post("/v1/jobs")
+        .header("prefer", "wait=60")
+        .json(&large);
+    let job: Value = request.send().await.unwrap().json().await.unwrap();
+    let path = format!("{}/events", job["links"]["self"].as_str().unwrap());
+    let before = memory(&program);
+    let slow = tokio::spawn(read_slowly(stalled_client(&program, &path).await, 4));
+
+    // Meanwhile others are served as ever.
+    let mut most = 0;
+    for _ in 0..30 {
+        let begin = std::time::Instant::now();
+        let request = program.post("/v1/jobs").header("prefer", "wait=60");
+        let job: Value = request
+            .json(&data::small_job())
+            .send()
+            .await
+            .unwrap()
+            .json()
+            .await
+            .unwrap();
+        assert_eq!(job["state"], "converged");
+        assert!(begin.elapsed() < Duration::from_secs(2));
+        most = most.max(memory(&program));
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    // The job itself takes 24 bytes a point for its data, control points and residual each, 36 for
+    // its matrix, 16 for parameters and knots; a frame as text 60. With the ring that is:
+    let bound = before + 100_000 * (3 * 24 + 36 + 16 + 2 * 60) + (16 << 20);
+    assert!(most < bound, "{most} bytes, {before} before, bound {bound}");
+
+    let mut events = events_of(slow.await.unwrap());
+    assert_eq!(events.next().await.unwrap().name, "job");
+    for k in 0..=5 {
+        assert_eq!(events.next().await.unwrap().id, k.to_string());
+    }
+    assert_eq!(events.next().await.unwrap().name, "end");
+}
