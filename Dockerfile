@@ -1,7 +1,7 @@
 # A static binary in an empty image.
 #
 #   docker build -t piad .
-#   docker run --rm -p 8080:8080 piad
+#   docker run --rm -p 8080:8080 -v piad-data:/data piad
 
 FROM rust:1-slim-bookworm AS build
 WORKDIR /build
@@ -11,12 +11,15 @@ COPY src ./src
 ENV RUSTFLAGS="-C target-feature=+crt-static --cfg getrandom_backend=\"linux_getrandom\""
 RUN target="$(uname -m)-unknown-linux-gnu" \
  && cargo build --release --locked --target "$target" \
- && cp "target/$target/release/piad" /piad
+ && cp "target/$target/release/piad" /piad \
+ && mkdir /data
 
 FROM scratch
 COPY --from=build /piad /piad
+COPY --from=build --chown=65532:65532 /data /data
 USER 65532:65532
-ENV PIAD_LISTEN=0.0.0.0:8080
+ENV PIAD_LISTEN=0.0.0.0:8080 PIAD_DATA_DIR=/data
+VOLUME /data
 EXPOSE 8080
 STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=10s --timeout=5s --start-period=2s CMD ["/piad", "health"]
