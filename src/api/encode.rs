@@ -38,7 +38,7 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, what: View) -> Result<Byt
         View::Errors => "errors".to_owned(),
         View::Samples(Grid { rows, columns }) => format!("{rows}x{columns}"),
     };
-    let encoded = frame.encoded(&key);
+    let encoded = frame.encoded(&key.into());
     let problem = job.problem().await?;
     let encode = || {
         job.resources().counters.encodings.inc();
