@@ -12,6 +12,8 @@ use tokio::time::Duration;
 
 use super::negotiate::{self, Answer};
 use super::options::StreamParameters;
+use super::options::form::Encoding;
+use super::options::object::StreamObject;
 use super::problem::{Kind, Problem};
 use super::request::edit::EditRequest;
 use super::request::{JobRequest, ValidJob};
@@ -46,14 +48,19 @@ pub async fn job(State(app): State<App>, request: Request) -> Result<Response, P
     let config = Arc::clone(&app.config);
     let bytes = posted.body.clone();
     let small = bytes.len() <= PARSED_AT_ONCE;
-    let ValidJob { name, problem } = compute(&app, small, move || {
+    let ValidJob {
+        name,
+        stream,
+        problem,
+    } = compute(&app, small, move || {
         let Object(request) = body::parse::<Object<JobRequest>>(&bytes)?;
         request.validate(&config)
     })
     .await?;
     let label = Label {
         name,
-        ..Label::default()
+        parent: None,
+        stream,
     };
     posted.create(&app, label, problem, None).await
 }
@@ -69,14 +76,19 @@ pub async fn edit(
     if let Some(known) = posted.known(&app).await? {
         return posted.answer(&app, known).await;
     }
-    let Object(request) = body::parse::<Object<EditRequest>>(&posted.body)?;
+    let Object(mut request) = body::parse::<Object<EditRequest>>(&posted.body)?;
+    request.inherit(StreamObject::of(&parent.outline().label)?);
     let frame = start(&parent, request.iteration()).await?;
     let iteration = frame.level.iteration;
     let (config, problem) = (Arc::clone(&app.config), parent.problem().await?);
     let levels = parent.status().levels;
     let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
     let small = problem.grid().count() <= EDITED_AT_ONCE;
-    let ValidJob { name, problem } = compute(&app, small, move || {
+    let ValidJob {
+        name,
+        stream,
+        problem,
+    } = compute(&app, small, move || {
         request.apply(&problem, &frame.control_points, lambda_min, &config)
     })
     .await?;
@@ -86,7 +98,7 @@ pub async fn edit(
             id: parent.id(),
             iteration,
         }),
-        ..Label::default()
+        stream,
     };
     let like = parent.system().await?.at_hand();
     posted.create(&app, label, problem, like).await
@@ -185,7 +197,10 @@ impl Posted {
         like: Option<Arc<System>>,
     ) -> Result<Response, Problem> {
         // What is wrong with the parameters is said before there is a job.
-        self.parameters.options(problem.v().is_some())?;
+        let stream = StreamObject::of(&label)?;
+        self.parameters
+            .options(stream.as_ref(), problem.v().is_some())?;
+        self.parameters.check_range(stream.as_ref(), &problem)?;
         self.body = Bytes::new();
         let accepted = app
             .jobs
@@ -201,7 +216,15 @@ impl Posted {
         };
         let mut response = match self.answer {
             Answer::Events(framing) => {
-                let options = self.parameters.options(job.outline().surface)?;
+                let stream = StreamObject::of(&job.outline().label)?;
+                let options = self
+                    .parameters
+                    .options(stream.as_ref(), job.outline().surface)?;
+                // With a new job it was checked before there was one.
+                if known && options.form.encoding == Encoding::Base64F32 {
+                    let problem = job.problem().await?;
+                    self.parameters.check_range(stream.as_ref(), &problem)?;
+                }
                 events::stream(app, Arc::clone(&job), framing, options, None)
             }
             Answer::Json => {

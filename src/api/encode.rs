@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 
-use super::options::View;
+use super::options::form::{Digits, Form, View};
 use super::view;
-use crate::fit::points::Grid;
+use crate::fit::direction::Direction;
+use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
@@ -31,37 +32,40 @@ pub async fn description(job: &Arc<Job>) -> Result<Bytes, StoreError> {
     .await
 }
 
-/// The JSON of an iteration, made once for each frame and view.
-pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, what: View) -> Result<Bytes, StoreError> {
-    let key = match what {
-        View::ControlPoints => String::new(),
-        View::Errors => "errors".to_owned(),
-        View::Samples(Grid { rows, columns }) => format!("{rows}x{columns}"),
+/// The JSON of an iteration, made once for each frame and form.
+pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Bytes, StoreError> {
+    let is_last = || frame.is_last || job.has_ended_at(frame.level.iteration);
+    let in_full = form.digits == Digits::Auto && is_last();
+    let form = if in_full {
+        form.in_full()
+    } else {
+        form.clone()
     };
-    let encoded = frame.encoded(&key);
+    let encoded = frame.encoded(form.key());
     let problem = job.problem().await?;
     let encode = || {
         job.resources().counters.encodings.inc();
-        let numbers = match what {
-            View::Errors => 0,
-            View::ControlPoints => frame.control_points.len() * frame.control_points.dimension(),
-            View::Samples(grid) => {
-                let functions =
-                    |direction: &crate::fit::direction::Direction| direction.basis.support_width();
-                let each: usize = problem.directions().map(functions).product();
-                grid.count().saturating_mul(each)
-            }
-        };
+        let numbers = numbers(&problem, frame, form.view);
         let frame = Arc::clone(frame);
-        off_network(job, numbers, move || match what {
-            View::ControlPoints => view::iteration(&problem, &frame.level, &frame.control_points),
-            View::Errors => view::errors(&problem, &frame.level),
-            View::Samples(grid) => {
-                view::samples(&problem, &frame.level, &frame.control_points, grid)
-            }
-        })
+        let encode = move || view::level::level(&problem, &frame, &form);
+        off_network(job, numbers, encode)
     };
     Ok(encoded.get_or_init(encode).await.clone())
+}
+
+/// About how many numbers are written, or computed.
+fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
+    let dimension = frame.control_points.dimension();
+    match view {
+        View::Errors => 0,
+        View::ControlPoints => frame.control_points.len() * dimension,
+        View::Changed => frame.moved.as_ref().map_or(0, |moved| moved.len()) * dimension,
+        View::Samples(grid) => {
+            let functions = |direction: &Direction| direction.basis.support_width();
+            let each: usize = problem.directions().map(functions).product();
+            grid.count().saturating_mul(each)
+        }
+    }
 }
 
 /// Encodes on the compute pool, unless it is little.

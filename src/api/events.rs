@@ -14,12 +14,16 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::{Bytes, BytesMut};
 use futures_util::stream;
+use serde_json::json;
 use tokio::sync::watch;
-use tokio::time::{Duration, sleep};
+use tokio::time::{Duration, Instant, sleep_until};
 use tracing::error;
 use uuid::Uuid;
 
+use super::milestones::Milestones;
 use super::negotiate::{self, Framing};
+use super::options::form::Encoding;
+use super::options::object::StreamObject;
 use super::options::{StreamOptions, StreamParameters};
 use super::problem::Problem;
 use super::{App, encode, jobs, view};
@@ -46,7 +50,12 @@ pub async fn get(
     let framing = negotiate::framing(&headers)?;
     let parameters: StreamParameters = negotiate::query(&uri)?;
     let job = jobs::find(&app, &id).await?;
-    let options = parameters.options(job.outline().surface)?;
+    let defaults = StreamObject::of(&job.outline().label)?;
+    let options = parameters.options(defaults.as_ref(), job.outline().surface)?;
+    if options.form.encoding == Encoding::Base64F32 {
+        let problem = job.problem().await?;
+        parameters.check_range(defaults.as_ref(), &problem)?;
+    }
     match last_event_id(&headers, parameters.last_event_id)? {
         None => Ok(stream(&app, job, framing, options, None)),
         // Only this status keeps an EventSource from connecting again.
@@ -101,17 +110,26 @@ pub fn stream(
     if options.latest {
         cursor.only_latest();
     }
-    let first = seen.map_or(0, |k| k + 1);
+    let first = match seen {
+        None => 0,
+        // What the client has seen tells which milestones it has seen reached.
+        Some(k) if !options.milestones.is_empty() => k,
+        Some(k) => k + 1,
+    };
     cursor.seek(first.next_multiple_of(options.every));
+    let milestones = Milestones::new(options.milestones.clone());
     let feed = Feed {
         cursor,
         job,
         framing,
+        milestones: Some(milestones).filter(|milestones| !milestones.all_reached()),
         options,
         seen,
+        complete: false,
         stage: Stage::Opening,
         pending: VecDeque::new(),
         heartbeat: app.config.heartbeat,
+        quiet_until: Instant::now(),
         stopping: app.stopping.clone(),
     };
     let body = stream::unfold(feed, |mut feed| async move {
@@ -159,18 +177,24 @@ struct Feed {
     cursor: Cursor,
     framing: Framing,
     options: StreamOptions,
+    milestones: Option<Milestones>,
     /// The last iteration that the client has.
     seen: Option<usize>,
+    /// The client has complete control points, to which changes can be applied.
+    complete: bool,
     stage: Stage,
     /// Pieces of the event that is being sent.
     pending: VecDeque<Bytes>,
     heartbeat: Duration,
+    /// When the client hears that the stream is still there, if it hears nothing else.
+    quiet_until: Instant,
     stopping: watch::Receiver<bool>,
 }
 
 impl Feed {
     /// The next piece of the stream.
     async fn next(&mut self) -> Option<Bytes> {
+        self.quiet_until = Instant::now() + self.heartbeat;
         loop {
             if let Some(piece) = self.pending.pop_front() {
                 return Some(piece);
@@ -193,7 +217,7 @@ impl Feed {
     async fn advance(&mut self) {
         let happened = tokio::select! {
             next = self.cursor.next() => Happened::Next(next),
-            () = sleep(self.heartbeat) => Happened::Nothing,
+            () = sleep_until(self.quiet_until) => Happened::Nothing,
             _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
         };
         match happened {
@@ -204,7 +228,10 @@ impl Feed {
                     self.stage = Stage::Over;
                 }
             }
-            Happened::Nothing => self.push_comment(": still here\n\n".into()),
+            Happened::Nothing => {
+                self.quiet_until += self.heartbeat;
+                self.push_comment(": still here\n\n".into());
+            }
             Happened::Stopping => {
                 // Clients come back one after the other, to whoever serves them then.
                 let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
@@ -220,21 +247,50 @@ impl Feed {
         if matches!(self.stage, Stage::Waiting) {
             self.stage = Stage::Iterations;
             let data = encode::description(&self.job).await?;
-            self.push("job", None, data);
+            self.push("job", None, None, data);
         }
         match next {
-            Next::Frame(frame) => self.push_frame(&frame).await,
+            Next::Frame(frame) => self.take(&frame).await,
             Next::End(status) => self.finish(&status).await,
         }
     }
 
-    async fn push_frame(&mut self, frame: &Arc<Frame>) -> Result<(), StoreError> {
+    /// Sends a frame, if the client wants it.
+    async fn take(&mut self, frame: &Arc<Frame>) -> Result<(), StoreError> {
+        let Some(milestones) = &mut self.milestones else {
+            return self.push_frame(frame, None).await;
+        };
+        let milestone = milestones.reach(frame.level.error.max);
+        if milestones.all_reached() {
+            self.cursor.only_end();
+        }
+        let new = Some(frame.level.iteration) > self.seen;
+        match milestone.filter(|_| new) {
+            Some(milestone) => self.push_frame(frame, Some(milestone)).await?,
+            // Others have their turn, however many frames are left out.
+            None => tokio::task::consume_budget().await,
+        }
+        Ok(())
+    }
+
+    async fn push_frame(
+        &mut self,
+        frame: &Arc<Frame>,
+        milestone: Option<f64>,
+    ) -> Result<(), StoreError> {
         let k = frame.level.iteration;
-        let data = encode::frame(&self.job, frame, self.options.view).await?;
-        self.push("iteration", Some(&k.to_string()), data);
+        let changes = self.options.changes.as_ref();
+        let form = changes
+            .filter(|_| self.complete && frame.moved.is_some())
+            .unwrap_or(&self.options.form);
+        let data = encode::frame(&self.job, frame, form).await?;
+        self.push("iteration", Some(&k.to_string()), milestone, data);
         self.seen = Some(k);
-        self.cursor
-            .seek((k + 1).next_multiple_of(self.options.every));
+        self.complete = true;
+        if self.milestones.is_none() {
+            let next = (k + 1).next_multiple_of(self.options.every);
+            self.cursor.seek(next);
+        }
         Ok(())
     }
 
@@ -247,11 +303,11 @@ impl Feed {
         {
             self.cursor.seek(last);
             if let Next::Frame(frame) = self.cursor.next().await? {
-                self.push_frame(&frame).await?;
+                self.push_frame(&frame, None).await?;
             }
         }
         let data = view::end(&self.job, status);
-        self.push("end", Some(END), data);
+        self.push("end", Some(END), None, data);
         Ok(())
     }
 
@@ -262,9 +318,10 @@ impl Feed {
         }
     }
 
-    fn push(&mut self, event: &str, id: Option<&str>, data: Bytes) {
+    /// A milestone becomes the first field of the data, which stay as all readers share them.
+    fn push(&mut self, event: &str, id: Option<&str>, milestone: Option<f64>, mut data: Bytes) {
         self.job.resources().counters.events.inc();
-        let (before, after) = match self.framing {
+        let (mut before, after) = match self.framing {
             Framing::Sse => {
                 let id = id.map_or(String::new(), |id| format!("id: {id}\n"));
                 (format!("event: {event}\n{id}data: "), "\n\n")
@@ -278,6 +335,12 @@ impl Feed {
                 (format!(r#"{{"event":"{event}",{id}"data":"#), "}\n")
             }
         };
+        if let Some(milestone) = milestone
+            && data.starts_with(b"{")
+        {
+            before.push_str(&format!("{{\"milestone\":{},", json!(milestone)));
+            data = data.slice(1..);
+        }
         let before = Bytes::from(before);
         let after = Bytes::from_static(after.as_bytes());
         if data.len() > ONE_PIECE {

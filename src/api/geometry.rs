@@ -7,7 +7,8 @@ use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
-use super::options::{View, ViewParameters};
+use super::options::form::{Digits, Encoding, Form, View};
+use super::options::{StreamParameters, ViewParameters};
 use super::problem::{Kind, Problem};
 use super::{App, encode, jobs, negotiate, no_store, view};
 use crate::fit::iteration::Iteration;
@@ -25,13 +26,13 @@ pub async fn iteration(
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let (job, view) = job_and_view(&app, &id, &uri, &headers).await?;
+    let (job, form) = job_and_form(&app, &id, &uri, &headers).await?;
     let k = match k.as_str() {
         "last" => last_level(&job)?,
         k => level_number(k)?,
     };
     match Cursor::new(Arc::clone(&job), k).next().await? {
-        Next::Frame(frame) => Ok(json_response(encode::frame(&job, &frame, view).await?)),
+        Next::Frame(frame) => Ok(json_response(encode::frame(&job, &frame, &form).await?)),
         Next::End(status) => {
             let reached = status.levels.map(|levels| levels.last.iteration);
             let detail = match reached {
@@ -69,21 +70,25 @@ pub async fn result(
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let (job, view) = job_and_view(&app, &id, &uri, &headers).await?;
+    let (job, form) = job_and_form(&app, &id, &uri, &headers).await?;
+    if form.digits == Digits::Auto {
+        let detail = "a result has all digits; rounded ones are for iterations";
+        return Err(Problem::at_parameter("digits", detail));
+    }
     let status = job.status();
     let (Some(Levels { last: level, .. }), Some(points)) = (status.levels, job.result().await?)
     else {
         let detail = format!("the job is {} and has no result", status.state);
         return Err(Problem::new(Kind::NoResult, detail));
     };
-    if view != View::ControlPoints {
+    if form.view != View::ControlPoints {
         let frame = Arc::new(Frame::last(level, points));
-        return Ok(json_response(encode::frame(&job, &frame, view).await?));
+        return Ok(json_response(encode::frame(&job, &frame, &form).await?));
     }
     let (owner, problem) = (Arc::clone(&job), job.problem().await?);
     let numbers = points.len() * points.dimension();
     let json = encode::off_network(&job, numbers, move || {
-        view::result(&owner, &problem, &status, &level, &points)
+        view::level::result(&owner, &problem, &status, &level, &points, &form)
     })
     .await;
     Ok(json_response(json))
@@ -120,17 +125,22 @@ pub async fn limit(
     })
 }
 
-async fn job_and_view(
+async fn job_and_form(
     app: &App,
     id: &str,
     uri: &Uri,
     headers: &HeaderMap,
-) -> Result<(Arc<Job>, View), Problem> {
+) -> Result<(Arc<Job>, Form), Problem> {
     negotiate::json(headers)?;
     let job = jobs::find(app, id).await?;
     let parameters: ViewParameters = negotiate::query(uri)?;
-    let view = parameters.view(job.outline().surface)?;
-    Ok((job, view))
+    let parameters = StreamParameters::from(parameters);
+    let form = parameters.form(job.outline().surface)?;
+    if form.encoding == Encoding::Base64F32 {
+        let problem = job.problem().await?;
+        parameters.check_range(None, &problem)?;
+    }
+    Ok((job, form))
 }
 
 fn last_level(job: &Job) -> Result<usize, Problem> {

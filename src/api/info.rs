@@ -10,6 +10,8 @@ use serde_json::{Value, json};
 
 use super::App;
 use super::numbers::MAX_DIMENSION;
+use super::options::form::MOST_SAMPLES;
+use super::options::{MOST_MILESTONES, StreamParameters};
 use super::problem::{Kind, Problem};
 use crate::fit::basis::MAX_DEGREE;
 
@@ -52,6 +54,10 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "rational": ["homogeneous", "fixed"],
         "methods": methods(),
         "views": ["control_points", "samples", "errors"],
+        "encodings": ["json", "base64", "base64_f32"],
+        "digits": ["full", "auto"],
+        "paces": ["all", "latest"],
+        "stream": StreamParameters::NAMES,
         "formats": {
             "events": ["text/event-stream", "application/x-ndjson"],
             "result": ["application/json"],
@@ -59,6 +65,8 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "limits": {
             "body_bytes": config.max_body.as_u64(),
             "points": config.max_points,
+            "samples": MOST_SAMPLES,
+            "milestones": MOST_MILESTONES,
             "iterations": config.max_iterations,
             "jobs": config.max_jobs,
             "memory_bytes": config.memory_bytes(),

@@ -7,8 +7,9 @@
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`create`]: new jobs and edits; [`jobs`]: list, get, cancel, delete;
 //! - [`events`]: a job as a stream of events;
+//! - [`milestones`]: which iterations a stream shows that is asked for the progress alone;
 //! - [`geometry`]: single iterations and results;
-//! - [`options`]: query parameters that say what to show;
+//! - [`options`]: query parameters that say what to show, and the defaults that jobs set;
 //! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457).
@@ -20,6 +21,7 @@ pub mod events;
 pub mod geometry;
 pub mod info;
 pub mod jobs;
+pub mod milestones;
 pub mod negotiate;
 pub mod numbers;
 pub mod options;

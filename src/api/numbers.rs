@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize};
 
 use crate::fit::points::Points;
 
@@ -190,7 +190,7 @@ impl<'de> Visitor<'de> for PointSeed<'_> {
 }
 
 /// A finite number.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Number(pub f64);
 
 impl<'de> Deserialize<'de> for Number {

@@ -5,9 +5,9 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize};
 
 /// A JSON object with the fields of `T`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,7 +58,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for NameVisitor<T> {
 }
 
 /// A whole number, zero or greater.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Count(pub usize);
 
 impl<'de> Deserialize<'de> for Count {

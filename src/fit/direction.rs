@@ -149,6 +149,25 @@ impl Direction {
         }
     }
 
+    /// The basis functions that free control point `index` is multiplied with, increasing: the
+    /// inverse of [`Self::free_index`].
+    pub fn functions_of(&self, index: usize) -> impl Iterator<Item = usize> + Clone {
+        let functions = self.basis.functions();
+        match self.ends {
+            Ends::Open { front_copies } => {
+                let own = index + front_copies;
+                let first = if index == 0 { 0 } else { own };
+                let is_last = index + 1 == self.free;
+                let end = if is_last { functions } else { own + 1 };
+                (first..end).step_by(1)
+            }
+            Ends::Closed { .. } => {
+                let first = (index + self.basis.degree() / 2) % self.free;
+                (first..functions).step_by(self.free)
+            }
+        }
+    }
+
     /// Writes the values at `t` of the functions that can differ from zero there, with their
     /// weights, and returns the index of the first of them.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {

@@ -41,6 +41,20 @@ impl<'a> Geometry<'a> {
             .map(move |j| start + problem.v().map_or(0, |v| v.free_index(j)))
     }
 
+    /// Where the complete control net has free control point `index`: `(row, column)`, the column
+    /// of a curve being 0.
+    pub fn occurrences(&self, index: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let columns = self.problem.control_grid().columns;
+        let v = self.problem.v();
+        let rows = self.problem.u().functions_of(index / columns);
+        rows.flat_map(move |row| {
+            let across = v.map(|v| v.functions_of(index % columns));
+            let single = across.is_none().then_some(0);
+            let across = across.into_iter().flatten().chain(single);
+            across.map(move |column| (row, column))
+        })
+    }
+
     /// Whether the control points have weights of their own.
     pub fn is_homogeneous(&self) -> bool {
         self.problem.is_homogeneous()

@@ -112,6 +112,14 @@ impl Iteration {
         &self.state.control_points
     }
 
+    /// The free control points that the last step moved, where it left others alone. All others
+    /// are to the last bit what they were a level before.
+    pub fn moved(&self) -> Option<&[usize]> {
+        let moved = self.update.moved()?;
+        let some = self.level.iteration > 0 && moved.len() < self.state.control_points.len();
+        some.then_some(moved)
+    }
+
     /// `Δ = P − B X`.
     pub fn residual(&self) -> &Points {
         &self.state.residual

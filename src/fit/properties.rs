@@ -156,6 +156,26 @@ proptest! {
         }
     }
 
+    /// Every place of the complete net belongs to the control point that it repeats, and to no other.
+    #[test]
+    fn each_place_of_the_net_occurs_once(mut request in problem(), closed_u: bool, closed_v: bool) {
+        request.u.closed = closed_u;
+        if let Some(v) = &mut request.v {
+            v.closed = closed_v;
+        }
+        // Not all bases can be closed.
+        let Ok(problem) = Problem::new(request) else { return Ok(()) };
+        let geometry = Geometry::new(&problem, problem.data());
+        let mut found = 0;
+        for index in 0..problem.control_grid().count() {
+            for (row, column) in geometry.occurrences(index) {
+                prop_assert_eq!(geometry.row(row).nth(column), Some(index));
+                found += 1;
+            }
+        }
+        prop_assert_eq!(found, geometry.rows() * geometry.columns().unwrap_or(1));
+    }
+
     /// Data in other units: everything is in other units.
     #[test]
     fn every_order_of_magnitude_is_alike(request in problem(), exponent in -290..290) {

@@ -59,6 +59,12 @@ impl Cursor {
         self.next = index;
     }
 
+    /// No more frames are wanted: the end comes next.
+    pub fn only_end(&mut self) {
+        self.next = usize::MAX;
+        self.run = None;
+    }
+
     /// The next frame, or the end. Giving up the wait loses nothing.
     pub async fn next(&mut self) -> Result<Next, StoreError> {
         loop {
@@ -80,7 +86,7 @@ impl Cursor {
                     self.next += 1;
                     return Ok(Next::Frame(frame));
                 }
-            } else if status.state == State::Queued {
+            } else if status.state == State::Queued || self.next == usize::MAX {
                 changed(&mut self.status).await;
                 continue;
             }

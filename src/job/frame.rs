@@ -6,7 +6,7 @@ use bytes::Bytes;
 use parking_lot::Mutex;
 use tokio::sync::OnceCell;
 
-use crate::fit::iteration::Level;
+use crate::fit::iteration::{Iteration, Level};
 use crate::fit::points::Points;
 
 /// One level of a fit.
@@ -16,24 +16,44 @@ pub struct Frame {
     pub level: Level,
     /// The free control points.
     pub control_points: Arc<Points>,
-    /// What was made of it, by the name of the view.
-    encoded: Mutex<Vec<(String, Arc<OnceCell<Bytes>>)>>,
+    /// Those that have moved since the level before; `None` if all may have.
+    pub moved: Option<Arc<[usize]>>,
+    /// The fit has ended at this level.
+    pub is_last: bool,
+    /// What was made of it, by the name of the form.
+    encoded: Mutex<Vec<Encoded>>,
+}
+
+/// A frame in one of its forms, once its first reader has made it.
+#[derive(Debug)]
+struct Encoded {
+    form: Arc<str>,
+    bytes: Arc<OnceCell<Bytes>>,
 }
 
 impl Frame {
     /// Bytes that a number of a frame takes: itself, and its decimal digits once somebody reads it.
     const BYTES_PER_NUMBER: usize = 8 + 20;
 
-    /// A frame that nobody has read yet.
-    pub fn new(level: Level, control_points: Points) -> Self {
-        Self::last(level, Arc::new(control_points))
+    /// The current level of a fit.
+    pub fn of(iteration: &Iteration) -> Self {
+        Self {
+            moved: iteration.moved().map(Arc::from),
+            is_last: iteration.outcome().is_some(),
+            ..Self::last(
+                iteration.level(),
+                Arc::new(iteration.control_points().clone()),
+            )
+        }
     }
 
-    /// The frame of control points that are kept elsewhere: the last ones.
+    /// The level at which a fit has ended, with control points that may be kept elsewhere.
     pub fn last(level: Level, control_points: Arc<Points>) -> Self {
         Self {
             level,
             control_points,
+            moved: None,
+            is_last: true,
             encoded: Mutex::default(),
         }
     }
@@ -43,14 +63,17 @@ impl Frame {
         dimension * count * Self::BYTES_PER_NUMBER + size_of::<Self>()
     }
 
-    /// The place for a view of the frame on the wire: made by its first reader and shared by the others.
-    pub fn encoded(&self, view: &str) -> Arc<OnceCell<Bytes>> {
+    /// The place for a form of the frame on the wire: made by its first reader and shared by the others.
+    pub fn encoded(&self, form: &Arc<str>) -> Arc<OnceCell<Bytes>> {
         let mut encoded = self.encoded.lock();
-        if let Some((_, cell)) = encoded.iter().find(|(name, _)| name == view) {
-            return Arc::clone(cell);
+        if let Some(known) = encoded.iter().find(|known| known.form == *form) {
+            return Arc::clone(&known.bytes);
         }
-        let cell = Arc::new(OnceCell::new());
-        encoded.push((view.to_owned(), Arc::clone(&cell)));
-        cell
+        let bytes = Arc::new(OnceCell::new());
+        encoded.push(Encoded {
+            form: Arc::clone(form),
+            bytes: Arc::clone(&bytes),
+        });
+        bytes
     }
 }

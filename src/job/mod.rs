@@ -129,6 +129,13 @@ impl Job {
         status
     }
 
+    /// Whether the job has ended at this level.
+    pub fn has_ended_at(&self, iteration: usize) -> bool {
+        let status = self.status.borrow();
+        let last = status.levels.map(|levels| levels.last.iteration);
+        status.state.is_final() && last == Some(iteration)
+    }
+
     /// The free control points of the last level, once the job has ended.
     pub async fn result(&self) -> Result<Option<Arc<Points>>, StoreError> {
         if !self.status.borrow().state.is_final() {

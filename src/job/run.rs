@@ -227,7 +227,7 @@ impl Run {
         if keep {
             // Copying takes as long as a step, so it is not done under the lock.
             drop(state);
-            let frame = Arc::new(Frame::new(level, iteration.control_points().clone()));
+            let frame = Arc::new(Frame::of(iteration));
             state = self.state.lock();
             state.last = outcome.map(|_| Arc::clone(&frame));
             state.ring.push_back(frame);
@@ -247,8 +247,10 @@ impl Run {
 
     /// Ends the run because it was stopped.
     fn end_stopped(&self, iteration: Option<&Iteration>) {
-        let frame =
-            iteration.map(|it| Arc::new(Frame::new(it.level(), it.control_points().clone())));
+        let frame = iteration.map(|it| {
+            let control_points = Arc::new(it.control_points().clone());
+            Arc::new(Frame::last(it.level(), control_points))
+        });
         let mut state = self.state.lock();
         state.last = frame;
         state.end(Ending::Stopped);

@@ -57,6 +57,7 @@ fn mixed_jobs() -> Vec<Value> {
         curve(json!({"kind": "direct"})),
         curve(json!({"kind": "least_squares", "control_points": 9, "variant": "lspia", "mu": 0.3})),
         json!({"curve": {"points": planar}, "method": {"kind": "convex"}}),
+        json!({"curve": {"points": planar}, "stream": {"view": "samples", "samples": 9, "encoding": "base64"}}),
         json!({"curve": {"points": points, "closed": true}}),
         json!({"curve": {"points": points, "weights": weights}}),
         json!({"curve": {"points": points, "weights": weights}, "rational": "fixed"}),

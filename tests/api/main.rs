@@ -10,13 +10,16 @@
 )]
 
 mod bad_requests;
+mod changed;
 mod closed;
 mod convex;
 mod crashes;
 mod crowd;
 mod data;
+mod digits;
 mod durable;
 mod edits;
+mod encodings;
 mod examples;
 mod facts;
 mod goldens;
@@ -26,12 +29,14 @@ mod large;
 mod least_squares;
 mod local;
 mod methods;
+mod milestones;
 mod process;
 mod program;
 mod rational;
 mod reference;
 mod refusals;
 mod scales;
+mod stream_object;
 mod streams;
 mod support;
 mod views;

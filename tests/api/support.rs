@@ -175,6 +175,57 @@ impl Story {
     }
 }
 
+/// Levels of a stream's iterations.
+pub fn levels(iterations: &[Value]) -> Vec<u64> {
+    let level = |iteration: &Value| iteration["iteration"].as_u64().unwrap();
+    iterations.iter().map(level).collect()
+}
+
+/// The iterations of a stream that may leave some out, and its end.
+pub async fn thinned(server: &Server, path: &str, after: Option<&str>) -> (Vec<Value>, Value) {
+    let mut request = server.get(path);
+    if let Some(id) = after {
+        request = request.header("last-event-id", id);
+    }
+    read_thinned(request.send().await.unwrap()).await
+}
+
+/// The same of a response.
+pub async fn read_thinned(response: Response) -> (Vec<Value>, Value) {
+    assert_eq!(response.status(), 200);
+    let mut stream = events(response);
+    let mut iterations = Vec::new();
+    while let Some(event) = stream.next().await {
+        match event.name.as_str() {
+            "iteration" => iterations.push(event.data),
+            "end" => return (iterations, event.data),
+            _ => {}
+        }
+    }
+    panic!("the stream has no end");
+}
+
+/// The path of a job, of its resource or of its `job` event.
+pub fn base(job: &Value) -> &str {
+    job["links"]["self"].as_str().unwrap()
+}
+
+/// Checks that a path is refused with a query: which parameter is to blame, and a part of why.
+pub async fn assert_query_refused(
+    server: &Server,
+    path: &str,
+    query: &str,
+    parameter: &str,
+    reason: &str,
+) {
+    let request = server.get(&format!("{path}?{query}"));
+    let (status, problem) = problem(request.send().await.unwrap()).await;
+    assert_eq!(status, 400, "{query}");
+    assert_eq!(problem["errors"][0]["parameter"], parameter, "{problem:#}");
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.contains(reason), "{problem:#}");
+}
+
 /// A problem object, after checking what all of them have.
 pub async fn problem(response: Response) -> (u16, Value) {
     let status = response.status().as_u16();

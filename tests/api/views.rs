@@ -3,34 +3,10 @@
 use std::time::{Duration, Instant};
 
 use futures_util::StreamExt;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::data;
-use crate::support::{Server, Story, events, problem};
-
-/// Levels of a stream's iterations.
-fn levels(iterations: &[Value]) -> Vec<u64> {
-    let level = |iteration: &Value| iteration["iteration"].as_u64().unwrap();
-    iterations.iter().map(level).collect()
-}
-
-/// The iterations of a stream that may leave some out, and its end.
-async fn thinned(server: &Server, path: &str, after: Option<&str>) -> (Vec<Value>, Value) {
-    let mut request = server.get(path);
-    if let Some(id) = after {
-        request = request.header("last-event-id", id);
-    }
-    let mut stream = events(request.send().await.unwrap());
-    let mut iterations = Vec::new();
-    while let Some(event) = stream.next().await {
-        match event.name.as_str() {
-            "iteration" => iterations.push(event.data),
-            "end" => return (iterations, event.data),
-            _ => {}
-        }
-    }
-    panic!("the stream has no end");
-}
+use crate::support::{Server, Story, events, levels, problem, thinned};
 
 #[tokio::test]
 async fn views_show_errors_or_samples() {

@@ -10,6 +10,7 @@ use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use super::method::{Index, MethodRequest};
 use super::{RationalRequest, StopRequest, ValidJob, check_name, invalid, surface_weights};
 use crate::api::numbers::{Number, WeightList};
+use crate::api::options::object::StreamObject;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
 use crate::api::strict::{Name, Object};
@@ -29,6 +30,7 @@ pub struct EditRequest {
     rational: Option<Name<RationalRequest>>,
     method: Option<Object<MethodRequest>>,
     stop: Option<Object<StopRequest>>,
+    stream: Option<Object<StreamObject>>,
 }
 
 /// The level of the parent to start from: a number or `"last"`.
@@ -75,6 +77,11 @@ impl EditRequest {
     /// The level of the parent to start from; without one, its last.
     pub fn iteration(&self) -> Option<usize> {
         self.iteration.and_then(|IterationRequest(k)| k)
+    }
+
+    /// Streams go as those of the parent, unless the edit says it.
+    pub fn inherit(&mut self, stream: Option<StreamObject>) {
+        self.stream = self.stream.take().or(stream.map(Object));
     }
 
     /// The problem with the changes, starting from the parent's control points. `lambda_min` is what
@@ -139,8 +146,10 @@ impl EditRequest {
             let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
             return Err(invalid("/method", detail));
         }
+        let stream = self.stream.map(|Object(stream)| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
+            stream: stream.transpose()?,
             problem,
         })
     }

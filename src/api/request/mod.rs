@@ -4,9 +4,12 @@ pub mod edit;
 mod method;
 mod places;
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use super::numbers::{NameOrNumbers, Number, PointGrid, PointList, WeightList};
+use super::options::object::StreamObject;
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
 use super::strict::{Count, Name, Object};
@@ -36,6 +39,7 @@ pub struct JobRequest {
     rational: Option<Name<RationalRequest>>,
     method: Option<Object<MethodRequest>>,
     stop: Option<Object<StopRequest>>,
+    stream: Option<Object<StreamObject>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -95,6 +99,8 @@ struct StopRequest {
 pub struct ValidJob {
     /// The client's name for it.
     pub name: Option<String>,
+    /// How its streams go if they do not say it themselves: the `stream` object.
+    pub stream: Option<Arc<str>>,
     /// The problem.
     pub problem: fit::Problem,
 }
@@ -140,8 +146,10 @@ impl JobRequest {
         };
         let problem = fit::Problem::new(request)
             .map_err(|error| invalid(&places.pointer(&error), error.to_string()))?;
+        let stream = self.stream.map(|Object(stream)| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
+            stream: stream.transpose()?,
             problem,
         })
     }

@@ -40,6 +40,9 @@ impl Serialize for Input<'_> {
         }
         fields.serialize_entry("method", &method(problem))?;
         fields.serialize_entry("stop", &stop(request))?;
+        if let Some(stream) = super::stream(outline) {
+            fields.serialize_entry("stream", &stream)?;
+        }
         fields.end()
     }
 }

@@ -1,24 +1,26 @@
-//! The JSON of answers.
+//! The JSON of answers: jobs, their descriptions and ends.
+//!
+//! - `input`: a job as it was asked for;
+//! - [`level`]: the geometry of a level;
+//! - [`document`]: objects with large arrays of numbers;
+//! - [`decimal`]: numbers with as many digits as they deserve.
 
+pub mod decimal;
+pub mod document;
 mod input;
-mod net;
+pub mod level;
 
 use bytes::Bytes;
-use serde::ser::SerializeStruct;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 pub use input::input;
-use net::{Line, Lines, Net, NetWeights};
 
 use super::problem as api;
 use crate::fit::direction::Direction;
-use crate::fit::geometry::Geometry;
-use crate::fit::iteration::Level;
 use crate::fit::limit::LocalLimit;
 use crate::fit::method::{Method, Start, Variant};
 use crate::fit::norms::FitError;
-use crate::fit::points::{Grid, Points};
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
 use crate::job::Job;
@@ -103,6 +105,7 @@ pub fn job(job: &Job) -> Value {
         "points": outline.grid.count(),
         "method": method(outline, status.levels.map(|levels| levels.forecast)),
         "stop": stop(outline),
+        "stream": stream(outline),
         "iteration": level.map(|level| level.iteration),
         "error": level.map(|level| error(&level.error, outline)),
         "progress": status.progress(outline),
@@ -184,6 +187,12 @@ fn stop(outline: &Outline) -> Value {
     json!({"tolerance": outline.tolerance, "max_iterations": outline.max_iterations})
 }
 
+/// How the streams of a job go if they do not say it themselves.
+fn stream(outline: &Outline) -> Option<Value> {
+    let text = outline.label.stream.as_deref()?;
+    serde_json::from_str(text).ok()
+}
+
 /// One value for a curve, `{"u": …, "v": …}` for a surface.
 fn per_direction<T: Serialize>(
     problem: &Problem,
@@ -211,6 +220,8 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Byte
         name: Option<&'a str>,
         kind: &'static str,
         points: usize,
+        dimension: usize,
+        control_points: Value,
         basis: B,
         degree: D,
         closed: Value,
@@ -229,6 +240,10 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Byte
         name: outline.label.name.as_deref(),
         kind: kind(outline),
         points: problem.grid().count(),
+        dimension: problem.dimension(),
+        control_points: json!(per_direction(problem, |direction| direction
+            .basis
+            .functions())),
         basis: per_direction(problem, |direction| direction.basis.name()),
         degree: per_direction(problem, |direction| direction.basis.degree()),
         closed: json!(per_direction(problem, Direction::is_closed)),
@@ -269,55 +284,6 @@ fn fixed_weights(problem: &Problem) -> Value {
     }
 }
 
-/// The data of an `iteration` event: the level with its complete control points.
-pub fn iteration(problem: &Problem, level: &Level, control_points: &Points) -> Bytes {
-    #[derive(Serialize)]
-    struct Iteration<'a> {
-        iteration: usize,
-        error: Value,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        rate: Option<f64>,
-        moved: usize,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        bad_weight: Option<Value>,
-        control_points: Net<'a>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        weights: Option<NetWeights<'a>>,
-    }
-    let geometry = Geometry::new(problem, control_points);
-    to_bytes(&Iteration {
-        iteration: level.iteration,
-        error: error(&level.error, problem),
-        rate: level.rate,
-        moved: level.moved,
-        bad_weight: level.bad_weight.map(|bad| bad_weight(bad, problem)),
-        control_points: Net(geometry),
-        weights: geometry.is_homogeneous().then_some(NetWeights(geometry)),
-    })
-}
-
-/// The data of an `iteration` event without geometry.
-pub fn errors(problem: &Problem, level: &Level) -> Bytes {
-    let mut value = json!({
-        "iteration": level.iteration,
-        "error": error(&level.error, problem),
-        "moved": level.moved,
-    });
-    if let Some(rate) = level.rate {
-        value["rate"] = json!(rate);
-    }
-    to_bytes(&value)
-}
-
-/// What is wrong with a homogeneous level: no CAD kernel takes a weight that is not positive.
-fn bad_weight((index, weight): (usize, f64), problem: &Problem) -> Value {
-    json!({
-        "control_point": point_index(index, problem),
-        "weight": weight,
-        "detail": "a weight of a control point is not positive at this level",
-    })
-}
-
 /// The data of the `end` event.
 pub fn end(job: &Job, status: &Status) -> Bytes {
     let level = status.levels.map(|levels| levels.last);
@@ -339,63 +305,6 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
     to_bytes(&value)
 }
 
-/// The result: geometry that can be read without anything else.
-pub fn result(
-    job: &Job,
-    problem: &Problem,
-    status: &Status,
-    level: &Level,
-    control_points: &Points,
-) -> Bytes {
-    #[derive(Serialize)]
-    struct ResultView<'a, B, D, K> {
-        id: uuid::Uuid,
-        name: Option<&'a str>,
-        kind: &'static str,
-        state: &'static str,
-        iteration: usize,
-        error: Value,
-        basis: B,
-        degree: D,
-        closed: Value,
-        rational: Option<&'static str>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        bad_weight: Option<Value>,
-        knots: K,
-        control_points: Net<'a>,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        weights: Option<ResultWeights<'a>>,
-    }
-    #[derive(Serialize)]
-    #[serde(untagged)]
-    enum ResultWeights<'a> {
-        Net(NetWeights<'a>),
-        Fixed(Value),
-    }
-    let geometry = Geometry::new(problem, control_points);
-    let weights = match rational(problem) {
-        None => None,
-        Some("homogeneous") => Some(ResultWeights::Net(NetWeights(geometry))),
-        Some(_) => Some(ResultWeights::Fixed(fixed_weights(problem))),
-    };
-    to_bytes(&ResultView {
-        id: job.id(),
-        name: job.outline().label.name.as_deref(),
-        kind: kind(job.outline()),
-        state: status.state.name(),
-        iteration: level.iteration,
-        error: error(&level.error, problem),
-        basis: per_direction(problem, |direction| direction.basis.name()),
-        degree: per_direction(problem, |direction| direction.basis.degree()),
-        closed: json!(per_direction(problem, Direction::is_closed)),
-        rational: rational(problem),
-        bad_weight: level.bad_weight.map(|bad| bad_weight(bad, problem)),
-        knots: per_direction(problem, |direction| direction.basis.knots()),
-        control_points: Net(geometry),
-        weights,
-    })
-}
-
 /// Where the difference vectors of the fixed points of a local fit end.
 pub fn limit(problem: &Problem, limit: &LocalLimit) -> Bytes {
     let indices = limit.fixed.iter();
@@ -408,42 +317,4 @@ pub fn limit(problem: &Problem, limit: &LocalLimit) -> Bytes {
         .map(|i| limit.differences.point(i).collect())
         .collect();
     to_bytes(&json!({"points": indices, "differences": differences, "max": largest}))
-}
-
-/// Points of the curve or surface of a level, at equal steps of the parameters.
-pub fn samples(problem: &Problem, level: &Level, control_points: &Points, grid: Grid) -> Bytes {
-    struct Samples<'a> {
-        problem: &'a Problem,
-        level: &'a Level,
-        u: Vec<f64>,
-        v: Vec<f64>,
-        points: Points,
-    }
-    impl Serialize for Samples<'_> {
-        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-            let mut fields = serializer.serialize_struct("Samples", 4)?;
-            fields.serialize_field("iteration", &self.level.iteration)?;
-            fields.serialize_field("error", &error(&self.level.error, self.problem))?;
-            if self.problem.v().is_none() {
-                fields.serialize_field("parameters", &self.u)?;
-                fields.serialize_field("samples", &Line(&self.points, 0, self.u.len()))?;
-            } else {
-                fields.serialize_field("parameters", &json!({"u": self.u, "v": self.v}))?;
-                fields.serialize_field("samples", &Lines(&self.points, self.v.len()))?;
-            }
-            fields.end()
-        }
-    }
-    let u = Geometry::uniform_parameters(&problem.u().basis, grid.rows);
-    let v = problem.v().map_or(Vec::new(), |v| {
-        Geometry::uniform_parameters(&v.basis, grid.columns)
-    });
-    let points = Geometry::new(problem, control_points).evaluate(&u, &v);
-    to_bytes(&Samples {
-        problem,
-        level,
-        u,
-        v,
-        points,
-    })
 }

@@ -85,6 +85,11 @@ pub trait Update: Debug + Send {
     /// Told when the residual is known, before the first update and after each.
     fn measured(&mut self, _system: &System, _state: &mut State) {}
 
+    /// The control points that the last update moved, if it moved only some.
+    fn moved(&self) -> Option<&[usize]> {
+        None
+    }
+
     /// The gradient of a least-squares fit, relative to that of level 0.
     fn gradient(&self) -> Option<f64> {
         None

@@ -17,6 +17,8 @@ pub struct Selected {
     choice: Choice,
     /// The control points that the next update moves, increasing.
     active: Vec<usize>,
+    /// Those that the last one moved, where each update has its own.
+    moved: Vec<usize>,
     /// Their adjusting vectors, one coordinate.
     deltas: Vec<f64>,
     matrix: Arc<TensorColumns>,
@@ -89,6 +91,7 @@ impl Selected {
         Self {
             choice,
             active,
+            moved: Vec::new(),
             deltas: Vec::new(),
             matrix,
             stamps: vec![0; grid.count()],
@@ -165,6 +168,9 @@ impl Update for Selected {
     fn measured(&mut self, system: &System, state: &mut State) {
         let data = system.problem().data();
         let residual = &state.residual;
+        if !matches!(self.choice, Choice::Fixed) {
+            std::mem::swap(&mut self.active, &mut self.moved);
+        }
         match &mut self.choice {
             Choice::Fixed => {}
             Choice::Far { threshold, norms } => {
@@ -190,5 +196,12 @@ impl Update for Selected {
                 self.active.clone_from(&sweep.rows[sweep.current]);
             }
         }
+    }
+
+    fn moved(&self) -> Option<&[usize]> {
+        Some(match self.choice {
+            Choice::Fixed => &self.active,
+            Choice::Rows(_) | Choice::Far { .. } => &self.moved,
+        })
     }
 }

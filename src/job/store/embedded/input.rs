@@ -263,7 +263,7 @@ impl PointsMessage {
     /// The points of a message.
     pub(super) fn into_points(self) -> Result<Points, StoreError> {
         let dimension = number(self.dimension.into())?;
-        if dimension == 0 || self.coordinates.len() % dimension != 0 {
+        if dimension == 0 || !self.coordinates.len().is_multiple_of(dimension) {
             return Err(damaged("coordinates are missing"));
         }
         let lanes = self.coordinates.chunks(self.coordinates.len() / dimension);

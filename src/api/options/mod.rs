@@ -1,0 +1,279 @@
+//! What to show of a fit, and how a stream goes: parameters of the query, or the `stream` object
+//! of a job with the defaults of all its streams.
+//!
+//! - [`form`]: the form of a level: view, encoding, digits;
+//! - [`object`]: the `stream` object;
+//! - `given`: who has chosen what, and which choices do not go together.
+
+pub mod form;
+mod given;
+pub mod object;
+
+use serde::Deserialize;
+
+use super::negotiate::plain_number;
+use super::problem::Problem;
+use crate::fit::problem as fit;
+use form::{Digits, Encoding, Form, View};
+use given::{Conflict, Given, Sources};
+use object::StreamObject;
+
+/// The most milestones of a stream.
+pub const MOST_MILESTONES: usize = 100;
+
+/// The query of a single iteration or a result.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ViewParameters {
+    view: Option<String>,
+    samples: Option<String>,
+    encoding: Option<String>,
+    digits: Option<String>,
+}
+
+/// The parameters of event streams, as they are written in a query.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StreamParameters {
+    /// For clients that cannot set the header.
+    pub last_event_id: Option<String>,
+    view: Option<String>,
+    samples: Option<String>,
+    every: Option<String>,
+    milestones: Option<String>,
+    pace: Option<String>,
+    changed: Option<String>,
+    encoding: Option<String>,
+    digits: Option<String>,
+    on_disconnect: Option<String>,
+}
+
+/// How a stream goes.
+#[derive(Clone, Debug)]
+pub struct StreamOptions {
+    /// What each event shows.
+    pub form: Form,
+    /// What events show instead once the client has complete control points.
+    pub changes: Option<Form>,
+    /// Only iterations that are multiples of this, and the last.
+    pub every: usize,
+    /// Only the first iteration whose largest distance is within each of these, which decrease.
+    pub milestones: Vec<f64>,
+    /// A slow client skips to the newest iteration.
+    pub latest: bool,
+    /// The job ends with its client.
+    pub cancels: bool,
+}
+
+impl From<ViewParameters> for StreamParameters {
+    fn from(parameters: ViewParameters) -> Self {
+        Self {
+            view: parameters.view,
+            samples: parameters.samples,
+            encoding: parameters.encoding,
+            digits: parameters.digits,
+            ..Self::default()
+        }
+    }
+}
+
+impl StreamParameters {
+    /// The names of those that the `stream` object of a job has, too.
+    pub const NAMES: [&'static str; 9] = [
+        "view",
+        "samples",
+        "every",
+        "milestones",
+        "pace",
+        "changed",
+        "encoding",
+        "digits",
+        "on_disconnect",
+    ];
+
+    /// The name of a parameter that is given, if there is one.
+    pub fn given(&self) -> Option<&'static str> {
+        let id = self.last_event_id.as_ref().map(|_| "last_event_id");
+        id.or_else(|| {
+            let mut names = Self::NAMES.into_iter();
+            names.find(|name| self.get(name).is_some())
+        })
+    }
+
+    fn get(&self, name: &str) -> Option<&str> {
+        let value = match name {
+            "view" => &self.view,
+            "samples" => &self.samples,
+            "every" => &self.every,
+            "milestones" => &self.milestones,
+            "pace" => &self.pace,
+            "changed" => &self.changed,
+            "encoding" => &self.encoding,
+            "digits" => &self.digits,
+            "on_disconnect" => &self.on_disconnect,
+            _ => &None,
+        };
+        value.as_deref()
+    }
+
+    /// The form of a single level of a curve or a surface.
+    pub fn form(&self, surface: bool) -> Result<Form, Problem> {
+        let job = Self::default();
+        form(Sources::new(self, &job), surface)
+    }
+
+    /// Checks that numbers of 32 bits, where they are asked for, have room for the data.
+    pub fn check_range(
+        &self,
+        job: Option<&StreamObject>,
+        problem: &fit::Problem,
+    ) -> Result<(), Problem> {
+        let job = job.map(StreamObject::parameters).unwrap_or_default();
+        form::check_range(Sources::new(self, &job).get("encoding"), problem)
+    }
+
+    /// The options of a stream of a curve or a surface. Where the query says nothing, the stream
+    /// goes as the `stream` object of its job says.
+    pub fn options(
+        &self,
+        job: Option<&StreamObject>,
+        surface: bool,
+    ) -> Result<StreamOptions, Problem> {
+        let job = job.map(StreamObject::parameters).unwrap_or_default();
+        let sources = Sources::new(self, &job);
+        let form = form(sources, surface)?;
+        let yes_or_no = |name, no, yes| match sources.get(name) {
+            None => Ok(false),
+            Some(given) => given.one_of(&[(no, false), (yes, true)]),
+        };
+        let changed = yes_or_no("changed", "false", "true")?;
+        let options = StreamOptions {
+            changes: changed.then(|| Form::new(View::Changed, form.encoding, form.digits)),
+            form,
+            every: sources.get("every").map_or(Ok(1), every)?,
+            milestones: match sources.get("milestones") {
+                None => Vec::new(),
+                Some(given) => milestones(given)?,
+            },
+            latest: yes_or_no("pace", "all", "latest")?,
+            cancels: yes_or_no("on_disconnect", "continue", "cancel")?,
+        };
+        options.check(sources)?;
+        Ok(options)
+    }
+}
+
+impl StreamOptions {
+    /// Refuses what does not go together.
+    fn check(&self, sources: Sources<'_>) -> Result<(), Problem> {
+        const COMPLETE: &str =
+            "what has changed is said from each iteration to the next, so none may be left out";
+        let changed = self.changes.is_some();
+        let some = self.every > 1;
+        let chosen = !self.milestones.is_empty();
+        let Form {
+            view,
+            encoding,
+            digits,
+            ..
+        } = self.form;
+        sources.refuse(&[
+            (
+                changed && view != View::ControlPoints,
+                "changed",
+                "view",
+                "it is about control points",
+            ),
+            (
+                changed && encoding != Encoding::Json,
+                "changed",
+                "encoding",
+                "indices with their points are no array of numbers",
+            ),
+            (
+                changed && digits != Digits::Full,
+                "changed",
+                "digits",
+                "a point that stays would keep the coarser rounding of an earlier iteration",
+            ),
+            (changed && some, "changed", "every", COMPLETE),
+            (changed && chosen, "changed", "milestones", COMPLETE),
+            (changed && self.latest, "changed", "pace", COMPLETE),
+            (
+                chosen && some,
+                "milestones",
+                "every",
+                "milestones choose the iterations themselves",
+            ),
+            (
+                chosen && self.latest,
+                "milestones",
+                "pace",
+                "the first iteration to reach a milestone may not be skipped",
+            ),
+        ])
+    }
+}
+
+/// View, encoding and digits.
+fn form(sources: Sources<'_>, surface: bool) -> Result<Form, Problem> {
+    let view = form::view(sources.get("view"), sources.get("samples"), surface)?;
+    let encoding = form::encoding(sources.get("encoding"))?;
+    let digits = form::digits(sources.get("digits"))?;
+    let errors = view == View::Errors;
+    let binary = encoding != Encoding::Json;
+    let rounded = digits == Digits::Auto;
+    let conflicts: [Conflict; 3] = [
+        (
+            errors && binary,
+            "encoding",
+            "view",
+            "there are no arrays of numbers without geometry",
+        ),
+        (
+            errors && rounded,
+            "digits",
+            "view",
+            "there are no coordinates to be rounded without geometry",
+        ),
+        (
+            binary && rounded,
+            "digits",
+            "encoding",
+            "rounding makes decimal numbers shorter, but not binary ones",
+        ),
+    ];
+    sources.refuse(&conflicts)?;
+    Ok(Form::new(view, encoding, digits))
+}
+
+fn every(given: Given<'_>) -> Result<usize, Problem> {
+    plain_number(given.text)
+        .filter(|every| *every > 0)
+        .ok_or_else(|| given.problem(format!("{:?} is no positive whole number", given.text)))
+}
+
+/// Numbers between commas; none at all if the text is empty.
+fn milestones(given: Given<'_>) -> Result<Vec<f64>, Problem> {
+    let mut milestones: Vec<f64> = Vec::new();
+    for (index, text) in given.text.split(',').enumerate() {
+        if given.text.is_empty() {
+            break;
+        }
+        if index == MOST_MILESTONES {
+            return Err(given.problem(format!("there are more than {MOST_MILESTONES}")));
+        }
+        let wrong = |detail| Err(given.problem_at(index, detail));
+        let milestone = text.parse().ok();
+        let Some(milestone) = milestone.filter(|x: &f64| *x > 0.0 && x.is_finite()) else {
+            return wrong(format!("{text:?} is no positive finite number"));
+        };
+        if let Some(before) = milestones.last().filter(|before| **before <= milestone) {
+            return wrong(format!(
+                "milestones decrease, and {milestone} does not lie below {before}"
+            ));
+        }
+        milestones.push(milestone);
+    }
+    Ok(milestones)
+}

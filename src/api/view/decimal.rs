@@ -1,0 +1,180 @@
+//! Decimal numbers as JSON: in full, or with as many digits as an error deserves.
+
+/// Rounded numbers have fewer digits than this: of what is left, neither the multiplication with a
+/// power of ten nor reading the number again takes more than a hundredth of the last digit.
+const LARGEST: f64 = 1e14;
+
+/// Rounding to a power of ten.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounding {
+    /// Digits behind the decimal point; negative where tens, hundreds… are left out.
+    places: i32,
+    /// `10^|places|`.
+    power: f64,
+}
+
+impl Rounding {
+    /// The coarsest rounding that moves no number by more than a hundredth of `error`, with some
+    /// room for arithmetic: `0.6 · 10^-places ≤ 0.01 · error`. None if the error is no positive
+    /// number.
+    pub fn for_error(error: f64) -> Option<Self> {
+        if !(error > 0.0 && error.is_finite()) {
+            return None;
+        }
+        let places = (60_f64.log10() - error.log10()).ceil() as i32;
+        // Reading gives the nearest number, which powers of powers do not.
+        let power: f64 = format!("1e{}", places.abs()).parse().ok()?;
+        power.is_finite().then_some(Self { places, power })
+    }
+
+    /// Writes a number rounded, or in full if it has too many digits even so.
+    pub fn write(self, x: f64, json: &mut Vec<u8>) {
+        let scaled = if self.places < 0 {
+            x.abs() / self.power
+        } else {
+            x.abs() * self.power
+        };
+        if scaled.is_nan() || scaled >= LARGEST {
+            return write(x, json);
+        }
+        let mut number = (scaled + 0.5) as u64;
+        if number == 0 {
+            return json.push(b'0');
+        }
+        let mut exponent = -self.places;
+        while number.is_multiple_of(10) {
+            number /= 10;
+            exponent += 1;
+        }
+        if x < 0.0 {
+            json.push(b'-');
+        }
+        write_scientific(number, exponent, json);
+    }
+}
+
+/// Writes `number · 10^exponent`, plainly where that is short. The last digit is not 0.
+fn write_scientific(mut number: u64, exponent: i32, json: &mut Vec<u8>) {
+    let mut digits = [0; 20];
+    let mut start = digits.len();
+    while number > 0 {
+        start -= 1;
+        digits[start] = b'0' + (number % 10) as u8;
+        number /= 10;
+    }
+    let digits = &digits[start..];
+    // Digits before the decimal point.
+    let before = digits.len() as i32 + exponent;
+    match (exponent, before) {
+        (0..=3, _) => {
+            json.extend_from_slice(digits);
+            json.extend((0..exponent).map(|_| b'0'));
+        }
+        (..0, 1..) => {
+            let (whole, part) = digits.split_at(before as usize);
+            json.extend_from_slice(whole);
+            json.push(b'.');
+            json.extend_from_slice(part);
+        }
+        (..0, -3..=0) => {
+            json.extend_from_slice(b"0.");
+            json.extend((before..0).map(|_| b'0'));
+            json.extend_from_slice(digits);
+        }
+        _ => {
+            json.extend_from_slice(digits);
+            json.extend_from_slice(format!("e{exponent}").as_bytes());
+        }
+    }
+}
+
+/// Writes a number with all the digits that tell it from others; `null` if it is not finite.
+pub fn write(x: f64, json: &mut Vec<u8>) {
+    if x.is_finite() {
+        json.extend_from_slice(zmij::Buffer::new().format_finite(x).as_bytes());
+    } else {
+        json.extend_from_slice(b"null");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn text(write: impl FnOnce(&mut Vec<u8>)) -> String {
+        let mut json = Vec::new();
+        write(&mut json);
+        String::from_utf8(json).unwrap()
+    }
+
+    fn rounded(x: f64, error: f64) -> String {
+        match Rounding::for_error(error) {
+            Some(rounding) => text(|json| rounding.write(x, json)),
+            None => text(|json| write(x, json)),
+        }
+    }
+
+    #[test]
+    fn numbers_have_the_digits_that_the_error_deserves() {
+        for (x, error, expected) in [
+            (1.0 / 3.0, 1.0, "0.33"),
+            (1.0 / 3.0, 0.6, "0.33"),
+            (1.0 / 3.0, 0.599, "0.333"),
+            (-2.0 / 3.0, 1e-3, "-0.66667"),
+            (3.0, 1e-3, "3"),
+            (-0.0, 1e-3, "0"),
+            (-1e-9, 1e-3, "0"),
+            (0.999_999, 1e-3, "1"),
+            (123_456.789, 1e5, "123000"),
+            (123_456.789, 1e7, "1e5"),
+            (49_999.0, 1e7, "0"),
+            (5.4321e-9, 1e-9, "543e-11"),
+            (0.000_123_4, 1e-5, "0.0001234"),
+            (1.234_567e300, 1e297, "123457e295"),
+            (1.234_567e-300, 1e-303, "123457e-305"),
+            (1.0 / 3.0, 1e-13, "0.3333333333333333"),
+            (1.0 / 3.0, 0.0, "0.3333333333333333"),
+            (1.0 / 3.0, f64::INFINITY, "0.3333333333333333"),
+            (f64::NAN, 1.0, "null"),
+            (f64::INFINITY, 1.0, "null"),
+        ] {
+            assert_eq!(rounded(x, error), expected, "{x} {error}");
+        }
+    }
+
+    /// Numbers near each other, and any numbers.
+    fn number_and_error() -> impl Strategy<Value = (f64, f64)> {
+        let near = (-320..300_i32, -20..20_i32, -10.0..10.0, 1.0..10.0);
+        let near = near.prop_map(|(e, difference, x, error)| {
+            (
+                x * 10f64.powi(e),
+                error * 10f64.powi((e + difference).min(307)),
+            )
+        });
+        let any = (any::<f64>(), any::<f64>()).prop_map(|(x, error)| (x, error.abs()));
+        prop_oneof![4 => near, 1 => any]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 20_000, ..ProptestConfig::default() })]
+
+        #[test]
+        fn rounding_costs_a_hundredth_of_the_error_and_no_bytes((x, error) in number_and_error()) {
+            prop_assume!(x.is_finite());
+            let short = rounded(x, error);
+            let full = text(|json| write(x, json));
+            let read: f64 = serde_json::from_str(&short).unwrap();
+            let read_in_full: f64 = serde_json::from_str(&full).unwrap();
+            prop_assert_eq!(read_in_full.to_bits(), x.to_bits());
+            prop_assert!(short.len() <= full.len(), "{} {}", short, full);
+            prop_assert!(short != "-0");
+            if error.is_finite() && error > 0.0 {
+                prop_assert!((read - x).abs() <= 0.01 * error, "{} {} {}", short, x, error);
+            } else {
+                prop_assert_eq!(short, full);
+            }
+        }
+    }
+}
