@@ -8,7 +8,8 @@ use std::time::Duration;
 use jiff::Timestamp;
 use parking_lot::Mutex;
 use thiserror::Error;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
+use tokio::time::{sleep, timeout};
 use tracing::{error, info, warn};
 use uuid::Uuid;
 
@@ -26,6 +27,12 @@ use crate::fit::system::System;
 
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
+
+/// How often jobs are looked for that have become too old.
+const AGE_CHECK: Duration = Duration::from_secs(60);
+
+/// How long the past may be beyond its limits.
+const RETENTION_PAUSE: Duration = Duration::from_millis(50);
 
 /// The unit in which memory is handed out.
 const PAGE: usize = 4096;
@@ -93,6 +100,8 @@ pub struct Jobs {
     /// The process is about to end: jobs go back to the queue.
     suspended: AtomicBool,
     recent: Recent,
+    /// A job has ended.
+    ended: Arc<Notify>,
     /// Jobs that somebody holds: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
 }
@@ -111,6 +120,7 @@ impl Jobs {
             unfinished: AtomicUsize::new(0),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent),
+            ended: Arc::default(),
             live: Mutex::default(),
         }
     }
@@ -137,8 +147,11 @@ impl Jobs {
         tokio::spawn(async move {
             while let Some(jobs) = jobs.upgrade() {
                 jobs.retain().await;
+                let ended = Arc::clone(&jobs.ended);
                 drop(jobs);
-                tokio::time::sleep(Duration::from_secs(60)).await;
+                let _ = timeout(AGE_CHECK, ended.notified()).await;
+                // Many jobs may end at about the same time.
+                sleep(RETENTION_PAUSE).await;
             }
         });
         Ok(())
@@ -158,7 +171,7 @@ impl Jobs {
         }
         // Stopping takes a step, of at most a few seconds.
         while self.unfinished.load(Ordering::Acquire) > 0 {
-            tokio::time::sleep(Duration::from_millis(1)).await;
+            sleep(Duration::from_millis(1)).await;
         }
     }
 
@@ -390,13 +403,13 @@ impl Jobs {
         while let Err(error) = kept {
             error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
             self.retain().await;
-            tokio::time::sleep(STORE_AGAIN).await;
+            sleep(STORE_AGAIN).await;
             kept = self
                 .store
                 .finish(job.id(), status.clone(), result.clone())
                 .await;
         }
-        self.retain().await;
+        self.ended.notify_one();
     }
 
     /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
