@@ -28,8 +28,8 @@ use crate::fit::system::System;
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
-/// How often jobs are looked for that have become too old.
-const AGE_CHECK: Duration = Duration::from_secs(60);
+/// How often, at least, jobs are looked for that have become too old.
+const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 
 /// How long the past may be beyond its limits.
 const RETENTION_PAUSE: Duration = Duration::from_millis(50);
@@ -144,12 +144,13 @@ impl Jobs {
             tokio::spawn(Arc::clone(self).drive(job, None, place));
         }
         let jobs = Arc::downgrade(self);
+        let age_check = (self.limits.retention.age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK);
         tokio::spawn(async move {
             while let Some(jobs) = jobs.upgrade() {
                 jobs.retain().await;
                 let ended = Arc::clone(&jobs.ended);
                 drop(jobs);
-                let _ = timeout(AGE_CHECK, ended.notified()).await;
+                let _ = timeout(age_check, ended.notified()).await;
                 // Many jobs may end at about the same time.
                 sleep(RETENTION_PAUSE).await;
             }

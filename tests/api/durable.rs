@@ -373,6 +373,41 @@ async fn a_full_disk_refuses_new_jobs_and_loses_none() {
     fit(&program, &job).await;
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn the_past_is_kept_within_age_and_size_but_never_a_running_job() {
+    let gone = async |program: &Program, job: &Value| {
+        for _ in 0..1000 {
+            let response = program.get(path(job)).send().await.unwrap();
+            if response.status() == 404 {
+                return;
+            }
+            tokio::time::sleep(Duration::from_millis(10)).await;
+        }
+        panic!("{job} is still there");
+    };
+    let data = tempfile::tempdir().unwrap();
+    let program = Program::with(data.path(), &["--retain-age", "1s"]);
+    let endless = program.post("/v1/jobs").json(&data::endless_job());
+    let endless: Value = endless.send().await.unwrap().json().await.unwrap();
+    gone(&program, &fit(&program, &data::small_job()).await).await;
+    assert_eq!(program.json(path(&endless)).await["state"], "running");
+
+    // A job of 100 points in a plane takes a bit more than 3 kB.
+    let data = tempfile::tempdir().unwrap();
+    let program = Program::with(data.path(), &["--retain-bytes", "8kB"]);
+    let endless = program.post("/v1/jobs").json(&data::endless_job());
+    let endless: Value = endless.send().await.unwrap().json().await.unwrap();
+    let mut ended = Vec::new();
+    for _ in 0..3 {
+        ended.push(fit(&program, &data::small_job()).await);
+    }
+    gone(&program, &ended[0]).await;
+    for job in [&ended[1], &ended[2]] {
+        assert_eq!(program.json(path(job)).await["state"], "converged");
+    }
+    assert_eq!(program.json(path(&endless)).await["state"], "running");
+}
+
 trait IntoStatus {
     fn into_status(self) -> reqwest::StatusCode;
 }
