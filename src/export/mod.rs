@@ -18,9 +18,11 @@ mod ball;
 mod csv;
 pub mod error;
 pub mod format;
+mod gltf;
 mod iges;
 pub mod nurbs;
 mod obj;
+mod sampling;
 mod step;
 mod text;
 
@@ -141,8 +143,8 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
         Format::Step => Ok(step::write(&nurbs, fitted)),
         Format::Iges => iges::write(&nurbs, fitted),
         Format::Obj => Ok(obj::write(&nurbs, fitted)),
-        // Formats that sample the spline follow.
-        Format::Gltf | Format::Svg => csv::write(fitted),
+        Format::Gltf => gltf::write(&nurbs, fitted),
+        Format::Svg => csv::write(fitted),
         Format::Csv => csv::write(fitted),
     }
 }
