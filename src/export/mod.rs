@@ -24,6 +24,7 @@ pub mod nurbs;
 mod obj;
 mod sampling;
 mod step;
+mod svg;
 mod text;
 
 use jiff::Timestamp;
@@ -144,7 +145,7 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
         Format::Iges => iges::write(&nurbs, fitted),
         Format::Obj => Ok(obj::write(&nurbs, fitted)),
         Format::Gltf => gltf::write(&nurbs, fitted),
-        Format::Svg => csv::write(fitted),
+        Format::Svg => svg::write(&nurbs, fitted),
         Format::Csv => csv::write(fitted),
     }
 }
