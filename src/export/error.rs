@@ -1,0 +1,108 @@
+//! Why a curve or surface cannot be written.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use super::Format;
+
+/// Why a curve or surface cannot be written in a format.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ExportError {
+    /// Values of a function have no place in the plane or in space.
+    #[error(
+        "{format} holds curves and surfaces of the plane or of space, and these points have one coordinate: \
+         export csv, or fit points that have their argument as a coordinate"
+    )]
+    OneCoordinate {
+        /// The format asked for.
+        format: Format,
+    },
+    /// Rational B-splines need positive weights.
+    #[error(
+        "the weight of control point {place} is {weight}, and rational curves and surfaces are only exported \
+         with positive weights: choose another iteration, or export csv"
+    )]
+    Weight {
+        /// The control point, in the complete net.
+        place: Place,
+        /// Its weight.
+        weight: f64,
+    },
+    /// The file would be right, and CAD systems would show nothing.
+    #[error(
+        "the degree is {degree}, and CAD systems read curves and surfaces up to degree {most} from {format} files: \
+         fit B-splines, or export another format"
+    )]
+    Degree {
+        /// The format asked for.
+        format: Format,
+        /// The degree.
+        degree: usize,
+        /// The highest degree that is written.
+        most: usize,
+    },
+    /// A coordinate that is infinite or not a number.
+    #[error("coordinate {coordinate} of {what} {place} is {value}, and files hold finite numbers")]
+    NotFinite {
+        /// What has the coordinate: a control point or a sample.
+        what: &'static str,
+        /// Which of them.
+        place: Place,
+        /// The coordinate, counted from 0.
+        coordinate: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A coordinate that the numbers of the format cannot hold.
+    #[error("a coordinate is {value}, and {format} holds single-precision numbers, up to 3.4e38")]
+    SinglePrecision {
+        /// The format asked for.
+        format: Format,
+        /// The coordinate.
+        value: f64,
+    },
+    /// Extents beyond the range of numbers.
+    #[error(
+        "the control points extend over more than the range of numbers, so that they cannot be drawn"
+    )]
+    Extent,
+    /// IGES numbers its lines with seven digits.
+    #[error(
+        "{lines} lines of parameter data are more than the {most} that an IGES file numbers: export step"
+    )]
+    TooManyLines {
+        /// How many lines there would be.
+        lines: usize,
+        /// How many there can be.
+        most: usize,
+    },
+}
+
+/// The place of a control point or sample: an index on curves, row and column on surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The index on a curve; the row on a surface.
+    pub row: usize,
+    /// The column on a surface.
+    pub column: Option<usize>,
+}
+
+impl Place {
+    /// The place of number `index`, row by row, in a net with so many columns (`None`: a curve).
+    pub fn new(index: usize, columns: Option<usize>) -> Self {
+        Self {
+            row: index / columns.unwrap_or(1),
+            column: columns.map(|columns| index % columns),
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.column {
+            None => write!(f, "{}", self.row),
+            Some(column) => write!(f, "[{}, {column}]", self.row),
+        }
+    }
+}

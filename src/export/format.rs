@@ -1,0 +1,116 @@
+//! The formats and what they are called.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+/// A file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// ISO 10303-21 with the schema of AP214: the exact curve or surface, for CAD.
+    Step,
+    /// IGES 5.3: the exact curve or surface, for older CAD.
+    Iges,
+    /// Wavefront OBJ with free-form geometry: the exact curve or surface, for modellers.
+    Obj,
+    /// glTF 2.0 as one binary file: a mesh or a line, for viewers.
+    Gltf,
+    /// A drawing, for people.
+    Svg,
+    /// Samples with their parameters, for spreadsheets and scripts.
+    Csv,
+}
+
+/// No format is called so.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0:?} is not a format; there are step, iges, obj, gltf, svg and csv")]
+pub struct UnknownFormat(String);
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 6] = [
+        Self::Step,
+        Self::Iges,
+        Self::Obj,
+        Self::Gltf,
+        Self::Svg,
+        Self::Csv,
+    ];
+
+    /// The name by which the format is asked for.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Step => "step",
+            Self::Iges => "iges",
+            Self::Obj => "obj",
+            Self::Gltf => "gltf",
+            Self::Svg => "svg",
+            Self::Csv => "csv",
+        }
+    }
+
+    /// The media type, as registered with IANA.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Step => "model/step",
+            Self::Iges => "model/iges",
+            Self::Obj => "model/obj",
+            Self::Gltf => "model/gltf-binary",
+            Self::Svg => "image/svg+xml",
+            Self::Csv => "text/csv",
+        }
+    }
+
+    /// The usual ending of file names, without a dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Step => "step",
+            Self::Iges => "igs",
+            Self::Obj => "obj",
+            Self::Gltf => "glb",
+            Self::Svg => "svg",
+            Self::Csv => "csv",
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Format {
+    type Err = UnknownFormat;
+
+    /// By name, or by a usual ending of file names.
+    fn from_str(text: &str) -> Result<Self, UnknownFormat> {
+        match text {
+            "stp" => return Ok(Self::Step),
+            "igs" => return Ok(Self::Iges),
+            "glb" => return Ok(Self::Gltf),
+            _ => {}
+        }
+        let mut all = Self::ALL.into_iter();
+        all.find(|format| format.name() == text)
+            .ok_or_else(|| UnknownFormat(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_endings_are_parsed() {
+        for format in Format::ALL {
+            assert_eq!(format.name().parse(), Ok(format));
+            assert_eq!(format.extension().parse(), Ok(format));
+        }
+        let error = "STEP".parse::<Format>().unwrap_err().to_string();
+        for format in Format::ALL {
+            assert!(error.contains(format.name()), "{error}");
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! IGES 5.3: one rational B-spline curve (entity 126) or surface (entity 128).
+
+mod sections;
+
+use super::error::ExportError;
+use super::nurbs::{KnotVector, Nurbs};
+use super::text::Text;
+use super::{Fitted, GENERATOR};
+use sections::{MOST_LINES, Parameters, directory_entry, fixed_lines};
+
+/// The curve or surface as an IGES file.
+pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
+    let (entity, label) = match nurbs.v {
+        None => (126, "CURVE"),
+        Some(_) => (128, "SURFACE"),
+    };
+    let mut data = Parameters::data();
+    data.integer(entity);
+    match &nurbs.v {
+        None => curve(&mut data, nurbs),
+        Some(v) => surface(&mut data, nurbs, v),
+    }
+    let (data, lines) = data.finish();
+    if lines > MOST_LINES {
+        return Err(ExportError::TooManyLines {
+            lines,
+            most: MOST_LINES,
+        });
+    }
+    let (global, global_lines) = global(nurbs, fitted).finish();
+    let mut file = Text::default();
+    let start_lines = fixed_lines(&mut file, 'S', &start(fitted));
+    file.push(&global);
+    directory_entry(&mut file, entity, lines, label);
+    file.push(&data);
+    // The numbers of lines of all sections, in fields of eight columns (section 2.2.4.6).
+    let counts = format!("S{start_lines:7}G{global_lines:7}D{:7}P{lines:7}", 2);
+    fixed_lines(&mut file, 'T', &counts);
+    Ok(file.into_bytes())
+}
+
+/// What the file is, for people.
+fn start(fitted: &Fitted<'_>) -> String {
+    let title = ascii(fitted.title());
+    format!("{title}: {}. Written by {GENERATOR}.", fitted.description())
+}
+
+/// The global section (section 2.2.4.3): 26 parameters, the delimiters first. Fitted points have no
+/// unit; IGES needs one, and millimetres are the usual one.
+fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Parameters {
+    let title = ascii(fitted.title());
+    let time = fitted.created.strftime("%Y%m%d.%H%M%S").to_string();
+    let mut global = Parameters::global();
+    global.text(",");
+    global.text(";");
+    for name in [&title, &format!("{title}.igs"), GENERATOR, GENERATOR] {
+        global.text(name);
+    }
+    // Bits of integers; powers of ten and digits of single and of double precision.
+    for number in [32, 38, 6, 308, 17] {
+        global.integer(number);
+    }
+    global.text(&title);
+    // Model space is as large as the model; unit 2 is the millimetre.
+    global.real(1.0);
+    global.integer(2);
+    global.text("MM");
+    // Gradations of line weight, and the width of the widest line.
+    global.integer(1);
+    global.real(1.0);
+    global.text(&time);
+    global.real(nurbs.resolution());
+    global.real(nurbs.points.magnitude());
+    global.text("");
+    global.text("");
+    // Version 5.3, no drafting standard; when the model was made; no application protocol.
+    global.integer(11);
+    global.integer(0);
+    global.text(&time);
+    global.text("");
+    global
+}
+
+/// Entity 126 (section 4.23).
+fn curve(data: &mut Parameters, nurbs: &Nurbs) {
+    let u = &nurbs.u;
+    let plane = plane(nurbs);
+    data.integer(nurbs.rows() - 1);
+    data.integer(u.degree);
+    data.flag(plane.is_some());
+    data.flag(u.closed);
+    data.flag(nurbs.weights.is_none());
+    data.flag(u.closed);
+    data.reals(&u.knots);
+    net(data, nurbs, 0..nurbs.rows());
+    domain(data, u);
+    data.reals(&plane.unwrap_or_default());
+}
+
+/// Entity 128 (section 4.24). Control points run fastest in the first direction.
+fn surface(data: &mut Parameters, nurbs: &Nurbs, v: &KnotVector) {
+    let u = &nurbs.u;
+    let (rows, columns) = (nurbs.rows(), nurbs.columns());
+    data.integer(rows - 1);
+    data.integer(columns - 1);
+    data.integer(u.degree);
+    data.integer(v.degree);
+    data.flag(u.closed);
+    data.flag(v.closed);
+    data.flag(nurbs.weights.is_none());
+    data.flag(u.closed);
+    data.flag(v.closed);
+    data.reals(&u.knots);
+    data.reals(&v.knots);
+    let order = (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column));
+    net(data, nurbs, order);
+    domain(data, u);
+    domain(data, v);
+}
+
+/// All weights, then all control points. Polynomial ones have equal weights (section 4.23).
+fn net(data: &mut Parameters, nurbs: &Nurbs, order: impl Iterator<Item = usize> + Clone) {
+    let factor = weight_factor(nurbs);
+    for index in order.clone() {
+        data.real(factor * nurbs.weight(index));
+    }
+    for index in order {
+        data.reals(&nurbs.place(index));
+    }
+}
+
+/// A power of two by which all weights can be multiplied, which changes nothing, so that none is
+/// below 10⁻⁹: OpenCASCADE takes such a file for a polynomial one.
+fn weight_factor(nurbs: &Nurbs) -> f64 {
+    let weights = nurbs.weights.as_deref().unwrap_or_default();
+    let smallest = weights.iter().copied().fold(1.0, f64::min);
+    let largest = weights.iter().copied().fold(1.0, f64::max);
+    let wanted = (1e-8 / smallest).log2().ceil();
+    let possible = (f64::MAX / largest).log2().floor();
+    wanted.min(possible).max(0.0).exp2()
+}
+
+/// Where the parameter starts and ends.
+fn domain(data: &mut Parameters, direction: &KnotVector) {
+    let (low, high) = direction.domain();
+    data.reals(&[low, high]);
+}
+
+/// The unit normal of the plane that a curve is in, if that is a plane of constant z.
+fn plane(nurbs: &Nurbs) -> Option<[f64; 3]> {
+    let height = nurbs.place(0)[2];
+    let planar = (0..nurbs.rows()).all(|index| nurbs.place(index)[2] == height);
+    planar.then_some([0.0, 0.0, 1.0])
+}
+
+/// IGES is ASCII, without any escape (section 2.2.2): what has no place becomes a question mark.
+fn ascii(name: &str) -> String {
+    name.chars()
+        .map(|c| match c {
+            ' '..='~' => c,
+            c if c.is_control() => ' ',
+            _ => '?',
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_weights_are_multiplied_by_a_power_of_two() {
+        let mut nurbs = crate::export::sampling::tests::cylinder();
+        assert_eq!(weight_factor(&nurbs), 1.0);
+        for (smallest, largest) in [(1e-12, 1.0), (1e-200, 1e-190), (1e-300, 1e300)] {
+            nurbs.weights = Some(vec![1.0, smallest, largest, 1.0, 1.0, 1.0]);
+            let factor = weight_factor(&nurbs);
+            assert_eq!(factor.log2().fract(), 0.0);
+            assert!(factor > 1.0 && (factor * largest).is_finite());
+            assert!(factor * smallest > 1e-9 || largest == 1e300);
+        }
+        nurbs.weights = None;
+        assert_eq!(weight_factor(&nurbs), 1.0);
+    }
+
+    #[test]
+    fn names_are_ascii() {
+        assert_eq!(ascii("Flügel\n'1'"), "Fl?gel '1'");
+    }
+}

@@ -1,0 +1,343 @@
+//! The curve or surface as CAD kernels store it: the model that all exact formats write.
+
+use super::ball::ToBezier;
+use super::error::{ExportError, Place};
+use crate::fit::basis::Basis;
+use crate::fit::direction::Direction;
+use crate::fit::geometry::Geometry;
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+
+/// The B-spline basis of one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnotVector {
+    /// The degree p.
+    pub degree: usize,
+    /// Non-decreasing knots, p + 1 more than control points. Clamped, or of a closed direction the
+    /// knots of a period, continued by p on both sides.
+    pub knots: Vec<f64>,
+    /// Whether the direction is periodic: then the last p control points are the first ones again.
+    pub closed: bool,
+}
+
+impl KnotVector {
+    /// The knots of a direction; those of Bézier curves for all polynomial bases.
+    fn new(direction: &Direction) -> Self {
+        let degree = direction.basis.degree();
+        let knots = direction.basis.knots().unwrap_or_else(|| bezier(degree));
+        Self {
+            degree,
+            knots,
+            closed: direction.is_closed(),
+        }
+    }
+
+    /// The number of control points.
+    pub fn count(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// The interval on which the curve is defined.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.knots[self.degree], self.knots[self.count()])
+    }
+
+    /// The distinct knots with their multiplicities.
+    pub fn multiplicities(&self) -> Vec<(f64, usize)> {
+        let equal = self.knots.chunk_by(|a, b| a == b);
+        equal.map(|knots| (knots[0], knots.len())).collect()
+    }
+}
+
+/// The knots 0 and 1, p + 1 times each.
+fn bezier(degree: usize) -> Vec<f64> {
+    let mut knots = vec![0.0; degree + 1];
+    knots.resize(2 * (degree + 1), 1.0);
+    knots
+}
+
+/// A B-spline curve or surface, polynomial or rational (PT97 (4.1), (4.15)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nurbs {
+    /// The direction of a curve; of a surface that of its columns, across the rows.
+    pub u: KnotVector,
+    /// The second direction of a surface.
+    pub v: Option<KnotVector>,
+    /// The complete net of control points, row by row: places, not multiplied by weights.
+    pub points: Points,
+    /// Their weights, all positive, if the curve or surface is rational.
+    pub weights: Option<Vec<f64>>,
+}
+
+impl Nurbs {
+    /// The B-spline form of a fit: exact, whatever its basis.
+    pub fn new(problem: &Problem, control_points: &Points) -> Result<Self, ExportError> {
+        let mut net = Net::new(problem, control_points);
+        net.leave_ball_bases(problem);
+        let nurbs = Self {
+            u: KnotVector::new(problem.u()),
+            v: problem.v().map(KnotVector::new),
+            weights: net.weights(),
+            points: net.places(),
+        };
+        nurbs.check_weights()?;
+        nurbs.check_places()?;
+        Ok(nurbs)
+    }
+
+    /// The number of control points in the u direction.
+    pub fn rows(&self) -> usize {
+        self.u.count()
+    }
+
+    /// The number of control points in the v direction; one for a curve.
+    pub fn columns(&self) -> usize {
+        self.v.as_ref().map_or(1, KnotVector::count)
+    }
+
+    /// The place of a control point in space; curves and surfaces of the plane have z = 0.
+    pub fn place(&self, index: usize) -> [f64; 3] {
+        let mut place = [0.0; 3];
+        for (x, coordinate) in place.iter_mut().zip(self.points.point(index)) {
+            *x = coordinate;
+        }
+        place
+    }
+
+    /// The weight of a control point.
+    pub fn weight(&self, index: usize) -> f64 {
+        self.weights.as_ref().map_or(1.0, |weights| weights[index])
+    }
+
+    /// The lengths below which differences mean nothing: what CAD systems call the accuracy of a
+    /// model. One part in 10⁷, and never more than 10⁻⁷, the usual one.
+    pub fn resolution(&self) -> f64 {
+        let extent = self.points.bounding_diagonal();
+        if extent > 0.0 && extent < 1.0 {
+            1e-7 * extent
+        } else {
+            1e-7
+        }
+    }
+
+    fn place_of(&self, index: usize) -> Place {
+        Place::new(index, self.v.as_ref().map(KnotVector::count))
+    }
+
+    fn check_weights(&self) -> Result<(), ExportError> {
+        let weights = self.weights.as_deref().unwrap_or_default();
+        match weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) {
+            None => Ok(()),
+            Some(index) => Err(ExportError::Weight {
+                place: self.place_of(index),
+                weight: weights[index],
+            }),
+        }
+    }
+
+    fn check_places(&self) -> Result<(), ExportError> {
+        for (coordinate, lane) in self.points.lanes().iter().enumerate() {
+            if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
+                return Err(ExportError::NotFinite {
+                    what: "control point",
+                    place: self.place_of(index),
+                    coordinate,
+                    value: lane[index],
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The complete control net on its way to places and weights.
+struct Net {
+    rows: usize,
+    columns: usize,
+    /// Coordinates, multiplied by the weights if there are some.
+    lanes: Vec<Vec<f64>>,
+    weights: Option<Vec<f64>>,
+    /// Weights by which coordinates are not multiplied.
+    fixed: Option<Vec<f64>>,
+}
+
+impl Net {
+    fn new(problem: &Problem, control_points: &Points) -> Self {
+        let geometry = Geometry::new(problem, control_points);
+        let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));
+        let net: Vec<usize> = (0..rows).flat_map(|row| geometry.row(row)).collect();
+        let complete = |lane: &Vec<f64>| net.iter().map(|&index| lane[index]).collect();
+        let mut lanes: Vec<Vec<f64>> = control_points.lanes().iter().map(complete).collect();
+        let weights = if problem.is_homogeneous() {
+            lanes.pop()
+        } else {
+            None
+        };
+        Self {
+            rows,
+            columns,
+            lanes,
+            weights,
+            fixed: fixed_weights(problem, rows, columns),
+        }
+    }
+
+    /// Converts directions with a Ball basis to Bézier form, in homogeneous coordinates if the fit
+    /// is rational: there the curve is polynomial.
+    fn leave_ball_bases(&mut self, problem: &Problem) {
+        let u = to_bezier(problem.u());
+        let v = problem.v().and_then(to_bezier);
+        if u.is_none() && v.is_none() {
+            return;
+        }
+        if let Some(fixed) = self.fixed.take() {
+            let own = self.weights.iter_mut();
+            for lane in self.lanes.iter_mut().chain(own) {
+                lane.iter_mut().zip(&fixed).for_each(|(x, w)| *x *= w);
+            }
+            self.weights.get_or_insert(fixed);
+        }
+        for lane in self.lanes.iter_mut().chain(&mut self.weights) {
+            if let Some(matrix) = &u {
+                (0..self.columns).for_each(|column| matrix.convert(lane, column, self.columns));
+            }
+            if let Some(matrix) = &v {
+                (0..self.rows).for_each(|row| matrix.convert(lane, row * self.columns, 1));
+            }
+        }
+    }
+
+    /// Weights of control points and weights of basis functions are the same thing to a CAD kernel:
+    /// they are multiplied.
+    fn weights(&self) -> Option<Vec<f64>> {
+        match (&self.weights, &self.fixed) {
+            (Some(own), Some(fixed)) => Some(own.iter().zip(fixed).map(|(a, b)| a * b).collect()),
+            (own, fixed) => own.clone().or_else(|| fixed.clone()),
+        }
+    }
+
+    fn places(mut self) -> Points {
+        if let Some(weights) = &self.weights {
+            for lane in &mut self.lanes {
+                lane.iter_mut().zip(weights).for_each(|(x, w)| *x /= w);
+            }
+        }
+        Points::from_lanes(self.lanes)
+    }
+}
+
+/// The weights of the basis functions; those of a surface are products of both directions.
+fn fixed_weights(problem: &Problem, rows: usize, columns: usize) -> Option<Vec<f64>> {
+    if !problem.directions().any(Direction::is_rational) {
+        return None;
+    }
+    let of = |direction: Option<&Direction>, j: usize| {
+        let weights = direction.and_then(Direction::weights);
+        weights.map_or(1.0, |weights| weights[j])
+    };
+    let row = |i| (0..columns).map(move |j| of(Some(problem.u()), i) * of(problem.v(), j));
+    Some((0..rows).flat_map(row).collect())
+}
+
+fn to_bezier(direction: &Direction) -> Option<ToBezier> {
+    match &direction.basis {
+        Basis::Polynomial { kind, degree } => ToBezier::new(*kind, *degree),
+        Basis::BSpline { .. } => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::basis::knots::Knots;
+    use crate::fit::direction::{BasisChoice, DirectionChoice};
+    use crate::fit::method::Method;
+    use crate::fit::parameters::Parametrization;
+    use crate::fit::points::Grid;
+    use crate::fit::problem::{Request, Tolerance, Weights};
+
+    const SQUARE: [[f64; 2]; 5] = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 3.0], [0.0, 2.0]];
+
+    fn problem(degree: usize, closed: bool, weights: Option<Vec<f64>>) -> Problem {
+        let mut points = Points::new(2);
+        SQUARE.iter().for_each(|point| points.push(point));
+        let u = DirectionChoice {
+            basis: BasisChoice::BSpline {
+                degree,
+                knots: Knots::Usual,
+            },
+            parameters: Parametrization::Uniform,
+            closed,
+            control_points: None,
+            weights,
+        };
+        Problem::new(Request {
+            grid: Grid {
+                rows: points.len(),
+                columns: 1,
+            },
+            points,
+            missing: Vec::new(),
+            u,
+            v: None,
+            weights: Weights::None,
+            method: Method::Global,
+            selected: None,
+            start: None,
+            lambda_min: None,
+            tolerance: Tolerance::Relative(1e-6),
+            max_iterations: 10,
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn end_copies_are_part_of_the_net() {
+        let problem = problem(3, false, None);
+        let nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+        assert_eq!(nurbs.points.lane(0), [0.0, 0.0, 2.0, 2.0, 1.0, 0.0, 0.0]);
+        assert_eq!(nurbs.rows(), 7);
+        assert_eq!(nurbs.u.domain(), (0.0, 1.0));
+        let expected = [(0.0, 4), (0.25, 1), (0.5, 1), (0.75, 1), (1.0, 4)];
+        assert_eq!(nurbs.u.multiplicities(), expected);
+        assert_eq!(nurbs.place(3), [2.0, 2.0, 0.0]);
+    }
+
+    /// The knots run on over both ends of the period, and the first p control points come again.
+    #[test]
+    fn closed_curves_repeat_their_first_control_points() {
+        for degree in 1..=4 {
+            let problem = problem(degree, true, None);
+            let nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+            assert!(nurbs.u.closed);
+            assert_eq!(nurbs.rows(), 5 + degree);
+            for lane in nurbs.points.lanes() {
+                assert_eq!(lane[..degree], lane[5..]);
+            }
+            let (low, high) = nurbs.u.domain();
+            assert!((high - low - 1.0).abs() < 1e-15);
+            assert_eq!(nurbs.u.multiplicities().len(), nurbs.u.knots.len());
+        }
+    }
+
+    #[test]
+    fn weights_of_functions_are_weights_of_control_points() {
+        let weights = vec![1.0, 2.0, 3.0, 4.0, 5.0];
+        let problem = problem(3, false, Some(weights));
+        let nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+        let expected = [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0];
+        assert_eq!(nurbs.weights.as_deref(), Some(expected.as_slice()));
+        assert_eq!(nurbs.points.lane(1), [0.0, 0.0, 0.0, 2.0, 3.0, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn small_models_have_a_fine_resolution() {
+        let problem = problem(3, false, None);
+        let mut nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+        assert_eq!(nurbs.resolution(), 1e-7);
+        for lane in nurbs.points.lanes_mut() {
+            lane.iter_mut().for_each(|x| *x *= 1e-3);
+        }
+        assert!(nurbs.resolution() < 1e-9);
+    }
+}

@@ -1,0 +1,98 @@
+//! Wavefront OBJ with free-form geometry (Object Files, appendix B1 of the Advanced Visualizer
+//! manual): the exact B-spline, not a mesh.
+
+use super::nurbs::{KnotVector, Nurbs};
+use super::text::{Text, one_line};
+use super::{Fitted, GENERATOR};
+
+/// Numbers in a line, before it is continued on the next.
+const PER_LINE: usize = 12;
+
+/// The curve or surface as an OBJ file.
+pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Vec<u8> {
+    let mut text = Text::default();
+    // A backslash at the end of a line would continue the comment.
+    let title = one_line(fitted.title());
+    let description = fitted.description();
+    text.put(format_args!(
+        "# {title} ({description}), written by {GENERATOR}\n"
+    ));
+    vertices(&mut text, nurbs);
+    let rational = if nurbs.weights.is_some() { "rat " } else { "" };
+    text.put(format_args!("cstype {rational}bspline\n"));
+    match &nurbs.v {
+        None => curve(&mut text, nurbs),
+        Some(v) => surface(&mut text, nurbs, v),
+    }
+    text.push("end\n");
+    text.into_bytes()
+}
+
+/// `v x y z w`, row by row: places, not multiplied by their weights.
+fn vertices(text: &mut Text, nurbs: &Nurbs) {
+    for index in 0..nurbs.points.len() {
+        text.push("v");
+        for x in nurbs.place(index) {
+            number(text, x);
+        }
+        if nurbs.weights.is_some() {
+            number(text, nurbs.weight(index));
+        }
+        text.push("\n");
+    }
+}
+
+fn curve(text: &mut Text, nurbs: &Nurbs) {
+    text.put(format_args!("deg {}\ncurv", nurbs.u.degree));
+    domain(text, &nurbs.u);
+    indices(text, 0..nurbs.rows());
+    parm(text, 'u', &nurbs.u);
+}
+
+/// Control points run fastest in the u direction ("Surface vertex data", "Control points").
+fn surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector) {
+    let (rows, columns) = (nurbs.rows(), nurbs.columns());
+    text.put(format_args!("deg {} {}\nsurf", nurbs.u.degree, v.degree));
+    domain(text, &nurbs.u);
+    domain(text, v);
+    let order = (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column));
+    indices(text, order);
+    parm(text, 'u', &nurbs.u);
+    parm(text, 'v', v);
+}
+
+fn domain(text: &mut Text, direction: &KnotVector) {
+    let (low, high) = direction.domain();
+    number(text, low);
+    number(text, high);
+}
+
+/// Vertices are counted from 1.
+fn indices(text: &mut Text, order: impl Iterator<Item = usize>) {
+    for (i, index) in order.enumerate() {
+        continue_line(text, i);
+        text.put(format_args!(" {}", index + 1));
+    }
+    text.push("\n");
+}
+
+/// The knot vector, complete.
+fn parm(text: &mut Text, axis: char, direction: &KnotVector) {
+    text.put(format_args!("parm {axis}"));
+    for (i, &knot) in direction.knots.iter().enumerate() {
+        continue_line(text, i);
+        number(text, knot);
+    }
+    text.push("\n");
+}
+
+fn continue_line(text: &mut Text, written: usize) {
+    if written > 0 && written.is_multiple_of(PER_LINE) {
+        text.push(" \\\n");
+    }
+}
+
+fn number(text: &mut Text, x: f64) {
+    text.push(" ");
+    text.put(format_args!("{x:?}"));
+}

@@ -1,0 +1,330 @@
+//! Points and derivatives of a B-spline curve or surface.
+
+use super::nurbs::{KnotVector, Nurbs};
+use crate::fit::basis::{bernstein, bspline};
+
+/// A parameter, seen from one knot span: at a knot, derivatives are those of that side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Site {
+    span: usize,
+    /// The parameter.
+    pub(super) t: f64,
+}
+
+/// A point with its partial derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Jet {
+    /// The point.
+    pub(super) point: [f64; 3],
+    /// The derivative by the first parameter.
+    pub(super) du: [f64; 3],
+    /// The derivative by the second parameter; zero for curves.
+    pub(super) dv: [f64; 3],
+}
+
+impl KnotVector {
+    /// The knot spans of the domain that are not empty: `knots[span] < knots[span + 1]`.
+    pub(super) fn spans(&self) -> Vec<usize> {
+        let spans = self.degree..self.count();
+        spans
+            .filter(|&span| self.knots[span] < self.knots[span + 1])
+            .collect()
+    }
+
+    /// A number of steps, at most `most`, for sampling: enough to see what the control points do,
+    /// and equally many in each span, as long as there are fewer spans than `most`.
+    pub(super) fn steps(&self, most: usize) -> usize {
+        let spans = self.spans().len();
+        // Polynomials of high degree are smoother than their number of control points suggests.
+        let wanted = (4 * self.count()).min((4 * spans).max(1024)).max(64);
+        match most / spans {
+            0 => most,
+            fitting => spans * (wanted / spans).clamp(1, fitting),
+        }
+    }
+
+    /// `steps + 1` sites from one end of the domain to the other, at equal steps when every span
+    /// counts as long as every other: fine spans get fine steps.
+    pub(super) fn sites(&self, steps: usize) -> Vec<Site> {
+        let spans = self.spans();
+        let site = |i: usize| {
+            let place = i as f64 * spans.len() as f64 / steps as f64;
+            let index = (place as usize).min(spans.len() - 1);
+            self.site(spans[index], place - index as f64)
+        };
+        (0..=steps).map(site).collect()
+    }
+
+    /// The site at a part of a span, from 0 at its left end to 1 at its right end.
+    pub(super) fn site(&self, span: usize, part: f64) -> Site {
+        let (low, high) = (self.knots[span], self.knots[span + 1]);
+        let t = (1.0 - part) * low + part * high;
+        Site { span, t }
+    }
+
+    /// A site a thousandth of its span further inside.
+    pub(super) fn inside(&self, site: Site) -> Site {
+        let part = self.part(site);
+        self.site(site.span, part.clamp(1e-3, 1.0 - 1e-3))
+    }
+
+    /// Where in its span a site is, from 0 to 1.
+    fn part(&self, site: Site) -> f64 {
+        let low = self.knots[site.span];
+        ((site.t - low) / self.width(site)).clamp(0.0, 1.0)
+    }
+
+    /// How long a span is.
+    pub(super) fn width(&self, site: Site) -> f64 {
+        self.knots[site.span + 1] - self.knots[site.span]
+    }
+
+    /// The functions that can differ from zero at a site, with their derivatives.
+    fn functions(&self, site: Site) -> Local {
+        let (p, knots, span) = (self.degree, &self.knots, site.span);
+        let evaluate = |degree: usize, values: &mut [f64]| match self.count() == p + 1 {
+            // A Bézier curve: the same functions, much faster at high degrees.
+            true => bernstein::evaluate(degree, self.part(site), values),
+            false => bspline::evaluate(degree, knots, span, site.t, values),
+        };
+        let mut values = vec![0.0; p + 1];
+        evaluate(p, &mut values);
+        let mut lower = vec![0.0; p];
+        if p > 0 {
+            evaluate(p - 1, &mut lower);
+        }
+        // N'_i = p (M_i / (u_{i+p} − u_i) − M_{i+1} / (u_{i+p+1} − u_{i+1})), where the M are
+        // those of degree p − 1 (PT97 (2.7)); only M_{span−p+1} … M_span differ from zero.
+        let first = span - p;
+        let quotient = |r: usize| match r.checked_sub(1).and_then(|r| lower.get(r)) {
+            Some(value) => value / (knots[first + r + p] - knots[first + r]),
+            None => 0.0,
+        };
+        let derivatives = (0..=p).map(|r| p as f64 * (quotient(r) - quotient(r + 1)));
+        Local {
+            first,
+            derivatives: derivatives.collect(),
+            values,
+        }
+    }
+}
+
+/// The functions of one direction at one site.
+#[derive(Debug)]
+struct Local {
+    first: usize,
+    values: Vec<f64>,
+    derivatives: Vec<f64>,
+}
+
+/// A point in homogeneous coordinates `(w x, w y, w z, w)`.
+type Homogeneous = [f64; 4];
+
+impl Nurbs {
+    /// Points and derivatives on the grid `u × v`, row by row. A curve ignores `v`.
+    pub(super) fn evaluate(&self, u: &[Site], v: &[Site]) -> Vec<Jet> {
+        let columns = self.columns();
+        let across: Vec<Local> = match &self.v {
+            None => vec![Local {
+                first: 0,
+                values: vec![1.0],
+                derivatives: vec![0.0],
+            }],
+            Some(knots) => v.iter().map(|&site| knots.functions(site)).collect(),
+        };
+        let mut line = vec![Homogeneous::default(); columns];
+        let mut line_du = line.clone();
+        let mut jets = Vec::with_capacity(u.len() * across.len());
+        for &site in u {
+            let along = self.u.functions(site);
+            self.contract(&along, &mut line, &mut line_du);
+            for across in &across {
+                let window = across.first..across.first + across.values.len();
+                let (line, line_du) = (&line[window.clone()], &line_du[window]);
+                let point = combine(&across.values, line);
+                let du = combine(&across.values, line_du);
+                let dv = combine(&across.derivatives, line);
+                jets.push(project(point, du, dv));
+            }
+        }
+        jets
+    }
+
+    /// The control points of the curve `u = const`, and of its derivative by u.
+    fn contract(&self, along: &Local, line: &mut [Homogeneous], line_du: &mut [Homogeneous]) {
+        let columns = line.len();
+        line.fill(Homogeneous::default());
+        line_du.fill(Homogeneous::default());
+        for (r, (value, derivative)) in along.values.iter().zip(&along.derivatives).enumerate() {
+            let start = (along.first + r) * columns;
+            for (j, (point, du)) in line.iter_mut().zip(line_du.iter_mut()).enumerate() {
+                let control = self.lifted(start + j);
+                for c in 0..4 {
+                    point[c] += value * control[c];
+                    du[c] += derivative * control[c];
+                }
+            }
+        }
+    }
+
+    fn lifted(&self, index: usize) -> Homogeneous {
+        let [x, y, z] = self.place(index);
+        let w = self.weight(index);
+        [w * x, w * y, w * z, w]
+    }
+}
+
+fn combine(values: &[f64], points: &[Homogeneous]) -> Homogeneous {
+    let mut sum = Homogeneous::default();
+    for (value, point) in values.iter().zip(points) {
+        for (sum, x) in sum.iter_mut().zip(point) {
+            *sum += value * x;
+        }
+    }
+    sum
+}
+
+/// From homogeneous coordinates: `S = A / w`, `S' = (A' − w' S) / w` (PT97 (4.8), (4.20)).
+fn project(point: Homogeneous, du: Homogeneous, dv: Homogeneous) -> Jet {
+    let [.., w] = point;
+    let place = |c: usize| point[c] / w;
+    let derivative = |d: Homogeneous, c: usize| (d[c] - d[3] * place(c)) / w;
+    let axes = [0, 1, 2];
+    Jet {
+        point: axes.map(place),
+        du: axes.map(|c| derivative(du, c)),
+        dv: axes.map(|c| derivative(dv, c)),
+    }
+}
+
+/// `a × b`
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The Euclidean length.
+pub(super) fn length(a: [f64; 3]) -> f64 {
+    a[0].hypot(a[1]).hypot(a[2])
+}
+
+/// `a / ‖a‖`, if that has a direction.
+pub(super) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+    let length = length(a);
+    let unit = a.map(|x| x / length);
+    unit.iter().all(|x| x.is_finite()).then_some(unit)
+}
+
+/// `a − b`
+pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a · b`
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::fit::points::Points;
+
+    /// A quarter of a cylinder of radius 2 around the z axis and height 3, in u as a rational
+    /// quarter circle of degree 2.
+    pub(in crate::export) fn cylinder() -> Nurbs {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let line = |degree: usize, ends: [f64; 2]| KnotVector {
+            degree,
+            knots: ends.iter().flat_map(|&t| vec![t; degree + 1]).collect(),
+            closed: false,
+        };
+        let mut points = Points::new(3);
+        for [x, y] in [[2.0, 0.0], [2.0, 2.0], [0.0, 2.0]] {
+            points.push(&[x, y, 0.0]);
+            points.push(&[x, y, 3.0]);
+        }
+        Nurbs {
+            u: line(2, [0.0, 1.0]),
+            v: Some(line(1, [5.0, 7.0])),
+            points,
+            weights: Some(vec![1.0, 1.0, half, half, 1.0, 1.0]),
+        }
+    }
+
+    #[test]
+    fn a_rational_quarter_is_a_circle() {
+        let nurbs = cylinder();
+        let v = nurbs.v.clone().unwrap();
+        let jets = nurbs.evaluate(&nurbs.u.sites(20), &v.sites(4));
+        assert_eq!(jets.len(), 21 * 5);
+        for (index, jet) in jets.iter().enumerate() {
+            let [x, y, z] = jet.point;
+            assert!((x.hypot(y) - 2.0).abs() < 1e-15);
+            assert!((z - 0.75 * (index % 5) as f64).abs() < 1e-15);
+            // Tangents to the circle, and along the axis at 3 per 2 units of v.
+            assert!(dot(jet.du, [x, y, 0.0]).abs() < 1e-14);
+            assert!(length(jet.du) > 1.0);
+            assert!(length(minus(jet.dv, [0.0, 0.0, 1.5])) < 1e-15);
+        }
+    }
+
+    /// Knots of multiplicity two and three, and of a closed direction.
+    #[test]
+    fn derivatives_equal_quotients_of_differences() {
+        let knots = |degree: usize, knots: &[f64]| KnotVector {
+            degree,
+            knots: knots.to_vec(),
+            closed: false,
+        };
+        for u in [
+            knots(
+                3,
+                &[
+                    0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.0, 3.0, 3.0, 4.0, 4.0, 4.0, 4.0,
+                ],
+            ),
+            knots(2, &[-2.0, -1.0, 0.0, 1.5, 2.0, 4.0, 5.5, 6.0, 7.0]),
+            knots(7, &[[0.0; 8], [2.0; 8]].concat()),
+        ] {
+            let mut points = Points::new(2);
+            for i in 0..u.count() {
+                points.push(&[(i as f64).sin(), (2.0 * i as f64).cos()]);
+            }
+            let curve = Nurbs {
+                u,
+                v: None,
+                points,
+                weights: None,
+            };
+            for span in curve.u.spans() {
+                let h = 1e-6;
+                for part in [h, 0.25, 0.5, 0.75, 1.0 - h] {
+                    let near = [part, part - h, part + h].map(|part| curve.u.site(span, part));
+                    let jets = curve.evaluate(&near, &[]);
+                    let width = curve.u.width(near[0]);
+                    for c in 0..2 {
+                        let quotient = (jets[2].point[c] - jets[1].point[c]) / (2.0 * h * width);
+                        assert!((jets[0].du[c] - quotient).abs() < 1e-7, "{part}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sites_are_dense_where_spans_are_short() {
+        let knots = KnotVector {
+            degree: 1,
+            knots: vec![0.0, 0.0, 1.0, 1.5, 1.5],
+            closed: false,
+        };
+        let t: Vec<f64> = knots.sites(4).iter().map(|site| site.t).collect();
+        assert_eq!(t, [0.0, 0.5, 1.0, 1.25, 1.5]);
+        assert!(knots.steps(1000).is_multiple_of(2));
+        assert_eq!(knots.steps(1), 1);
+    }
+}

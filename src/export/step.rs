@@ -1,0 +1,252 @@
+//! STEP: an ISO 10303-21 file with the schema of AP214, read by nearly all CAD systems.
+//!
+//! A B-spline needs the whole chain around it to be found by a reader: a product with a
+//! definition, its shape, a representation of the shape with units and accuracy, and in it a set
+//! that holds the curve or surface. A curve or surface is not allowed directly in a plain shape
+//! representation (readers load such a file, and show nothing); its place is in a geometrically
+//! bounded wireframe or surface representation (ISO 10303-510 and -507).
+
+use super::nurbs::{KnotVector, Nurbs};
+use super::text::Text;
+use super::{Fitted, GENERATOR};
+
+/// The number of the context of the representation, written by [`product`].
+const CONTEXT: usize = 14;
+/// The number of the product's shape.
+const SHAPE: usize = 9;
+/// The number of the coordinate system.
+const ORIGIN: usize = 15;
+/// The number of the first control point.
+const FIRST_POINT: usize = 19;
+
+/// The curve or surface as a STEP file.
+pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Vec<u8> {
+    let mut text = Text::default();
+    let name = string(fitted.title());
+    header(&mut text, &name, fitted);
+    text.push("DATA;\n");
+    product(&mut text, &name, nurbs.resolution());
+    let points = nurbs.points.len();
+    for index in 0..points {
+        text.put(format_args!("#{}=CARTESIAN_POINT('',", FIRST_POINT + index));
+        text.list(nurbs.place(index), real);
+        text.push(");\n");
+    }
+    let spline = FIRST_POINT + points;
+    text.put(format_args!("#{spline}="));
+    match (&nurbs.v, &nurbs.weights) {
+        (None, None) => curve(&mut text, nurbs, &name),
+        (None, Some(weights)) => rational_curve(&mut text, nurbs, weights, &name),
+        (Some(v), None) => surface(&mut text, nurbs, v, &name),
+        (Some(v), Some(weights)) => rational_surface(&mut text, nurbs, v, weights, &name),
+    }
+    representation(&mut text, spline, nurbs.v.is_some());
+    text.push("ENDSEC;\nEND-ISO-10303-21;\n");
+    text.into_bytes()
+}
+
+/// The header section (ISO 10303-21, section 8).
+fn header(text: &mut Text, name: &str, fitted: &Fitted<'_>) {
+    let time = fitted.created.strftime("%Y-%m-%dT%H:%M:%S+00:00");
+    text.put(format_args!(
+        "ISO-10303-21;\nHEADER;\n\
+         FILE_DESCRIPTION(({}),'2;1');\n\
+         FILE_NAME({name},'{time}',(''),(''),'{GENERATOR}','{GENERATOR}','');\n\
+         FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\n\
+         ENDSEC;\n",
+        string(&fitted.description()),
+    ));
+}
+
+/// What does not depend on the geometry: the product, the units and the coordinate system. Fitted
+/// points have no unit; STEP needs one, and millimetres are the usual one.
+fn product(text: &mut Text, name: &str, resolution: f64) {
+    text.put(format_args!(
+        "#1=APPLICATION_CONTEXT('core data for automotive mechanical design processes');\n\
+         #2=APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#1);\n\
+         #3=PRODUCT_CONTEXT('',#1,'mechanical');\n\
+         #4=PRODUCT({name},{name},'',(#3));\n\
+         #5=PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#4));\n\
+         #6=PRODUCT_DEFINITION_FORMATION('','',#4);\n\
+         #7=PRODUCT_DEFINITION_CONTEXT('part definition',#1,'design');\n\
+         #8=PRODUCT_DEFINITION('design','',#6,#7);\n\
+         #{SHAPE}=PRODUCT_DEFINITION_SHAPE('','',#8);\n\
+         #10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n\
+         #11=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n\
+         #12=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n\
+         #13=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE("
+    ));
+    text.real(resolution, 'E');
+    text.put(format_args!(
+        "),#10,'distance_accuracy_value','confusion accuracy');\n\
+         #{CONTEXT}=(GEOMETRIC_REPRESENTATION_CONTEXT(3)\
+         GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#13))\
+         GLOBAL_UNIT_ASSIGNED_CONTEXT((#10,#11,#12))\
+         REPRESENTATION_CONTEXT('','3D'));\n\
+         #{ORIGIN}=AXIS2_PLACEMENT_3D('',#16,#17,#18);\n\
+         #16=CARTESIAN_POINT('',(0.,0.,0.));\n\
+         #17=DIRECTION('',(0.,0.,1.));\n\
+         #18=DIRECTION('',(1.,0.,0.));\n"
+    ));
+}
+
+/// The set around the curve or surface, and its tie to the product.
+fn representation(text: &mut Text, spline: usize, surface: bool) {
+    let (set, kind) = if surface {
+        ("GEOMETRIC_SET", "SURFACE")
+    } else {
+        ("GEOMETRIC_CURVE_SET", "WIREFRAME")
+    };
+    let (member, shape, tie) = (spline + 1, spline + 2, spline + 3);
+    text.put(format_args!(
+        "#{member}={set}('',(#{spline}));\n\
+         #{shape}=GEOMETRICALLY_BOUNDED_{kind}_SHAPE_REPRESENTATION('',(#{ORIGIN},#{member}),#{CONTEXT});\n\
+         #{tie}=SHAPE_DEFINITION_REPRESENTATION(#{SHAPE},#{shape});\n"
+    ));
+}
+
+/// ISO 10303-42, `b_spline_curve_with_knots`.
+fn curve(text: &mut Text, nurbs: &Nurbs, name: &str) {
+    text.put(format_args!("B_SPLINE_CURVE_WITH_KNOTS({name},"));
+    curve_attributes(text, nurbs);
+    text.push(",");
+    knots(text, &[&nurbs.u]);
+    text.push(");\n");
+}
+
+/// A rational curve is a `b_spline_curve_with_knots` and a `rational_b_spline_curve` at once: a
+/// complex instance, whose parts are in alphabetical order (ISO 10303-21, section 11.2.5.3).
+fn rational_curve(text: &mut Text, nurbs: &Nurbs, weights: &[f64], name: &str) {
+    text.push("(BOUNDED_CURVE()\nB_SPLINE_CURVE(");
+    curve_attributes(text, nurbs);
+    text.push(")\nB_SPLINE_CURVE_WITH_KNOTS(");
+    knots(text, &[&nurbs.u]);
+    text.push(")\nCURVE()\nGEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_CURVE(");
+    text.list(weights.iter().copied(), real);
+    text.put(format_args!(")\nREPRESENTATION_ITEM({name}));\n"));
+}
+
+/// ISO 10303-42, `b_spline_surface_with_knots`.
+fn surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector, name: &str) {
+    text.put(format_args!("B_SPLINE_SURFACE_WITH_KNOTS({name},"));
+    surface_attributes(text, nurbs, v);
+    text.push(",");
+    knots(text, &[&nurbs.u, v]);
+    text.push(");\n");
+}
+
+fn rational_surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector, weights: &[f64], name: &str) {
+    text.push("(BOUNDED_SURFACE()\nB_SPLINE_SURFACE(");
+    surface_attributes(text, nurbs, v);
+    text.push(")\nB_SPLINE_SURFACE_WITH_KNOTS(");
+    knots(text, &[&nurbs.u, v]);
+    text.push(")\nGEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_SURFACE(");
+    text.list(weights.chunks_exact(v.count()), |text, row| {
+        text.list(row.iter().copied(), real);
+    });
+    text.put(format_args!(
+        ")\nREPRESENTATION_ITEM({name})\nSURFACE());\n"
+    ));
+}
+
+/// Degree, control points, form, closed, self-intersecting (which nobody has checked).
+fn curve_attributes(text: &mut Text, nurbs: &Nurbs) {
+    text.put(format_args!("{},", nurbs.u.degree));
+    text.list(0..nurbs.rows(), reference);
+    text.put(format_args!(
+        ",.UNSPECIFIED.,{},.U.",
+        logical(nurbs.u.closed)
+    ));
+}
+
+/// The rows of control points run in the u direction, like ours.
+fn surface_attributes(text: &mut Text, nurbs: &Nurbs, v: &KnotVector) {
+    text.put(format_args!("{},{},", nurbs.u.degree, v.degree));
+    text.list(0..nurbs.rows(), |text, row| {
+        let start = row * v.count();
+        text.list(start..start + v.count(), reference);
+    });
+    let (u, v) = (logical(nurbs.u.closed), logical(v.closed));
+    text.put(format_args!(",.UNSPECIFIED.,{u},{v},.U."));
+}
+
+/// Multiplicities of all directions, then their knots, then the kind of knots.
+fn knots(text: &mut Text, directions: &[&KnotVector]) {
+    let distinct: Vec<_> = directions.iter().map(|it| it.multiplicities()).collect();
+    for knots in &distinct {
+        text.list(knots, |text, (_, times)| text.put(format_args!("{times}")));
+        text.push(",");
+    }
+    for knots in &distinct {
+        text.list(knots, |text, (knot, _)| real(text, *knot));
+        text.push(",");
+    }
+    text.push(".UNSPECIFIED.");
+}
+
+fn reference(text: &mut Text, index: usize) {
+    text.put(format_args!("#{}", FIRST_POINT + index));
+}
+
+fn real(text: &mut Text, x: f64) {
+    text.real(x, 'E');
+}
+
+fn logical(value: bool) -> &'static str {
+    if value { ".T." } else { ".F." }
+}
+
+/// A string literal (ISO 10303-21, section 6.4.3): printable ASCII as it is, apostrophes and
+/// backslashes doubled, everything else as hexadecimal digits of UTF-16 (`\X2\`) or UTF-32
+/// (`\X4\`) between control directives.
+fn string(value: &str) -> String {
+    let mut literal = String::from("'");
+    let mut open = None;
+    for c in value.chars() {
+        let directive = match c {
+            ' '..='~' => None,
+            '\0'..='\u{ffff}' => Some("\\X2\\"),
+            _ => Some("\\X4\\"),
+        };
+        if directive != open {
+            if open.is_some() {
+                literal.push_str("\\X0\\");
+            }
+            literal.push_str(directive.unwrap_or_default());
+            open = directive;
+        }
+        match c {
+            '\'' | '\\' => literal.extend([c, c]),
+            ' '..='~' => literal.push(c),
+            '\0'..='\u{ffff}' => literal.push_str(&format!("{:04X}", u32::from(c))),
+            _ => literal.push_str(&format!("{:08X}", u32::from(c))),
+        }
+    }
+    if open.is_some() {
+        literal.push_str("\\X0\\");
+    }
+    literal.push('\'');
+    literal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strings_are_ascii() {
+        assert_eq!(string("wing"), "'wing'");
+        assert_eq!(string("it's C:\\x"), "'it''s C:\\\\x'");
+        assert_eq!(
+            string("Flügel 翼"),
+            "'Fl\\X2\\00FC\\X0\\gel \\X2\\7FFC\\X0\\'"
+        );
+        assert_eq!(string("üß"), "'\\X2\\00FC00DF\\X0\\'");
+        assert_eq!(
+            string("é\u{1f6e9}"),
+            "'\\X2\\00E9\\X0\\\\X4\\0001F6E9\\X0\\'"
+        );
+        assert_eq!(string("a\nb"), "'a\\X2\\000A\\X0\\b'");
+        assert_eq!(string(""), "''");
+    }
+}

@@ -1,0 +1,126 @@
+//! Drawing a curve.
+
+use super::surface::Scene;
+use super::view::{Canvas, Projected, View};
+use super::{Data, shows_net};
+use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::text::Text;
+
+/// The most pieces of which a curve is drawn.
+const MOST_PIECES: usize = 4096;
+
+/// A cubic Bézier piece.
+pub(super) type Piece = [Projected; 4];
+
+/// The curve as cubic pieces with the right end points and tangents: at this number of pieces not
+/// to be told from the curve at any magnification that makes sense.
+pub(super) fn scene(nurbs: &Nurbs, view: &View) -> Scene {
+    let spans = nurbs.u.spans();
+    let steps = nurbs.u.steps(MOST_PIECES);
+    let pieces = match steps / spans.len() {
+        0 => chords(nurbs, view, steps),
+        parts => tangent_pieces(nurbs, view, &nurbs.u, &spans, parts),
+    };
+    Scene::Curve(pieces)
+}
+
+/// Pieces of more spans than can be drawn: straight ones.
+fn chords(nurbs: &Nurbs, view: &View, steps: usize) -> Vec<Piece> {
+    let jets = nurbs.evaluate(&nurbs.u.sites(steps), &[]);
+    let places: Vec<Projected> = jets.iter().map(|jet| view.project(jet.point)).collect();
+    let pieces = places
+        .windows(2)
+        .map(|ends| [ends[0], ends[0], ends[1], ends[1]]);
+    pieces.collect()
+}
+
+/// `parts` pieces in each span: inside a span the curve is smooth.
+fn tangent_pieces(
+    nurbs: &Nurbs,
+    view: &View,
+    knots: &KnotVector,
+    spans: &[usize],
+    parts: usize,
+) -> Vec<Piece> {
+    let ends = spans.iter().flat_map(|&span| {
+        let site = move |part: usize| knots.site(span, part as f64 / parts as f64);
+        (0..parts).flat_map(move |part| [site(part), site(part + 1)])
+    });
+    let ends: Vec<_> = ends.collect();
+    let jets = nurbs.evaluate(&ends, &[]);
+    let pieces = ends.chunks_exact(2).zip(jets.chunks_exact(2));
+    let pieces = pieces.map(|(sites, jets)| {
+        let third = knots.width(sites[0]) / parts as f64 / 3.0;
+        let along = |end: usize, h: f64| {
+            let (point, tangent) = (jets[end].point, jets[end].du);
+            view.project([0, 1, 2].map(|c| point[c] + h * tangent[c]))
+        };
+        [
+            along(0, 0.0),
+            along(0, third),
+            along(1, -third),
+            along(1, 0.0),
+        ]
+    });
+    pieces.collect()
+}
+
+/// The control polygon, on it the curve, on it control points and data points.
+pub(super) fn draw(
+    text: &mut Text,
+    pieces: &[Piece],
+    nurbs: &Nurbs,
+    data: &Data,
+    view: &View,
+    canvas: &Canvas,
+) {
+    let pixel = |place| canvas.pixel(view.project(place));
+    let mut polygon: Vec<(f64, f64)> = Vec::new();
+    if shows_net(nurbs) {
+        polygon.extend((0..nurbs.points.len()).map(|index| pixel(nurbs.place(index))));
+    }
+    draw_polygon(text, &polygon);
+    draw_pieces(text, pieces, canvas);
+    draw_circles(text, "control", &polygon, 2.5);
+    let dots: Vec<(f64, f64)> = data.places.iter().map(|&place| pixel(place)).collect();
+    let radius = match dots.len() {
+        0..=80 => 3.0,
+        81..=300 => 2.0,
+        _ => 1.5,
+    };
+    draw_circles(text, "data", &dots, radius);
+}
+
+fn draw_pieces(text: &mut Text, pieces: &[Piece], canvas: &Canvas) {
+    text.push("<path class=\"curve\" d=\"");
+    for (i, piece) in pieces.iter().enumerate() {
+        let [start, one, two, end] = piece.map(|place| canvas.pixel(place));
+        if i == 0 {
+            text.put(format_args!("M{:.2} {:.2}", start.0, start.1));
+        }
+        text.put(format_args!(
+            "C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}\n",
+            one.0, one.1, two.0, two.1, end.0, end.1
+        ));
+    }
+    text.push("\"/>\n");
+}
+
+fn draw_polygon(text: &mut Text, places: &[(f64, f64)]) {
+    text.push("<path class=\"net\" d=\"");
+    for (i, (x, y)) in places.iter().enumerate() {
+        let command = if i == 0 { 'M' } else { 'L' };
+        text.put(format_args!("{command}{x:.2} {y:.2}\n"));
+    }
+    text.push("\"/>\n");
+}
+
+fn draw_circles(text: &mut Text, class: &str, places: &[(f64, f64)], radius: f64) {
+    text.put(format_args!("<g class=\"{class}\">\n"));
+    for (x, y) in places {
+        text.put(format_args!(
+            "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\"/>\n"
+        ));
+    }
+    text.push("</g>\n");
+}

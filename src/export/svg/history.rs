@@ -1,0 +1,117 @@
+//! How the distance from the data has fallen, level by level, on a logarithmic scale.
+
+use super::{MARGIN, WIDTH};
+use crate::export::text::Text;
+
+/// The height of the plot with its labels.
+pub(super) const HEIGHT: f64 = 210.0;
+
+/// Where the plot is, within its height.
+const LEFT: f64 = 72.0;
+const TOP: f64 = 34.0;
+const BOTTOM: f64 = 174.0;
+
+/// The most levels that are drawn; of more every so many-th.
+const MOST_LEVELS: usize = 2000;
+
+/// The most labels of an axis.
+const MOST_LABELS: usize = 7;
+
+/// Draws the errors of levels 0, 1, … below `top`. Levels whose error is zero, or infinite, have no
+/// place on the scale.
+pub(super) fn draw(text: &mut Text, errors: &[f64], top: f64) {
+    let shown: Vec<(usize, f64)> = levels(errors)
+        .filter(|(_, error)| *error > 0.0 && error.is_finite())
+        .map(|(level, error)| (level, error.log10()))
+        .collect();
+    let low = shown.iter().map(|(_, y)| *y).fold(f64::INFINITY, f64::min);
+    let high = shown
+        .iter()
+        .map(|(_, y)| *y)
+        .fold(f64::NEG_INFINITY, f64::max);
+    if shown.is_empty() {
+        return;
+    }
+    let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+    let last = (errors.len() - 1).max(1);
+    let right = WIDTH - MARGIN;
+    let x = |level: usize| LEFT + (right - LEFT) * level as f64 / last as f64;
+    let y = |log: f64| top + BOTTOM - (BOTTOM - TOP) * (log - low) / (high - low);
+    text.put(format_args!(
+        "<text x=\"{MARGIN}\" y=\"{:.1}\">largest distance from the data, after each iteration</text>\n",
+        top + 18.0
+    ));
+    let step = ((high - low) / MOST_LABELS as f64).ceil().max(1.0) as usize;
+    for decade in (low as i64..=high as i64).step_by(step) {
+        let line = y(decade as f64);
+        text.put(format_args!(
+            "<path class=\"grid\" d=\"M{LEFT} {line:.1}H{right}\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">1e{decade}</text>\n",
+            LEFT - 8.0,
+            line + 4.0
+        ));
+    }
+    for level in (0..=last).step_by(label_step(last)) {
+        let (x, below) = (x(level), top + BOTTOM + 18.0);
+        text.put(format_args!(
+            "<text x=\"{x:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{level}</text>\n"
+        ));
+    }
+    text.push("<path class=\"curve\" d=\"");
+    for (i, (level, log)) in shown.into_iter().enumerate() {
+        let command = if i == 0 { 'M' } else { 'L' };
+        text.put(format_args!("{command}{:.2} {:.2}\n", x(level), y(log)));
+    }
+    text.push("\"/>\n");
+}
+
+/// The levels that are drawn, the last one among them.
+fn levels(errors: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let stride = errors.len().div_ceil(MOST_LEVELS);
+    let all = errors.iter().copied().enumerate();
+    all.filter(move |(level, _)| level % stride == 0 || level + 1 == errors.len())
+}
+
+/// 1, 2 or 5 times a power of ten, so that there are not too many labels.
+fn label_step(last: usize) -> usize {
+    let mut power = 1;
+    loop {
+        for factor in [1, 2, 5] {
+            if last / (factor * power) <= MOST_LABELS {
+                return factor * power;
+            }
+        }
+        power *= 10;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_few_and_round() {
+        assert_eq!(
+            [1, 7, 8, 40, 149, 1000].map(label_step),
+            [1, 1, 2, 10, 20, 200]
+        );
+    }
+
+    #[test]
+    fn errors_without_a_logarithm_are_left_out() {
+        let mut text = Text::default();
+        draw(&mut text, &[1.0, f64::INFINITY, 0.1, 0.0], 0.0);
+        assert!(!text.as_str().contains("NaN") && !text.as_str().contains("inf"));
+        let mut none = Text::default();
+        draw(&mut none, &[0.0, 0.0], 0.0);
+        assert_eq!(none.as_str(), "");
+    }
+
+    #[test]
+    fn long_histories_are_thinned_and_keep_their_end() {
+        let errors = vec![1.0; 123_457];
+        let shown: Vec<usize> = levels(&errors).map(|(level, _)| level).collect();
+        assert!(shown.len() <= MOST_LEVELS + 1);
+        assert_eq!(shown.last(), Some(&123_456));
+    }
+}

@@ -1,0 +1,155 @@
+//! Drawing a surface: its faces, its control net and the data, the far ones first.
+
+use super::curve::Piece;
+use super::view::{Canvas, Projected, View};
+use super::{Data, shows_net};
+use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::sampling::{cross, minus, unit};
+use crate::export::text::Text;
+
+/// The most faces in each direction.
+const MOST_FACES: usize = 64;
+
+/// The colour of a face in full light.
+const COLOUR: [f64; 3] = [140.0, 186.0, 230.0];
+
+/// What is drawn.
+pub(super) enum Scene {
+    /// A curve in cubic pieces.
+    Curve(Vec<Piece>),
+    /// Parts of a surface, the far ones first.
+    Surface(Vec<Part>),
+}
+
+/// A part of the drawing of a surface.
+pub(super) enum Part {
+    /// A cell of a grid on the surface, and the light on it.
+    Face([Projected; 4], f64),
+    /// An edge of the control net.
+    Edge([Projected; 2]),
+    /// A data point.
+    Dot(Projected),
+}
+
+impl Scene {
+    /// Places that are on the page only if the whole scene is.
+    pub(super) fn outline(&self) -> impl Iterator<Item = Projected> + '_ {
+        let (pieces, parts): (&[Piece], &[Part]) = match self {
+            Self::Curve(pieces) => (pieces, &[]),
+            Self::Surface(parts) => (&[], parts),
+        };
+        let faces = parts.iter().filter_map(|part| match part {
+            Part::Face(corners, _) => Some(corners),
+            _ => None,
+        });
+        let ends = pieces.iter().flat_map(|piece| [piece[0], piece[3]]);
+        ends.chain(faces.flatten().copied())
+    }
+}
+
+/// Draws the parts, each over those before it.
+pub(super) fn draw(text: &mut Text, parts: &[Part], canvas: &Canvas) {
+    parts.iter().for_each(|part| part.draw(text, canvas));
+}
+
+/// Faces, edges and dots by distance (the painter's algorithm). Edges and dots are taken a little
+/// nearer than they are, so that those on the surface are seen.
+pub(super) fn scene(nurbs: &Nurbs, v: &KnotVector, data: &Data, view: &View) -> Scene {
+    let mut parts = faces(nurbs, v, view);
+    if shows_net(nurbs) {
+        parts.extend(edges(nurbs, view));
+    }
+    let dots = data
+        .places
+        .iter()
+        .map(|&place| Part::Dot(view.project(place)));
+    parts.extend(dots);
+    let lift = nurbs.points.bounding_diagonal() / 100.0;
+    parts.sort_by(|a, b| a.depth(lift).total_cmp(&b.depth(lift)));
+    Scene::Surface(parts)
+}
+
+fn faces(nurbs: &Nurbs, v: &KnotVector, view: &View) -> Vec<Part> {
+    let along = |knots: &KnotVector| knots.sites(knots.steps(MOST_FACES).max(MOST_FACES / 2));
+    let (rows, columns) = (along(&nurbs.u), along(v));
+    let jets = nurbs.evaluate(&rows, &columns);
+    let mut faces = Vec::with_capacity(jets.len());
+    for i in 1..rows.len() {
+        for j in 1..columns.len() {
+            let corner = |i: usize, j: usize| jets[i * columns.len() + j].point;
+            let corners = [
+                corner(i - 1, j - 1),
+                corner(i, j - 1),
+                corner(i, j),
+                corner(i - 1, j),
+            ];
+            let normal = cross(minus(corners[2], corners[0]), minus(corners[3], corners[1]));
+            let light = unit(normal).map_or(1.0, |normal| view.light(normal));
+            faces.push(Part::Face(corners.map(|it| view.project(it)), light));
+        }
+    }
+    faces
+}
+
+/// The edges of the control net in both directions.
+fn edges(nurbs: &Nurbs, view: &View) -> Vec<Part> {
+    let (rows, columns) = (nurbs.rows(), nurbs.columns());
+    let place = |i: usize, j: usize| view.project(nurbs.place(i * columns + j));
+    let mut edges = Vec::with_capacity(2 * rows * columns);
+    for i in 0..rows {
+        for j in 0..columns {
+            if i > 0 {
+                edges.push(Part::Edge([place(i - 1, j), place(i, j)]));
+            }
+            if j > 0 {
+                edges.push(Part::Edge([place(i, j - 1), place(i, j)]));
+            }
+        }
+    }
+    edges
+}
+
+impl Part {
+    fn depth(&self, lift: f64) -> f64 {
+        match self {
+            Self::Face(corners, _) => mean(corners),
+            Self::Edge(ends) => mean(ends) + lift,
+            Self::Dot(place) => place.depth + 2.0 * lift,
+        }
+    }
+
+    fn draw(&self, text: &mut Text, canvas: &Canvas) {
+        match self {
+            Self::Face(corners, light) => {
+                let [a, b, c, d] = corners.map(|corner| canvas.pixel(corner));
+                let shade = |dark: f64, bright: f64| {
+                    let [red, green, blue] = COLOUR.map(|x| (x * (dark + bright * light)) as u32);
+                    red << 16 | green << 8 | blue
+                };
+                let (fill, stroke) = (shade(0.42, 0.58), shade(0.32, 0.48));
+                text.put(format_args!(
+                    "<path d=\"M{:.1} {:.1}L{:.1} {:.1} {:.1} {:.1} {:.1} {:.1}Z\" \
+                     fill=\"#{fill:06x}\" stroke=\"#{stroke:06x}\" stroke-width=\".5\"/>\n",
+                    a.0, a.1, b.0, b.1, c.0, c.1, d.0, d.1
+                ));
+            }
+            Self::Edge(ends) => {
+                let [a, b] = ends.map(|end| canvas.pixel(end));
+                text.put(format_args!(
+                    "<path class=\"net\" d=\"M{:.1} {:.1}L{:.1} {:.1}\"/>\n",
+                    a.0, a.1, b.0, b.1
+                ));
+            }
+            Self::Dot(place) => {
+                let (x, y) = canvas.pixel(*place);
+                text.put(format_args!(
+                    "<circle class=\"data\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\"/>\n"
+                ));
+            }
+        }
+    }
+}
+
+fn mean(places: &[Projected]) -> f64 {
+    places.iter().map(|place| place.depth).sum::<f64>() / places.len() as f64
+}
