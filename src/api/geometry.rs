@@ -7,12 +7,15 @@ use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
+use super::export::{self, Representation};
 use super::options::form::{Digits, Encoding, Form, View};
 use super::options::{StreamParameters, ViewParameters};
 use super::problem::{Kind, Problem};
 use super::{App, encode, jobs, negotiate, no_store, view};
+use crate::export::Format;
 use crate::fit::iteration::Iteration;
 use crate::fit::limit::{MOST_ADJUSTED, NoLimit, local_limit};
+use crate::fit::points::Grid;
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
@@ -26,13 +29,19 @@ pub async fn iteration(
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let (job, form) = job_and_form(&app, &id, &uri, &headers).await?;
+    let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
     let k = match k.as_str() {
         "last" => last_level(&job)?,
         k => level_number(k)?,
     };
     match Cursor::new(Arc::clone(&job), k).next().await? {
-        Next::Frame(frame) => Ok(json_response(encode::frame(&job, &frame, &form).await?)),
+        Next::Frame(frame) => match wanted {
+            Wanted::Json(form) => Ok(json_response(encode::frame(&job, &frame, &form).await?)),
+            Wanted::File(format, samples) => {
+                let points = Arc::clone(&frame.control_points);
+                export::file(&job, frame.level.iteration, points, format, samples).await
+            }
+        },
         Next::End(status) => {
             let reached = status.levels.map(|levels| levels.last.iteration);
             let detail = match reached {
@@ -70,17 +79,23 @@ pub async fn result(
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let (job, form) = job_and_form(&app, &id, &uri, &headers).await?;
-    if form.digits == Digits::Auto {
-        let detail = "a result has all digits; rounded ones are for iterations";
-        return Err(Problem::at_parameter("digits", detail));
-    }
+    let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
     let status = job.status();
     let (Some(Levels { last: level, .. }), Some(points)) = (status.levels, job.result().await?)
     else {
         let detail = format!("the job is {} and has no result", status.state);
         return Err(Problem::new(Kind::NoResult, detail));
     };
+    let form = match wanted {
+        Wanted::Json(form) => form,
+        Wanted::File(format, samples) => {
+            return export::file(&job, level.iteration, points, format, samples).await;
+        }
+    };
+    if form.digits == Digits::Auto {
+        let detail = "a result has all digits; rounded ones are for iterations";
+        return Err(Problem::at_parameter("digits", detail));
+    }
     if form.view != View::ControlPoints {
         let frame = Arc::new(Frame::last(level, points));
         return Ok(json_response(encode::frame(&job, &frame, &form).await?));
@@ -125,22 +140,32 @@ pub async fn limit(
     })
 }
 
-async fn job_and_form(
+/// What a client wants of a level.
+enum Wanted {
+    Json(Form),
+    File(Format, Option<Grid>),
+}
+
+async fn job_and_wanted(
     app: &App,
     id: &str,
     uri: &Uri,
     headers: &HeaderMap,
-) -> Result<(Arc<Job>, Form), Problem> {
-    negotiate::json(headers)?;
-    let job = jobs::find(app, id).await?;
+) -> Result<(Arc<Job>, Wanted), Problem> {
     let parameters: ViewParameters = negotiate::query(uri)?;
+    let representation = export::representation(headers, parameters.format.as_deref())?;
+    let job = jobs::find(app, id).await?;
+    if let Representation::File(format) = representation {
+        let samples = parameters.samples_of_file(job.outline().surface)?;
+        return Ok((job, Wanted::File(format, samples)));
+    }
     let parameters = StreamParameters::from(parameters);
     let form = parameters.form(job.outline().surface)?;
     if form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         parameters.check_range(None, &problem)?;
     }
-    Ok((job, form))
+    Ok((job, Wanted::Json(form)))
 }
 
 fn last_level(job: &Job) -> Result<usize, Problem> {

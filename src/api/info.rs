@@ -13,6 +13,7 @@ use super::numbers::MAX_DIMENSION;
 use super::options::form::MOST_SAMPLES;
 use super::options::{MOST_MILESTONES, StreamParameters};
 use super::problem::{Kind, Problem};
+use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
 
 /// `GET /`
@@ -35,6 +36,8 @@ pub async fn index() -> Json<Value> {
 /// `GET /v1/capabilities`
 pub async fn capabilities(State(app): State<App>) -> Json<Value> {
     let config = &app.config;
+    let files = Format::ALL.map(Format::media_type);
+    let results: Vec<_> = ["application/json"].into_iter().chain(files).collect();
     Json(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "geometry": ["curve", "surface"],
@@ -60,7 +63,7 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "stream": StreamParameters::NAMES,
         "formats": {
             "events": ["text/event-stream", "application/x-ndjson"],
-            "result": ["application/json"],
+            "result": results,
         },
         "limits": {
             "body_bytes": config.max_body.as_u64(),

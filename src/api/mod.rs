@@ -8,7 +8,7 @@
 //! - [`create`]: new jobs and edits; [`jobs`]: list, get, cancel, delete;
 //! - [`events`]: a job as a stream of events;
 //! - [`milestones`]: which iterations a stream shows that is asked for the progress alone;
-//! - [`geometry`]: single iterations and results;
+//! - [`geometry`]: single iterations and results; [`export`]: as files;
 //! - [`options`]: query parameters that say what to show, and the defaults that jobs set;
 //! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
 //! - [`info`]: capabilities, health, the catalogue of problems;
@@ -18,6 +18,7 @@ pub mod body;
 pub mod create;
 pub mod encode;
 pub mod events;
+pub mod export;
 pub mod geometry;
 pub mod info;
 pub mod jobs;

@@ -59,7 +59,7 @@ pub fn json(headers: &HeaderMap) -> Result<(), Problem> {
 }
 
 /// The first of the representations that the Accept header likes best.
-fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
+pub fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
     let mut given = Vec::new();
     for value in headers.get_all(header::ACCEPT) {
         let text = value

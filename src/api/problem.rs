@@ -25,6 +25,7 @@ pub enum Kind {
     NoSuchIteration,
     NoResult,
     NoLimit,
+    NoExport,
     MethodNotAllowed,
     NotAcceptable,
     BodyTimeout,
@@ -54,7 +55,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::NotJson,
         Self::InvalidRequest,
         Self::InvalidFit,
@@ -63,6 +64,7 @@ impl Kind {
         Self::NoSuchIteration,
         Self::NoResult,
         Self::NoLimit,
+        Self::NoExport,
         Self::MethodNotAllowed,
         Self::NotAcceptable,
         Self::BodyTimeout,
@@ -138,6 +140,12 @@ impl Kind {
                 S::CONFLICT,
                 "The job has no limit to be computed",
                 "The closed form of the limit is for local fits that adjust not too many points.",
+            ),
+            Self::NoExport => (
+                "no-export",
+                S::CONFLICT,
+                "The curve or surface cannot be written in this format",
+                "The format cannot say what was fitted; detail tells why and what to do instead.",
             ),
             Self::MethodNotAllowed => (
                 "method-not-allowed",

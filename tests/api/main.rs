@@ -21,6 +21,7 @@ mod durable;
 mod edits;
 mod encodings;
 mod examples;
+mod exports;
 mod facts;
 mod goldens;
 mod http;

@@ -124,7 +124,7 @@ pub(super) fn view(
 }
 
 /// `200` for a curve, `40x40` for a surface.
-fn sample_grid(given: Given<'_>, surface: bool) -> Result<Grid, Problem> {
+pub(super) fn sample_grid(given: Given<'_>, surface: bool) -> Result<Grid, Problem> {
     let text = given.text;
     let parsed = match (text.split_once('x'), surface) {
         (None, false) => text.parse().ok().map(|rows| Grid { rows, columns: 1 }),

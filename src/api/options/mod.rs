@@ -13,6 +13,7 @@ use serde::Deserialize;
 
 use super::negotiate::plain_number;
 use super::problem::Problem;
+use crate::fit::points::Grid;
 use crate::fit::problem as fit;
 use form::{Digits, Encoding, Form, View};
 use given::{Conflict, Given, Sources};
@@ -25,6 +26,8 @@ pub const MOST_MILESTONES: usize = 100;
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ViewParameters {
+    /// `json`, or a file format.
+    pub format: Option<String>,
     view: Option<String>,
     samples: Option<String>,
     encoding: Option<String>,
@@ -63,6 +66,32 @@ pub struct StreamOptions {
     pub latest: bool,
     /// The job ends with its client.
     pub cancels: bool,
+}
+
+impl ViewParameters {
+    /// How many samples a file should have; what is about JSON is refused.
+    pub fn samples_of_file(&self, surface: bool) -> Result<Option<Grid>, Problem> {
+        let json = [
+            ("view", &self.view),
+            ("encoding", &self.encoding),
+            ("digits", &self.digits),
+        ];
+        if let Some((name, _)) = json.iter().find(|(_, value)| value.is_some()) {
+            return Err(Problem::at_parameter(
+                *name,
+                "it is about JSON, not about files",
+            ));
+        }
+        let parameters = StreamParameters {
+            samples: self.samples.clone(),
+            ..StreamParameters::default()
+        };
+        let job = StreamParameters::default();
+        let given = Sources::new(&parameters, &job).get("samples");
+        given
+            .map(|given| form::sample_grid(given, surface))
+            .transpose()
+    }
 }
 
 impl From<ViewParameters> for StreamParameters {

@@ -1,0 +1,115 @@
+//! Iterations and results as files: which format a client wants, and what it gets.
+
+use std::sync::Arc;
+
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+
+use super::negotiate;
+use super::no_store;
+use super::problem::{Kind, Problem};
+use crate::export::{ExportError, Fitted, Format, UnknownFormat, write};
+use crate::fit::iteration::Iteration;
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem as fit;
+use crate::fit::system::System;
+use crate::job::Job;
+use crate::job::scheduler::Lane;
+
+/// Multiplications up to which the levels before are computed for a drawing of their errors.
+const HISTORY: usize = 200_000_000;
+
+/// Writing a number takes about as long as so many multiplications.
+const OPERATIONS_PER_NUMBER: usize = 100;
+
+/// How a level is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Representation {
+    /// As JSON.
+    Json,
+    /// As a file.
+    File(Format),
+}
+
+/// What the query says, or else the Accept header; JSON if neither does.
+pub fn representation(
+    headers: &HeaderMap,
+    format: Option<&str>,
+) -> Result<Representation, Problem> {
+    match format {
+        Some("json") => Ok(Representation::Json),
+        Some(name) => name
+            .parse()
+            .map(Representation::File)
+            .map_err(|error: UnknownFormat| {
+                Problem::at_parameter("format", format!("{error}, and json"))
+            }),
+        None => {
+            let files =
+                Format::ALL.map(|format| (format.media_type(), Representation::File(format)));
+            let json = [("application/json", Representation::Json)];
+            negotiate::choose(headers, &[json.as_slice(), files.as_slice()].concat())
+        }
+    }
+}
+
+/// A level of a job as a file.
+pub async fn file(
+    job: &Arc<Job>,
+    level: usize,
+    control_points: Arc<Points>,
+    format: Format,
+    samples: Option<Grid>,
+) -> Result<Response, Problem> {
+    let system = Arc::clone(job.system().await?);
+    let owner = Arc::clone(job);
+    let numbers = control_points.len() * control_points.dimension();
+    let lane = Lane::of(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let write = move || {
+        let problem = Arc::clone(system.problem());
+        let errors = match format {
+            Format::Svg => history(&problem, level, || system.get()),
+            _ => Vec::new(),
+        };
+        let outline = owner.outline();
+        let fitted = Fitted {
+            name: outline.label.name.as_deref(),
+            errors: &errors,
+            samples,
+            ..Fitted::new(&problem, &control_points, outline.created)
+        };
+        write(format, &fitted)
+    };
+    let scheduler = &job.resources().scheduler;
+    let bytes = scheduler.compute(lane, write).await??;
+    let name = format!("{}-{level}.{}", job.id(), format.extension());
+    let disposition = format!("inline; filename=\"{name}\"");
+    let mut response = no_store(bytes.into_response());
+    let headers = response.headers_mut();
+    headers.insert(
+        header::CONTENT_TYPE,
+        HeaderValue::from_static(format.media_type()),
+    );
+    let disposition = HeaderValue::from_str(&disposition).ok();
+    headers.extend(disposition.map(|value| (header::CONTENT_DISPOSITION, value)));
+    Ok(response)
+}
+
+/// The largest distances of the levels up to this one; none if they take too long to compute.
+fn history(problem: &fit::Problem, level: usize, system: impl FnOnce() -> Arc<System>) -> Vec<f64> {
+    if problem.step_cost().saturating_mul(level) > HISTORY {
+        return Vec::new();
+    }
+    let mut iteration = Iteration::start(system());
+    let mut errors = vec![iteration.level().error.max];
+    for _ in 0..level {
+        errors.push(iteration.step().error.max);
+    }
+    errors
+}
+
+impl From<ExportError> for Problem {
+    fn from(error: ExportError) -> Self {
+        Self::new(Kind::NoExport, error.to_string())
+    }
+}
