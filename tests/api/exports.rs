@@ -78,10 +78,7 @@ async fn files_have_the_numbers_of_the_iteration() {
             let digits = written.split(['E', '.', '-']).next().unwrap();
             assert!(step.contains(digits), "{x}");
         }
-        assert_eq!(
-            step.matches("CARTESIAN_POINT").count() >= points.len(),
-            true
-        );
+        assert!(step.matches("CARTESIAN_POINT").count() >= points.len());
     }
 }
 
