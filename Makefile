@@ -1,4 +1,8 @@
-.PHONY: run test lint tools fmt
+.PHONY: run test lint tools fmt files
+
+# Python packages that read the exported files.
+VENV := target/venv
+PYTHON := $(VENV)/bin/python
 
 # Serves on 127.0.0.1:8080.
 run:
@@ -7,6 +11,12 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
+	$(MAKE) files
+
+# Exported files, read by OpenCASCADE, OpenNURBS and others.
+files: $(VENV)/installed
+	$(PYTHON) tests/python/export_check.py --all target/tmp/export
+	$(PYTHON) tests/python/over_http.py target/debug/piad
 
 lint: tools
 	cargo fmt --check
@@ -21,3 +31,11 @@ tools:
 	  { apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev procps; }
 	@cargo fmt --version >/dev/null 2>&1 && cargo clippy --version >/dev/null 2>&1 || \
 	  rustup component add rustfmt clippy
+
+# cairosvg needs the cairo library, and OpenCASCADE an OpenGL library, of the system.
+$(VENV)/installed: tests/python/requirements.txt
+	@python3 -m venv $(VENV) && ldconfig -p | grep -q libcairo.so.2 && ldconfig -p | grep -q libGL.so.1 || \
+	  { apt-get update && apt-get install -y --no-install-recommends python3-venv libcairo2 libgl1; }
+	python3 -m venv $(VENV)
+	$(PYTHON) -m pip install --quiet -r $<
+	touch $@
