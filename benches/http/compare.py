@@ -1,0 +1,141 @@
+"""End to end over HTTP: piad beside the obvious alternative (fastapi_service.py), in one run.
+
+    compare.py PROGRAM [--quick]        # PROGRAM is target/release/piad
+
+Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second.
+Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, and peak memory.
+Needs wrk, and the packages of requirements.txt.
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PIAD, FASTAPI = 18480, 18490
+ITERATIONS = 50
+EVENTS = ITERATIONS + 3  # job, iterations 0 to 50, end
+
+
+def job(count: int) -> bytes:
+    """A rippled spiral in space."""
+    def point(i: int) -> list[float]:
+        t = 60.0 * i / count
+        r = 1.0 + t / 10.0 + 0.05 * math.sin(20.0 * t)
+        return [r * math.cos(t), r * math.sin(t), 0.3 * t]
+
+    points = [point(i) for i in range(count)]
+    stop = {"tolerance": 0, "max_iterations": ITERATIONS}
+    return json.dumps({"curve": {"points": points}, "stop": stop}).encode()
+
+
+def start(command: list[str], port: int) -> subprocess.Popen:
+    process = subprocess.Popen(command, cwd=HERE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    for _ in range(200):
+        try:
+            socket.create_connection(("127.0.0.1", port), 0.1).close()
+            return process
+        except OSError:
+            time.sleep(0.1)
+    raise SystemExit(f"{command[0]} has not started")
+
+
+def stop(process: subprocess.Popen) -> None:
+    os.killpg(process.pid, signal.SIGTERM)
+    process.wait()
+
+
+def servers(program: str) -> dict[str, tuple[list[str], int, str]]:
+    piad = [os.path.abspath(program), "--listen", f"127.0.0.1:{PIAD}", "--data-dir", ":memory:", "--log", "warn", "--retain-jobs", "10"]
+    fastapi = [sys.executable, "-m", "uvicorn", "fastapi_service:app", "--port", str(FASTAPI), "--workers", "2", "--log-level", "warning"]
+    return {"piad": (piad, PIAD, "/v1/jobs"), "fastapi": (fastapi, FASTAPI, "/fit")}
+
+
+def wrk(port: int, path: str, connections: int, seconds: int) -> float:
+    """Jobs per second."""
+    with tempfile.NamedTemporaryFile("w", suffix=".lua", delete=False) as script:
+        script.write('wrk.method = "POST"\nwrk.headers["Content-Type"] = "application/json"\n')
+        script.write('wrk.headers["Accept"] = "text/event-stream"\n')
+        script.write(f"wrk.body = [==[{job(100).decode()}]==]\n")
+    command = ["wrk", "-t1", f"-c{connections}", f"-d{seconds}s", "-s", script.name, f"http://127.0.0.1:{port}{path}"]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    os.unlink(script.name)
+    assert "Non-2xx" not in output, output
+    return float(re.search(r"Requests/sec:\s+([\d.]+)", output).group(1))
+
+
+def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
+    """Posts and reads everything; seconds to the first iteration and to the end, and bytes."""
+    head = f"POST {path} HTTP/1.0\r\nHost: x\r\nContent-Type: application/json\r\nAccept: text/event-stream\r\nContent-Length: {len(body)}\r\n\r\n"
+    connection = socket.create_connection(("127.0.0.1", port))
+    begin = time.perf_counter()
+    connection.sendall(head.encode() + body)
+    buffer = bytearray(1 << 20)
+    total, first, seen = 0, 0.0, b""
+    while count := connection.recv_into(buffer):
+        if not first:
+            seen = seen[-32:] + bytes(buffer[:count])
+            if b"event: iteration" in seen:
+                first = time.perf_counter() - begin
+        total += count
+    return first, time.perf_counter() - begin, total
+
+
+def peak(process: subprocess.Popen) -> int:
+    with open(f"/proc/{process.pid}/status") as status:
+        return int(re.search(r"VmHWM:\s+(\d+)", status.read()).group(1)) * 1024
+
+
+def small(program: str, seconds: int) -> None:
+    print(f"\n100 points, {ITERATIONS} iterations streamed as JSON")
+    print(f"{'connections':>12} {'server':>8} {'jobs/s':>9} {'events/s':>10} {'ratio':>6}")
+    for connections in (1, 16, 256):
+        rates = {}
+        for name, (command, port, path) in servers(program).items():
+            process = start(command, port)
+            wrk(port, path, connections, 1)
+            rates[name] = statistics.median(wrk(port, path, connections, seconds) for _ in range(3))
+            stop(process)
+        for name, rate in rates.items():
+            ratio = rate / rates["fastapi"]
+            print(f"{connections:>12} {name:>8} {rate:>9.0f} {rate * EVENTS:>10.0f} {ratio:>6.1f}")
+
+
+def large(program: str, counts: list[int]) -> None:
+    print(f"\none client, {ITERATIONS} iterations: seconds to the first and to the last of them, bytes, peak memory")
+    print(f"{'points':>9} {'server':>8} {'encoding':>12} {'first':>7} {'total':>7} {'MB':>6} {'ratio':>6} {'B/point':>8}")
+    for count in counts:
+        body = job(count)
+        base = None
+        for name, query in [("fastapi", ""), ("piad", ""), ("piad", "?digits=auto"), ("piad", "?encoding=base64"), ("piad", "?encoding=base64_f32")]:
+            command, port, path = servers(program)[name]
+            process = start(command, port)
+            runs = [read_all(port, path + query, body) for _ in range(1 if count > 100_000 else 3)]
+            first, total, size = sorted(runs, key=lambda run: run[1])[len(runs) // 2]
+            base = base or total
+            memory = f"{peak(process) / count:>8.0f}" if name == "piad" else f"{'':>8}"
+            stop(process)
+            form = query.partition("=")[2] or "json"
+            print(f"{count:>9} {name:>8} {form:>12} {first:>7.3f} {total:>7.3f} {size / 1e6:>6.0f} {base / total:>6.1f} {memory}", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("--quick", action="store_true", help="shorter runs, no million points")
+    given = parser.parse_args()
+    small(given.program, 2 if given.quick else 5)
+    large(given.program, [10_000, 100_000] if given.quick else [10_000, 100_000, 1_000_000])
+
+
+if __name__ == "__main__":
+    main()
