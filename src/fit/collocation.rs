@@ -11,7 +11,8 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use super::direction::Direction;
 use super::linear::Inverse;
-use super::linear::banded::{Banded, Columns};
+use super::linear::banded::Banded;
+use super::linear::columns::Columns;
 use super::linear::qr::Orthogonal;
 use super::points::Grid;
 use super::problem::Problem;
@@ -47,8 +48,9 @@ impl Collocation {
     pub fn memory(direction: &Direction) -> usize {
         let (rows, columns) = (direction.parameters.len(), direction.free());
         if direction.basis.is_local() {
-            let width = direction.basis.support_width().min(columns);
-            rows * (width * size_of::<f64>() + size_of::<u32>())
+            // One zero more where that makes rows alike.
+            let width = (direction.basis.support_width() + 1).min(columns);
+            rows * width * size_of::<f64>()
         } else {
             2 * rows * columns * size_of::<f64>()
         }
@@ -126,10 +128,7 @@ impl Collocation {
     /// The entries by columns.
     fn by_columns(&self) -> Columns {
         match self {
-            Self::Banded(banded) => {
-                let row = |i| banded.row(i).map(move |(j, value)| (i, j, value));
-                Columns::new(banded.columns(), (0..banded.rows()).flat_map(row))
-            }
+            Self::Banded(banded) => Columns::new(banded.columns(), banded.entries()),
             Self::Dense { matrix, .. } => {
                 let row = |i| (0..matrix.ncols()).map(move |j| (i, j, matrix[(i, j)]));
                 Columns::new(matrix.ncols(), (0..matrix.nrows()).flat_map(row))
@@ -513,7 +512,7 @@ mod tests {
                 collocation.orthogonal().apply(&mut lines);
                 let upper = DMatrix::from_column_slice(n, n, &lines);
                 // Closed curves are factorized in a folded order.
-                let fold = crate::fit::linear::banded::folded(n);
+                let fold = crate::fit::linear::folded(n);
                 let wraps = matches!(&collocation, Collocation::Banded(b) if b.is_cyclic());
                 let place = |i| if wraps { fold(i) } else { i };
                 for i in 0..n {

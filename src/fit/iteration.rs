@@ -67,6 +67,7 @@ impl Iteration {
         };
         let mut norms = Norms::new(
             data,
+            problem.grid(),
             problem.diagonal(),
             problem.is_homogeneous(),
             update::counted(&system),

@@ -28,7 +28,7 @@
 //! - [`spectrum`]: eigenvalues and rates;
 //! - [`system`]: the collocation matrix with its transform `U`;
 //! - [`mod@update`]: the steps of the methods;
-//! - [`norms`], [`iteration`]: the loop, its errors and its stop rules;
+//! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
 //! - [`geometry`]: the curve or surface of some control points: evaluation and sampling;
 //! - [`limit`]: where local fits end, in closed form.
 //!
@@ -41,6 +41,7 @@
 //! a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
 pub mod basis;
+pub mod blocks;
 pub mod collocation;
 pub mod direction;
 pub mod geometry;

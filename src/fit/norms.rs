@@ -1,10 +1,9 @@
 //! Distances of a curve from its data, block by block: after a local update only the blocks that it
-//! has touched are measured again.
+//! has touched are measured again, and blocks can be measured anywhere and in any order, with the
+//! same errors to the last bit.
 
-use super::points::Points;
-
-/// Points of a block.
-const BLOCK: usize = 256;
+use super::blocks::{BLOCK, Block, Blocks};
+use super::points::{Grid, Points};
 
 /// Distances of the curve from the data, in data units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,25 +37,15 @@ pub struct Norms {
     /// Which points count; all, if there is none.
     counted: Option<Vec<bool>>,
     count: usize,
+    layout: Blocks,
     blocks: Vec<Block>,
-}
-
-/// Norms of the points of a block, of scaled squares.
-#[derive(Clone, Copy, Debug, Default)]
-struct Block {
-    max: f64,
-    at: usize,
-    squares: f64,
-    roots: f64,
-    rest_max: f64,
-    homogeneous_max: f64,
-    homogeneous_squares: f64,
 }
 
 impl Norms {
     /// For data with the given bounding diagonal; `counted` says which points count.
     pub fn new(
         data: &Points,
+        grid: Grid,
         diagonal: f64,
         homogeneous: bool,
         counted: Option<Vec<bool>>,
@@ -67,13 +56,15 @@ impl Norms {
         // Equal points leave rounding errors of their magnitude.
         let noise = magnitude(data, homogeneous) * f64::EPSILON;
         let homogeneous_noise = data.magnitude() * f64::EPSILON;
+        let layout = Blocks::new(grid);
         Self {
             scale: normalizing_scale(diagonal.max(noise)),
             homogeneous_scale: normalizing_scale(data.bounding_diagonal().max(homogeneous_noise)),
             homogeneous,
             counted,
             count,
-            blocks: vec![Block::default(); data.len().div_ceil(BLOCK)],
+            layout,
+            blocks: vec![Block::default(); layout.count()],
         }
     }
 
@@ -93,7 +84,7 @@ impl Norms {
         changed: &[usize],
     ) -> FitError {
         let mut last = None;
-        for index in changed.iter().map(|point| point / BLOCK) {
+        for index in changed.iter().map(|&point| self.layout.of(point)) {
             if last != Some(index) {
                 self.blocks[index] = self.block(index, data, residual);
                 last = Some(index);
@@ -120,64 +111,69 @@ impl Norms {
     }
 
     fn error(&self) -> FitError {
-        let mut total = Block::default();
-        for block in &self.blocks {
-            if block.max > total.max {
-                total.max = block.max;
-                total.at = block.at;
-            }
-            total.squares += block.squares;
-            total.roots += block.roots;
-            total.rest_max = total.rest_max.max(block.rest_max);
-            total.homogeneous_max = total.homogeneous_max.max(block.homogeneous_max);
-        }
-        let length = |square: f64| square.sqrt() / self.scale;
+        let total = Block::total(&self.blocks);
         FitError {
-            max: length(total.max),
-            at: total.at,
-            rms: length(total.squares / self.count.max(1) as f64),
-            sum: total.roots / self.scale,
-            fixed_max: self.counted.as_ref().map(|_| length(total.rest_max)),
+            fixed_max: self.counted.as_ref().map(|_| self.length(total.rest_max)),
             homogeneous: self
                 .homogeneous
                 .then(|| total.homogeneous_max.sqrt() / self.homogeneous_scale),
+            ..self.error_of(&total)
+        }
+    }
+
+    /// The error of a fit of which all points count, from all its blocks taken together.
+    pub fn error_of(&self, total: &Block) -> FitError {
+        FitError {
+            max: self.length(total.max),
+            at: total.at,
+            rms: self.length(total.squares / self.count.max(1) as f64),
+            sum: total.roots / self.scale,
+            fixed_max: None,
+            homogeneous: None,
             gradient: None,
         }
     }
 
-    fn counts(&self, index: usize) -> bool {
-        self.counted.as_ref().is_none_or(|counted| counted[index])
+    /// The power of two that residuals are multiplied with before they are squared.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    fn length(&self, square: f64) -> f64 {
+        square.sqrt() / self.scale
     }
 
     fn block(&self, index: usize, data: &Points, residual: &Points) -> Block {
-        let start = index * BLOCK;
-        let length = BLOCK.min(residual.len() - start);
+        let points = self.layout.points(index);
+        let start = points.start;
         let mut buffer = [0.0; BLOCK];
-        let squares = &mut buffer[..length];
+        let squares = &mut buffer[..points.len()];
         self.squares(start, data, residual, squares);
-        let mut block = Block::default();
-        for (i, &square) in squares.iter().enumerate() {
-            if !self.counts(start + i) {
-                block.rest_max = block.rest_max.max(square);
-                continue;
-            }
-            if square > block.max {
-                block.max = square;
-                block.at = start + i;
-            }
-            block.squares += square;
-            block.roots += square.sqrt();
-        }
+        let rest_max = self.take_out_uncounted(start, squares);
+        let mut block = Block::of(start, squares);
+        block.rest_max = rest_max;
         if self.homogeneous {
             sum_squares(residual.lanes(), start, self.homogeneous_scale, squares);
-            for (i, &square) in squares.iter().enumerate() {
-                if self.counts(start + i) {
-                    block.homogeneous_max = block.homogeneous_max.max(square);
-                    block.homogeneous_squares += square;
-                }
-            }
+            self.take_out_uncounted(start, squares);
+            let homogeneous = Block::of(start, squares);
+            block.homogeneous_max = homogeneous.max;
+            block.homogeneous_squares = homogeneous.squares;
         }
         block
+    }
+
+    /// Makes the distances of points that do not count zero, and returns the largest of them.
+    fn take_out_uncounted(&self, start: usize, squares: &mut [f64]) -> f64 {
+        let Some(counted) = &self.counted else {
+            return 0.0;
+        };
+        let uncounted = squares
+            .iter_mut()
+            .zip(&counted[start..])
+            .filter(|(_, counts)| !**counts);
+        uncounted.fold(0.0, |largest, (square, _)| {
+            std::mem::take(square).max(largest)
+        })
     }
 
     /// Scaled squared distances of consecutive points.

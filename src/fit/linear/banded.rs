@@ -1,60 +1,133 @@
 //! Matrices whose rows hold a few consecutive entries each, possibly around the end.
+//!
+//! Nearly everywhere the entries of the next row start one column further on. Such *stretches* of
+//! rows are multiplied many rows at a time: entry k of all rows stands in one array, so that each
+//! product is one of arrays. The order of the sum is that of a single row, whatever the path.
+
+use std::ops::Range;
 
 /// A matrix with `width` consecutive entries in each row. In matrices of closed curves the columns
 /// are cyclic: behind the last one the first follows.
 #[derive(Clone, Debug)]
 pub struct Banded {
+    rows: usize,
     columns: usize,
     width: usize,
-    /// The column of the first entry of each row.
-    first: Vec<u32>,
-    /// The entries, row by row.
-    values: Vec<f64>,
+    /// The first entries of all rows, then the second ones, …
+    entries: Vec<f64>,
+    stretches: Vec<Stretch>,
+}
+
+/// Rows from `start` on to the next stretch, whose entries start `offset` columns behind the
+/// diagonal; not reduced by the period of a cyclic matrix.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    start: u32,
+    offset: i32,
+}
+
+/// Where a row has entries that are not zero: columns `offset .. offset + length` behind the
+/// diagonal.
+#[derive(Clone, Copy)]
+struct Filled {
+    /// The first of them in the row as it is given.
+    low: usize,
+    length: usize,
+    offset: i32,
+}
+
+/// Stretches of fewer rows than this, on average, are worth zeros that join them.
+const LONG: usize = 64;
+
+/// Shorter parts of stretches are multiplied row by row.
+const SHORT: usize = 8;
+
+/// So many stretches are few, whatever their length: rows at the ends have their own.
+const FEW: usize = 16;
+
+impl Filled {
+    /// Of row `i`, which starts at column `start`.
+    fn new(i: usize, row: &[f64], start: usize, columns: usize, cyclic: bool) -> Self {
+        let low = row.iter().position(|&x| x != 0.0).unwrap_or(0);
+        let high = row.iter().rposition(|&x| x != 0.0).unwrap_or(0);
+        let mut offset = ((start + low) % columns) as i32 - i as i32;
+        if cyclic {
+            // The shorter way around.
+            let (columns, half) = (columns as i32, columns as i32 / 2);
+            offset = (offset + half).rem_euclid(columns) - half;
+        }
+        Self {
+            low,
+            length: high + 1 - low,
+            offset,
+        }
+    }
+}
+
+/// Joins rows of equal offsets. With `room`, rows start at that column at the latest and at the
+/// first one at the earliest.
+fn stretches(offsets: impl Iterator<Item = i32>, room: Option<usize>) -> Vec<Stretch> {
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for (i, offset) in offsets.enumerate() {
+        let offset = match room {
+            Some(room) => (i as i32 + offset).clamp(0, room as i32) - i as i32,
+            None => offset,
+        };
+        if stretches.last().is_none_or(|last| last.offset != offset) {
+            let start = i as u32;
+            stretches.push(Stretch { start, offset });
+        }
+    }
+    stretches
 }
 
 impl Banded {
     /// Packs rows of `support` entries, which start at the given columns, to the width of the
-    /// widest: zeros at the ends of rows are left out.
+    /// widest: zeros at the ends of rows are left out, unless a few of them make the stretches long.
     pub fn pack(wide: &[f64], support: usize, starts: &[usize], columns: usize) -> Self {
-        let rows = || wide.chunks_exact(support).zip(starts);
-        let filled = |row: &[f64]| {
-            let low = row.iter().position(|&x| x != 0.0).unwrap_or(0);
-            let high = row.iter().rposition(|&x| x != 0.0).unwrap_or(0);
-            (low, high + 1)
-        };
-        let width = rows()
-            .map(|(row, _)| filled(row))
-            .map(|(low, high)| high - low)
-            .max()
-            .unwrap_or(1);
+        let rows = starts.len();
+        let given = || wide.chunks_exact(support).zip(starts).enumerate();
+        let cyclic = given().any(|(i, (row, &start))| {
+            let filled = Filled::new(i, row, start % columns, columns, false);
+            (i as i32 + filled.offset) as usize + filled.length > columns
+        });
+        let filled: Vec<Filled> = given()
+            .map(|(i, (row, &start))| Filled::new(i, row, start, columns, cyclic))
+            .collect();
+        let width = filled.iter().map(|it| it.length).max().unwrap_or(1);
+        let room = |width| (!cyclic).then(|| columns - width);
         let mut packed = Self {
+            rows,
             columns,
             width,
-            first: Vec::with_capacity(starts.len()),
-            values: Vec::with_capacity(starts.len() * width),
+            entries: Vec::new(),
+            stretches: stretches(filled.iter().map(|it| it.offset), room(width)),
         };
-        for (row, &start) in rows() {
-            let (low, high) = filled(row);
-            // Rows near the end start earlier if that keeps them within the columns.
-            let column = (start + low) % columns;
-            let fits = column + (high - low) <= columns;
-            let first = if fits {
-                column.min(columns - width)
-            } else {
-                column
-            };
-            let lead = column - first;
-            let begin = packed.values.len();
-            packed.first.push(first as u32);
-            packed.values.resize(begin + width, 0.0);
-            packed.values[begin + lead..begin + lead + high - low].copy_from_slice(&row[low..high]);
+        let lowest = filled.iter().map(|it| it.offset).min().unwrap_or(0);
+        let ends = filled.iter().map(|it| it.offset + it.length as i32);
+        let uniform = (ends.max().unwrap_or(1) - lowest) as usize;
+        if packed.stretches.len() > FEW + rows / LONG && uniform <= (width + 1).min(columns) {
+            packed.width = uniform;
+            packed.stretches = stretches(filled.iter().map(|_| lowest), room(uniform));
+        }
+        packed.entries = vec![0.0; rows * packed.width];
+        let mut stretches = packed.stretches.iter().peekable();
+        let mut first = 0;
+        for (i, (filled, (_, (row, _)))) in filled.iter().zip(given()).enumerate() {
+            if let Some(stretch) = stretches.next_if(|stretch| stretch.start as usize == i) {
+                first = stretch.offset;
+            }
+            let lead = (filled.offset - first) as usize;
+            for (k, value) in row[filled.low..][..filled.length].iter().enumerate() {
+                packed.entries[(lead + k) * rows + i] = *value;
+            }
         }
         packed
     }
 
     /// The number of rows.
     pub fn rows(&self) -> usize {
-        self.first.len()
+        self.rows
     }
 
     /// The number of columns.
@@ -69,29 +142,76 @@ impl Banded {
 
     /// Whether some row goes around the end.
     pub fn is_cyclic(&self) -> bool {
-        self.first
+        self.spans(0..self.rows).any(|(offset, span)| {
+            let (first, last) = (span.start as i32, span.end as i32 - 1);
+            first + offset < 0 || last + offset + self.width as i32 > self.columns as i32
+        })
+    }
+
+    /// How far the entries of a row reach before and behind the diagonal, at most.
+    pub fn reach(&self) -> usize {
+        let width = self.width as i32;
+        let reaches = self
+            .stretches
             .iter()
-            .any(|&first| first as usize + self.width > self.columns)
+            .map(|it| (it.offset + width - 1).max(-it.offset));
+        reaches.max().unwrap_or(0).max(0) as usize
+    }
+
+    /// The parts of some rows with equal offsets from the diagonal, and these offsets.
+    fn spans(&self, rows: Range<usize>) -> impl Iterator<Item = (i32, Range<usize>)> + Clone + '_ {
+        let behind = self
+            .stretches
+            .partition_point(|it| it.start as usize <= rows.start);
+        let stretches = &self.stretches[behind.saturating_sub(1)..];
+        let ends = stretches.iter().skip(1).map(|next| next.start as usize);
+        let ends = ends.chain(std::iter::once(self.rows));
+        stretches
+            .iter()
+            .zip(ends)
+            .map(move |(stretch, end)| {
+                let start = rows.start.max(stretch.start as usize);
+                (stretch.offset, start..end.min(rows.end))
+            })
+            .take_while(|(_, span)| !span.is_empty())
     }
 
     /// The entries of row `i`: columns and values.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
-        let first = self.first[i] as usize;
-        let values = &self.values[i * self.width..(i + 1) * self.width];
-        values
-            .iter()
-            .enumerate()
-            .map(move |(k, &value)| ((first + k) % self.columns, value))
+        let behind = self.stretches.partition_point(|it| it.start as usize <= i);
+        let offset = self
+            .stretches
+            .get(behind.wrapping_sub(1))
+            .map_or(0, |it| it.offset);
+        self.row_from(i, offset)
+    }
+
+    fn row_from(&self, i: usize, offset: i32) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
+        let first = (i as i64 + i64::from(offset)).rem_euclid(self.columns as i64) as usize;
+        (0..self.width).map(move |k| {
+            let column = first + k;
+            let column = if column < self.columns {
+                column
+            } else {
+                column - self.columns
+            };
+            (column, self.entries[k * self.rows + i])
+        })
+    }
+
+    /// All entries, row by row: rows, columns and values.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + Clone + '_ {
+        self.spans(0..self.rows).flat_map(move |(offset, span)| {
+            span.flat_map(move |i| {
+                self.row_from(i, offset)
+                    .map(move |(j, value)| (i, j, value))
+            })
+        })
     }
 
     /// The diagonal, if all entries on one side of it are zero.
     pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
-        let entries = || {
-            let row = |i| self.row(i).map(move |(j, value)| (i, j, value));
-            (0..self.rows())
-                .flat_map(row)
-                .filter(|&(.., value)| value != 0.0)
-        };
+        let entries = || self.entries().filter(|&(.., value)| value != 0.0);
         let triangular = entries().all(|(i, j, _)| i >= j) || entries().all(|(i, j, _)| i <= j);
         triangular.then(|| {
             let mut diagonal = vec![0.0; self.columns];
@@ -102,54 +222,99 @@ impl Banded {
         })
     }
 
-    /// `y = B x`, with the inner loop unrolled for the usual widths.
+    /// `y = B x`.
     pub fn apply(&self, x: &[f64], y: &mut [f64]) {
+        self.apply_rows(0..self.rows, x, 0, y);
+    }
+
+    /// `y = B x` for some rows, with the inner loop unrolled for the usual widths. The columns
+    /// that these rows need are `x`, which starts with column `base`: a cyclic matrix may need
+    /// columns before the first or behind the last one, and wraps around if `x` is all columns.
+    #[inline(always)]
+    pub fn apply_rows(&self, rows: Range<usize>, x: &[f64], base: i64, y: &mut [f64]) {
         match self.width {
-            1 => self.apply_width::<1>(x, y),
-            2 => self.apply_width::<2>(x, y),
-            3 => self.apply_width::<3>(x, y),
-            4 => self.apply_width::<4>(x, y),
-            5 => self.apply_width::<5>(x, y),
-            6 => self.apply_width::<6>(x, y),
+            1 => self.apply_width::<1>(rows, x, base, y),
+            2 => self.apply_width::<2>(rows, x, base, y),
+            3 => self.apply_width::<3>(rows, x, base, y),
+            4 => self.apply_width::<4>(rows, x, base, y),
+            5 => self.apply_width::<5>(rows, x, base, y),
+            6 => self.apply_width::<6>(rows, x, base, y),
+            7 => self.apply_width::<7>(rows, x, base, y),
             _ => {
-                for (i, y) in y.iter_mut().enumerate() {
-                    *y = self.dot_row(i, x);
+                let start = rows.start;
+                for (offset, span) in self.spans(rows) {
+                    for i in span {
+                        y[i - start] = self.dot_row(i, offset, x, base);
+                    }
                 }
             }
         }
     }
 
-    fn apply_width<const W: usize>(&self, x: &[f64], y: &mut [f64]) {
-        let (rows, _) = self.values.as_chunks::<W>();
-        for (i, ((y, row), &first)) in y.iter_mut().zip(rows).zip(&self.first).enumerate() {
-            let first = first as usize;
-            *y = match x.get(first..first + W) {
-                Some(x) => row.iter().zip(x).fold(0.0, |sum, (a, b)| sum + a * b),
-                None => self.dot_row(i, x),
-            };
+    #[inline(always)]
+    fn apply_width<const W: usize>(&self, rows: Range<usize>, x: &[f64], base: i64, y: &mut [f64]) {
+        let start = rows.start;
+        for (offset, span) in self.spans(rows) {
+            let (length, width) = (x.len() as i64, W as i64);
+            // Rows whose columns lie within x: all, but for the ends of cyclic matrices.
+            let inside = |i: i64| i.clamp(span.start as i64, span.end as i64);
+            let low = inside(base - i64::from(offset)) as usize;
+            let high =
+                inside(base - i64::from(offset) + length - width + 1).max(low as i64) as usize;
+            for i in (span.start..low).chain(high..span.end) {
+                y[i - start] = self.dot_row(i, offset, x, base);
+            }
+            if high - low < SHORT {
+                for i in low..high {
+                    let x = &x[(i as i64 + i64::from(offset) - base) as usize..];
+                    let entry = |k| self.entries[k * self.rows + i] * x[k];
+                    y[i - start] = (1..W).fold(entry(0), |sum, k| sum + entry(k));
+                }
+            } else {
+                let x = &x[(low as i64 + i64::from(offset) - base) as usize..];
+                let b: [&[f64]; W] = std::array::from_fn(|k| &self.entries[k * self.rows + low..]);
+                multiply(b, x, &mut y[low - start..high - start]);
+            }
         }
     }
 
-    fn dot_row(&self, i: usize, x: &[f64]) -> f64 {
-        self.row(i).fold(0.0, |sum, (j, value)| sum + value * x[j])
+    fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
+        let first = i as i64 + i64::from(offset) - base;
+        let dot = |x: &mut dyn Iterator<Item = f64>| {
+            let entries = self.entries[i..].iter().step_by(self.rows);
+            let products = entries.zip(x).map(|(b, x)| b * x);
+            products.reduce(|sum, product| sum + product).unwrap_or(0.0)
+        };
+        match usize::try_from(first)
+            .ok()
+            .and_then(|first| x.get(first..first + self.width))
+        {
+            Some(x) => dot(&mut x.iter().copied()),
+            None => {
+                let column = |k| (first + k as i64).rem_euclid(x.len() as i64) as usize;
+                dot(&mut (0..self.width).map(|k| x[column(k)]))
+            }
+        }
     }
 
     /// `y = Bᵀ x`.
     pub fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        for (i, x) in x.iter().enumerate() {
-            for (j, value) in self.row(i) {
-                y[j] += value * x;
-            }
+        for (i, j, value) in self.entries() {
+            y[j] += value * x[i];
         }
     }
 
     /// `Y = B X` for a row-major X with lines of the given length.
     pub fn apply_across(&self, x: &[f64], y: &mut [f64], line: usize) {
         for (i, y) in y.chunks_exact_mut(line).enumerate() {
-            y.fill(0.0);
-            for (j, value) in self.row(i) {
-                add_multiple(y, value, &x[j * line..(j + 1) * line]);
+            for (k, (j, value)) in self.row(i).enumerate() {
+                let x = &x[j * line..(j + 1) * line];
+                if k == 0 {
+                    y.iter_mut().zip(x).for_each(|(y, x)| *y = value * x);
+                } else {
+                    add_multiple(y, value, x);
+                }
             }
         }
     }
@@ -165,129 +330,23 @@ impl Banded {
     }
 }
 
+/// `y_r = Σ_k b_k,r x_{r+k}`.
+#[inline(always)]
+fn multiply<const W: usize>(b: [&[f64]; W], x: &[f64], y: &mut [f64]) {
+    let n = y.len();
+    let b: [&[f64]; W] = std::array::from_fn(|k| &b[k][..n]);
+    let x: [&[f64]; W] = std::array::from_fn(|k| &x[k..k + n]);
+    for r in 0..n {
+        let mut sum = b[0][r] * x[0][r];
+        for k in 1..W {
+            sum += b[k][r] * x[k][r];
+        }
+        y[r] = sum;
+    }
+}
+
 fn add_multiple(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += factor * x;
-    }
-}
-
-/// The entries of a matrix column by column, for updates by single columns.
-#[derive(Clone, Debug)]
-pub struct Columns {
-    /// Where the entries of each column start, and where the last one ends.
-    starts: Vec<usize>,
-    entries: Vec<(u32, f64)>,
-}
-
-impl Columns {
-    /// Sorts entries (row, column, value) that come row by row.
-    pub fn new(columns: usize, entries: impl Iterator<Item = (usize, usize, f64)> + Clone) -> Self {
-        let nonzero = || entries.clone().filter(|&(.., value)| value != 0.0);
-        let mut starts = vec![0; columns + 1];
-        for (_, j, _) in nonzero() {
-            starts[j + 1] += 1;
-        }
-        for j in 0..columns {
-            starts[j + 1] += starts[j];
-        }
-        let mut next = starts.clone();
-        let mut sorted = vec![(0, 0.0); starts[columns]];
-        for (i, j, value) in nonzero() {
-            sorted[next[j]] = (i as u32, value);
-            next[j] += 1;
-        }
-        Self {
-            starts,
-            entries: sorted,
-        }
-    }
-
-    /// The entries of column `j`: rows and values.
-    pub fn column(&self, j: usize) -> &[(u32, f64)] {
-        &self.entries[self.starts[j]..self.starts[j + 1]]
-    }
-
-    /// The largest number of entries of a column.
-    pub fn longest(&self) -> usize {
-        let lengths = self.starts.windows(2).map(|pair| pair[1] - pair[0]);
-        lengths.max().unwrap_or(0)
-    }
-}
-
-/// An order of rows and columns in which a cyclic band is an ordinary one of twice the width: the
-/// circle is folded flat, 0, n−1, 1, n−2, …
-pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
-    move |j| {
-        if 2 * j < n {
-            2 * j
-        } else {
-            2 * (n - 1 - j) + 1
-        }
-    }
-}
-
-/// The index at each place of that order.
-pub fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
-    move |k| {
-        if k.is_multiple_of(2) {
-            k / 2
-        } else {
-            n - 1 - k / 2
-        }
-    }
-}
-
-/// A square matrix with rows and columns in an order in which it is banded; for factorizations.
-pub(super) struct Band {
-    /// Entries below the diagonal in each column, at most.
-    pub lower: usize,
-    /// Entries to the right of the diagonal in each row that factorizing can fill.
-    pub upper: usize,
-    /// Row by row, the columns `i − lower ..= i + upper`.
-    pub rows: Vec<f64>,
-    /// Whether the order is the folded one.
-    pub folded: bool,
-}
-
-impl Band {
-    /// Makes room for the fill-in of factorizations by rows: `lower` more to the right.
-    pub(super) fn new(matrix: &Banded) -> Self {
-        let n = matrix.rows();
-        let (cyclic, fold) = (matrix.is_cyclic(), folded(n));
-        let place = |j: usize| if cyclic { fold(j) } else { j };
-        let entries = || {
-            (0..n)
-                .flat_map(|i| matrix.row(i).map(move |(j, value)| (i, j, value)))
-                .filter(|&(.., value)| value != 0.0)
-                .map(|(i, j, value)| (place(i), place(j), value))
-        };
-        let lower = entries()
-            .map(|(i, j, _)| i.saturating_sub(j))
-            .max()
-            .unwrap_or(0);
-        let right = entries()
-            .map(|(i, j, _)| j.saturating_sub(i))
-            .max()
-            .unwrap_or(0);
-        let mut band = Self {
-            lower,
-            upper: right + lower,
-            rows: vec![0.0; n * (2 * lower + right + 1)],
-            folded: cyclic,
-        };
-        for (i, j, value) in entries() {
-            *band.at(i, j) += value;
-        }
-        band
-    }
-
-    pub(super) fn width(&self) -> usize {
-        self.lower + self.upper + 1
-    }
-
-    /// The entry in row `i` and column `j`, which lie within the band.
-    pub(super) fn at(&mut self, i: usize, j: usize) -> &mut f64 {
-        let width = self.width();
-        &mut self.rows[i * width + j + self.lower - i]
     }
 }

@@ -1,7 +1,8 @@
 //! LU decomposition of banded matrices with partial pivoting.
 
 use super::LineMap;
-use super::banded::{Band, Banded, unfolded};
+use super::band::{Band, unfolded};
+use super::banded::Banded;
 
 /// `P L U = B`: solves in O(n · bandwidth).
 #[derive(Debug)]

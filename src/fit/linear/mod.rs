@@ -1,12 +1,15 @@
 //! Linear algebra along the lines of a grid: banded matrices, and factorizations that solve.
 
+mod band;
 pub mod banded;
+pub mod columns;
 pub mod lu;
 pub mod qr;
 
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 
 use super::points::Grid;
+pub use band::{folded, unfolded};
 use banded::Banded;
 
 /// A linear map of lines, applied in place.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::{Change, State, Update};
 use crate::fit::collocation::TensorColumns;
-use crate::fit::linear::banded::Columns;
+use crate::fit::linear::columns::Columns;
 use crate::fit::norms::Norms;
 use crate::fit::system::System;
 
@@ -144,7 +144,8 @@ impl Selected {
 fn all_points(system: &System) -> Norms {
     let problem = system.problem();
     let homogeneous = problem.is_homogeneous();
-    Norms::new(problem.data(), problem.diagonal(), homogeneous, None)
+    let (grid, diagonal) = (problem.grid(), problem.diagonal());
+    Norms::new(problem.data(), grid, diagonal, homogeneous, None)
 }
 
 impl Update for Selected {

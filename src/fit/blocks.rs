@@ -1,0 +1,198 @@
+//! Blocks of consecutive points, and what is to be known of the distances in each.
+//!
+//! All sums are taken in the order of a block's lanes and then block by block, so that errors are
+//! the same to the last bit whoever computes them, on however many threads.
+
+use std::ops::Range;
+
+use super::points::Grid;
+
+/// The most points of a block.
+pub const BLOCK: usize = 256;
+
+/// Numbers that are added up side by side in a block.
+const LANES: usize = 8;
+
+/// The division of a grid into blocks: several whole lines, or equal parts of one line. (A curve
+/// is a grid of lines with one point each.)
+#[derive(Clone, Copy, Debug)]
+pub struct Blocks {
+    grid: Grid,
+    /// The lines of a block, or one.
+    lines: usize,
+    /// The blocks of a line, or one.
+    parts: usize,
+}
+
+impl Blocks {
+    /// The blocks of a grid.
+    pub fn new(grid: Grid) -> Self {
+        Self {
+            grid,
+            lines: (BLOCK / grid.columns.max(1)).max(1),
+            parts: grid.columns.div_ceil(BLOCK).max(1),
+        }
+    }
+
+    /// How many there are.
+    pub fn count(self) -> usize {
+        self.grid.rows.div_ceil(self.lines) * self.parts
+    }
+
+    /// So many whole lines are so many whole blocks.
+    pub fn unit(self) -> (usize, usize) {
+        (self.lines, self.parts)
+    }
+
+    /// The block of a point.
+    pub fn of(self, point: usize) -> usize {
+        let (line, column) = (point / self.grid.columns, point % self.grid.columns);
+        line / self.lines * self.parts + column / BLOCK
+    }
+
+    /// The points of a block.
+    pub fn points(self, index: usize) -> Range<usize> {
+        let Grid { rows, columns } = self.grid;
+        let line = index / self.parts * self.lines;
+        let end = (line + self.lines).min(rows) * columns;
+        let start = line * columns + index % self.parts * BLOCK;
+        start..(start + self.length()).min(end)
+    }
+
+    /// The most points of a block of this grid.
+    fn length(self) -> usize {
+        if self.parts == 1 {
+            self.lines * self.grid.columns
+        } else {
+            BLOCK
+        }
+    }
+}
+
+/// Norms of the points of a block, of scaled squares.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Block {
+    /// The largest square.
+    pub max: f64,
+    /// The first point with it.
+    pub at: usize,
+    /// The sum of the squares.
+    pub squares: f64,
+    /// The sum of their roots.
+    pub roots: f64,
+    /// The largest square of points that do not count in the other numbers.
+    pub rest_max: f64,
+    /// The largest square in homogeneous coordinates.
+    pub homogeneous_max: f64,
+    /// The sum of the squares in homogeneous coordinates.
+    pub homogeneous_squares: f64,
+}
+
+impl Block {
+    /// Of squares of the points from `start` on.
+    #[inline(always)]
+    pub fn of(start: usize, squares: &[f64]) -> Self {
+        let (chunks, rest) = squares.as_chunks::<LANES>();
+        let mut last = [0.0; LANES];
+        last[..rest.len()].copy_from_slice(rest);
+        let (mut max, mut sum, mut roots) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for chunk in chunks.iter().chain(std::iter::once(&last)) {
+            for lane in 0..LANES {
+                let square = chunk[lane];
+                // Not a number is never the largest.
+                max[lane] = if square > max[lane] {
+                    square
+                } else {
+                    max[lane]
+                };
+                sum[lane] += square;
+                roots[lane] += square.sqrt();
+            }
+        }
+        let max = max.into_iter().fold(0.0, f64::max);
+        let mut block = Self {
+            max,
+            squares: add_up(sum),
+            roots: add_up(roots),
+            ..Self::default()
+        };
+        if max > 0.0 {
+            block.at = start + position(squares, max);
+        }
+        block
+    }
+
+    /// Of consecutive blocks together.
+    pub fn total(blocks: &[Self]) -> Self {
+        let mut total = Self::default();
+        for block in blocks {
+            if block.max > total.max {
+                total.max = block.max;
+                total.at = block.at;
+            }
+            total.squares += block.squares;
+            total.roots += block.roots;
+            total.rest_max = total.rest_max.max(block.rest_max);
+            total.homogeneous_max = total.homogeneous_max.max(block.homogeneous_max);
+            total.homogeneous_squares += block.homogeneous_squares;
+        }
+        total
+    }
+}
+
+#[inline(always)]
+fn add_up(lanes: [f64; LANES]) -> f64 {
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + b) + (c + d)) + ((e + f) + (g + h))
+}
+
+/// The first place of a value that occurs; chunk by chunk, as comparing is quicker than leaving.
+#[inline(always)]
+fn position(values: &[f64], value: f64) -> usize {
+    let chunks = values.chunks(2 * LANES);
+    let holds = |chunk: &[f64]| chunk.iter().fold(false, |found, &x| found | (x == value));
+    let before = chunks.take_while(|chunk| !holds(chunk)).count() * 2 * LANES;
+    let within = values.iter().skip(before).position(|&x| x == value);
+    before + within.unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_cover_every_grid_without_overlap() {
+        for (rows, columns) in [
+            (1, 1),
+            (700, 1),
+            (3, 300),
+            (40, 11),
+            (5, 256),
+            (2, 1000),
+            (9, 200),
+        ] {
+            let blocks = Blocks::new(Grid { rows, columns });
+            let mut next = 0;
+            for index in 0..blocks.count() {
+                let points = blocks.points(index);
+                assert!(points.start == next && points.len() <= BLOCK && !points.is_empty());
+                assert!(points.clone().all(|point| blocks.of(point) == index));
+                next = points.end;
+            }
+            assert_eq!(next, rows * columns);
+        }
+    }
+
+    #[test]
+    fn the_first_of_equal_distances_is_named() {
+        let mut squares = vec![1.0; 100];
+        assert_eq!(Block::of(7, &squares).at, 7);
+        squares[33] = 4.0;
+        squares[34] = 4.0;
+        squares[50] = f64::NAN;
+        let block = Block::of(7, &squares);
+        assert_eq!((block.at, block.max), (40, 4.0));
+        assert_eq!(Block::of(7, &[0.0; 3]).at, 0);
+        assert_eq!(Block::of(7, &[1.0; 99]).roots, 99.0);
+    }
+}

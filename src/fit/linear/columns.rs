@@ -1,0 +1,44 @@
+//! Matrices by columns.
+
+/// The entries of a matrix column by column, for updates by single columns.
+#[derive(Clone, Debug)]
+pub struct Columns {
+    /// Where the entries of each column start, and where the last one ends.
+    starts: Vec<usize>,
+    entries: Vec<(u32, f64)>,
+}
+
+impl Columns {
+    /// Sorts entries (row, column, value) that come row by row.
+    pub fn new(columns: usize, entries: impl Iterator<Item = (usize, usize, f64)> + Clone) -> Self {
+        let nonzero = || entries.clone().filter(|&(.., value)| value != 0.0);
+        let mut starts = vec![0; columns + 1];
+        for (_, j, _) in nonzero() {
+            starts[j + 1] += 1;
+        }
+        for j in 0..columns {
+            starts[j + 1] += starts[j];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![(0, 0.0); starts[columns]];
+        for (i, j, value) in nonzero() {
+            sorted[next[j]] = (i as u32, value);
+            next[j] += 1;
+        }
+        Self {
+            starts,
+            entries: sorted,
+        }
+    }
+
+    /// The entries of column `j`: rows and values.
+    pub fn column(&self, j: usize) -> &[(u32, f64)] {
+        &self.entries[self.starts[j]..self.starts[j + 1]]
+    }
+
+    /// The largest number of entries of a column.
+    pub fn longest(&self) -> usize {
+        let lengths = self.starts.windows(2).map(|pair| pair[1] - pair[0]);
+        lengths.max().unwrap_or(0)
+    }
+}
