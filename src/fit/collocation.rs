@@ -152,6 +152,17 @@ impl Collocation {
         }
     }
 
+    /// `(σ B − I)⁻¹`, for a square matrix.
+    pub fn shifted_inverse(&self, sigma: f64) -> Option<Inverse> {
+        match self {
+            Self::Banded(banded) => Some(Inverse::of_banded(&banded.shifted(sigma)?)),
+            Self::Dense { matrix, .. } => {
+                let identity = DMatrix::identity(matrix.nrows(), matrix.ncols());
+                Some(Inverse::of_dense(&(matrix * sigma - identity)))
+            }
+        }
+    }
+
     /// `H Qᵀ`, for a square matrix (Deng13 (9)).
     pub fn orthogonal(&self) -> Orthogonal {
         match self {

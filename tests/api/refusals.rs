@@ -142,7 +142,7 @@ async fn resources_methods_and_media_types() {
         (
             server
                 .get(&format!("/v1/jobs/{id}/result"))
-                .header("accept", "model/step"),
+                .header("accept", "image/png"),
             406,
             "not-acceptable",
         ),

@@ -125,6 +125,24 @@ impl Banded {
         packed
     }
 
+    /// `σ B − I`, if rows have room for the diagonal.
+    pub fn shifted(&self, sigma: f64) -> Option<Self> {
+        let mut shifted = self.clone();
+        shifted.entries.iter_mut().for_each(|x| *x *= sigma);
+        let ends = self
+            .stretches
+            .iter()
+            .skip(1)
+            .map(|next| next.start as usize);
+        for (stretch, end) in self.stretches.iter().zip(ends.chain([self.rows])) {
+            let place = usize::try_from(-stretch.offset).ok();
+            let place = place.filter(|&place| place < self.width)?;
+            let diagonal = &mut shifted.entries[place * self.rows..][stretch.start as usize..end];
+            diagonal.iter_mut().for_each(|x| *x -= 1.0);
+        }
+        Some(shifted)
+    }
+
     /// The number of rows.
     pub fn rows(&self) -> usize {
         self.rows
