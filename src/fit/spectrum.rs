@@ -49,7 +49,7 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
         ..=1000 => (1e-13, 100),
-        ..=20_000 => (1e-6, 20),
+        1001..=20_000 => (1e-6, 20),
         _ => (1e-3, 8),
     }
 }
