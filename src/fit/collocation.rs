@@ -44,6 +44,14 @@ impl Collocation {
         }
     }
 
+    /// The matrix, if it is banded.
+    pub fn as_banded(&self) -> Option<&Banded> {
+        match self {
+            Self::Banded(banded) => Some(banded),
+            Self::Dense { .. } => None,
+        }
+    }
+
     /// Bytes of the matrix of a direction.
     pub fn memory(direction: &Direction) -> usize {
         let (rows, columns) = (direction.parameters.len(), direction.free());

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use super::method::Method;
-use super::norms::{FitError, Norms};
+use super::norms::FitError;
+use super::plain::Plain;
 use super::points::Points;
+use super::sweep::{Measured, Sweep};
 use super::system::System;
-use super::update::{self, Change, Stall, State, Update};
+use super::update::{self, Stall, Update};
 
 /// A least-squares fit whose residual shrinks by less than this part in one iteration has converged.
 const STATIONARY: f64 = 1e-6;
@@ -45,57 +47,66 @@ pub enum Outcome {
 #[derive(Debug)]
 pub struct Iteration {
     system: Arc<System>,
-    update: Box<dyn Update>,
-    state: State,
-    norms: Norms,
+    engine: Engine,
     level: Level,
     /// The length of the residual, and its relative decrease in the last update.
     length: f64,
     decrease: f64,
 }
 
+/// Who computes the levels.
+#[derive(Debug)]
+enum Engine {
+    Plain(Box<Plain>),
+    Sweep(Box<Sweep>),
+}
+
 impl Iteration {
     /// Level 0: of most methods, the data are the control points.
     pub fn start(system: Arc<System>) -> Self {
-        let problem = Arc::clone(system.problem());
-        let data = problem.data();
-        let mut state = State {
-            control_points: update::start(&system),
-            residual: Points::zeros(data.dimension(), data.len()),
-            scratch: vec![0.0; system.collocation().scratch()],
-            changed: Vec::new(),
-        };
-        let mut norms = Norms::new(
-            data,
-            problem.grid(),
-            problem.diagonal(),
-            problem.is_homogeneous(),
-            update::counted(&system),
-        );
-        let mut update = update::new(&system);
-        compute_residual(&system, &mut state);
-        if matches!(problem.method(), Method::Adaptive { .. }) {
-            state.changed.extend(0..data.len());
+        let control_points = update::start(&system);
+        match Sweep::start(&system, control_points) {
+            Ok(begun) => Self::with_sweep(system, begun),
+            Err(control_points) => Self::with_plain(system, control_points),
         }
-        update.measured(&system, &mut state);
-        let mut error = norms.measure(data, &state.residual);
-        error.gradient = update.gradient();
-        let level = Level {
-            iteration: 0,
-            error,
-            rate: None,
-            moved: 0,
-            bad_weight: bad_weight(&system, &state),
-        };
-        Self {
+    }
+
+    /// Level 0 of the plain loop, which sweeps are measured by.
+    pub fn start_plain(system: Arc<System>) -> Self {
+        let control_points = update::start(&system);
+        Self::with_plain(system, control_points)
+    }
+
+    fn with_plain(system: Arc<System>, control_points: Points) -> Self {
+        let (plain, error) = Plain::start(&system, control_points);
+        let length = plain.residual_length();
+        Self::begin(system, Engine::Plain(Box::new(plain)), error, length)
+    }
+
+    /// The level at which a sweep has begun.
+    pub(super) fn with_sweep(
+        system: Arc<System>,
+        (sweep, (error, length)): (Sweep, Measured),
+    ) -> Self {
+        Self::begin(system, Engine::Sweep(Box::new(sweep)), error, length)
+    }
+
+    fn begin(system: Arc<System>, engine: Engine, error: FitError, length: f64) -> Self {
+        let mut iteration = Self {
             system,
-            update,
-            state,
-            length: norms.residual_length(),
-            norms,
-            level,
+            engine,
+            level: Level {
+                iteration: 0,
+                error,
+                rate: None,
+                moved: 0,
+                bad_weight: None,
+            },
+            length,
             decrease: 1.0,
-        }
+        };
+        iteration.level.bad_weight = iteration.bad_weight();
+        iteration
     }
 
     /// What does not change from level to level.
@@ -110,48 +121,114 @@ impl Iteration {
 
     /// The free control points of the current level, in homogeneous coordinates if the fit is.
     pub fn control_points(&self) -> &Points {
-        &self.state.control_points
+        match &self.engine {
+            Engine::Plain(plain) => plain.control_points(),
+            Engine::Sweep(sweep) => sweep.control_points(),
+        }
+    }
+
+    /// How the plain loop moves control points.
+    fn update(&self) -> Option<&dyn Update> {
+        match &self.engine {
+            Engine::Plain(plain) => Some(plain.update()),
+            Engine::Sweep(_) => None,
+        }
     }
 
     /// The free control points that the last step moved, where it left others alone. All others
     /// are to the last bit what they were a level before.
     pub fn moved(&self) -> Option<&[usize]> {
-        let moved = self.update.moved()?;
-        let some = self.level.iteration > 0 && moved.len() < self.state.control_points.len();
+        let moved = self.update()?.moved()?;
+        let some = self.level.iteration > 0 && moved.len() < self.control_points().len();
         some.then_some(moved)
     }
 
-    /// `Δ = P − B X`.
-    pub fn residual(&self) -> &Points {
-        &self.state.residual
+    /// `Δ = P − B X`, where the plain loop computes it.
+    pub fn residual(&self) -> Option<&Points> {
+        match &self.engine {
+            Engine::Plain(plain) => Some(plain.residual()),
+            Engine::Sweep(_) => None,
+        }
     }
 
     /// Moves on to the next level.
     pub fn step(&mut self) -> Level {
-        let Self {
-            system,
-            update,
-            state,
-            norms,
-            ..
-        } = self;
-        let change = update.update(system, state);
-        if let Change::All { .. } = change {
-            compute_residual(system, state);
-        }
-        update.measured(system, state);
-        let data = system.problem().data();
-        let (moved, mut error) = match change {
-            Change::All { moved } | Change::Residual { moved } => {
-                (moved, norms.measure(data, &state.residual))
+        let system = &self.system;
+        let (moved, (error, length)) = match &mut self.engine {
+            Engine::Plain(plain) => {
+                let (moved, error) = plain.step(system);
+                (moved, (error, plain.residual_length()))
             }
-            Change::Some { moved } => {
-                let changed = &state.changed;
-                (moved, norms.measure_again(data, &state.residual, changed))
+            Engine::Sweep(sweep) => {
+                let measured = sweep.step(system);
+                (sweep.control_points().len(), measured)
             }
         };
-        error.gradient = update.gradient();
-        let length = norms.residual_length();
+        self.reach(moved, error, length);
+        self.level
+    }
+
+    /// Moves on by `count` levels, or to the first one at which the iteration ends, and tells each
+    /// of them. Nobody sees the control points of the levels between, so that several levels can
+    /// be computed at once. They are the same as by single steps, to the last bit.
+    pub fn steps(&mut self, count: usize, visit: &mut impl FnMut(Level)) {
+        let mut left = count;
+        while left > 0 {
+            let at_once = self.at_once(left);
+            if at_once > 1 {
+                left -= self.pass(at_once, visit);
+            } else {
+                visit(self.step());
+                left -= 1;
+            }
+            if self.outcome().is_some() {
+                return;
+            }
+        }
+    }
+
+    /// How many of the next levels are best computed in one pass: not far beyond the last one.
+    fn at_once(&self, left: usize) -> usize {
+        let Engine::Sweep(sweep) = &self.engine else {
+            return 1;
+        };
+        let problem = self.system.problem();
+        let allowed = problem
+            .max_iterations()
+            .saturating_sub(self.level.iteration);
+        let ratio = problem.tolerance() / self.level.error.max;
+        let expected = self.level.rate.map(|rate| (ratio.ln() / rate.ln()).ceil());
+        let expected = expected
+            .filter(|&count| count >= 1.0)
+            .unwrap_or(f64::INFINITY);
+        sweep.levels().min(left).min(allowed).min(expected as usize)
+    }
+
+    /// Several levels in one pass over memory; returns how many were taken.
+    fn pass(&mut self, count: usize, visit: &mut impl FnMut(Level)) -> usize {
+        let Engine::Sweep(sweep) = &mut self.engine else {
+            return 0;
+        };
+        sweep.steps(&self.system, count);
+        for index in 0..count {
+            let Engine::Sweep(sweep) = &self.engine else {
+                return index;
+            };
+            let (error, length) = sweep.measured(index);
+            self.reach(sweep.control_points().len(), error, length);
+            visit(self.level);
+            if self.outcome().is_some() && index + 1 < count {
+                if let Engine::Sweep(sweep) = &mut self.engine {
+                    sweep.retake(&self.system, count, index + 1);
+                }
+                return index + 1;
+            }
+        }
+        count
+    }
+
+    /// Another level is reached.
+    fn reach(&mut self, moved: usize, error: FitError, length: f64) {
         self.decrease = if self.length > 0.0 {
             1.0 - length / self.length
         } else {
@@ -164,9 +241,18 @@ impl Iteration {
             error,
             rate: rate.is_finite().then_some(rate),
             moved,
-            bad_weight: bad_weight(&self.system, &self.state),
+            bad_weight: self.bad_weight(),
         };
-        self.level
+    }
+
+    /// A control point that has no place, or whose curve may leave the hull of its control points.
+    fn bad_weight(&self) -> Option<(usize, f64)> {
+        if !self.system.problem().is_homogeneous() {
+            return None;
+        }
+        let weights = self.control_points().lanes().last()?;
+        let index = weights.iter().position(|weight| *weight <= 0.0)?;
+        Some((index, weights[index]))
     }
 
     /// Whether the iteration ends at the current level, and why.
@@ -186,7 +272,7 @@ impl Iteration {
             Some(Outcome::Stationary)
         } else if updated_least_squares && self.decrease < 0.0 {
             Some(Outcome::Stalled(Stall::Diverging))
-        } else if let Some(stall) = self.update.stalled() {
+        } else if let Some(stall) = self.update().and_then(Update::stalled) {
             Some(Outcome::Stalled(stall))
         } else if iteration >= problem.max_iterations() {
             Some(Outcome::Exhausted)
@@ -194,29 +280,4 @@ impl Iteration {
             None
         }
     }
-}
-
-/// `Δ = P − B X`.
-fn compute_residual(system: &System, state: &mut State) {
-    let data = system.problem().data().lanes();
-    let lanes = state.residual.lanes_mut().iter_mut();
-    for ((residual, x), data) in lanes.zip(state.control_points.lanes()).zip(data) {
-        system.collocation().apply(x, residual, &mut state.scratch);
-        for (residual, data) in residual.iter_mut().zip(data) {
-            *residual = data - *residual;
-        }
-        if let Some(missing) = system.problem().missing() {
-            missing.clear(residual);
-        }
-    }
-}
-
-/// A control point that has no place, or whose curve may leave the hull of its control points.
-fn bad_weight(system: &System, state: &State) -> Option<(usize, f64)> {
-    if !system.problem().is_homogeneous() {
-        return None;
-    }
-    let weights = state.control_points.lanes().last()?;
-    let index = weights.iter().position(|weight| *weight <= 0.0)?;
-    Some((index, weights[index]))
 }

@@ -53,7 +53,9 @@ pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
         place[index] = Some(k);
     }
     let fixed: Vec<usize> = (0..count).filter(|&index| place[index].is_none()).collect();
-    let residual = start.residual();
+    let Some(residual) = start.residual() else {
+        return Err(NoLimit::NotLocal);
+    };
     let lu = principal_matrix(system, &adjusted, &place).lu();
 
     // The adjusted points move by δ = B_II⁻¹ Δ_I in all; the others stay.

@@ -29,6 +29,7 @@
 //! - [`system`]: the collocation matrix with its transform `U`;
 //! - [`mod@update`]: the steps of the methods;
 //! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
+//! - [`plain`], [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points: evaluation and sampling;
 //! - [`limit`]: where local fits end, in closed form.
 //!
@@ -53,11 +54,13 @@ pub mod method;
 pub mod missing;
 pub mod norms;
 pub mod parameters;
+pub mod plain;
 pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
 pub mod spectrum;
+pub mod sweep;
 pub mod system;
 pub mod update;
 pub mod weights;

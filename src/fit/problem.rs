@@ -240,6 +240,7 @@ impl Problem {
             + match self.method() {
                 Method::Global | Method::Weighted { .. } => 0,
                 Method::LeastSquares(_) => 3,
+                Method::Chebyshev => 2,
                 _ => 1,
             };
         let factors = match self.method() {

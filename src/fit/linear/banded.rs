@@ -16,6 +16,8 @@ pub struct Banded {
     /// The first entries of all rows, then the second ones, …
     entries: Vec<f64>,
     stretches: Vec<Stretch>,
+    cyclic: bool,
+    reach: usize,
 }
 
 /// Rows from `start` on to the next stretch, whose entries start `offset` columns behind the
@@ -102,6 +104,8 @@ impl Banded {
             width,
             entries: Vec::new(),
             stretches: stretches(filled.iter().map(|it| it.offset), room(width)),
+            cyclic,
+            reach: 0,
         };
         let lowest = filled.iter().map(|it| it.offset).min().unwrap_or(0);
         let ends = filled.iter().map(|it| it.offset + it.length as i32);
@@ -110,6 +114,12 @@ impl Banded {
             packed.width = uniform;
             packed.stretches = stretches(filled.iter().map(|_| lowest), room(uniform));
         }
+        let behind = packed.width as i32 - 1;
+        let reaches = packed
+            .stretches
+            .iter()
+            .map(|it| (it.offset + behind).max(-it.offset));
+        packed.reach = reaches.max().unwrap_or(0).max(0) as usize;
         packed.entries = vec![0.0; rows * packed.width];
         let mut stretches = packed.stretches.iter().peekable();
         let mut first = 0;
@@ -160,20 +170,29 @@ impl Banded {
 
     /// Whether some row goes around the end.
     pub fn is_cyclic(&self) -> bool {
-        self.spans(0..self.rows).any(|(offset, span)| {
-            let (first, last) = (span.start as i32, span.end as i32 - 1);
-            first + offset < 0 || last + offset + self.width as i32 > self.columns as i32
-        })
+        self.cyclic
     }
 
     /// How far the entries of a row reach before and behind the diagonal, at most.
     pub fn reach(&self) -> usize {
-        let width = self.width as i32;
-        let reaches = self
-            .stretches
-            .iter()
-            .map(|it| (it.offset + width - 1).max(-it.offset));
-        reaches.max().unwrap_or(0).max(0) as usize
+        self.reach
+    }
+
+    /// The column of the first entry of row `i`; in cyclic matrices it can be one before the first
+    /// or behind the last column, by a period.
+    pub fn first(&self, i: usize) -> i64 {
+        i as i64 + i64::from(self.offset(i))
+    }
+
+    /// Entry `k` of row `i`.
+    pub fn entry(&self, i: usize, k: usize) -> f64 {
+        self.entries[k * self.rows + i]
+    }
+
+    fn offset(&self, i: usize) -> i32 {
+        let behind = self.stretches.partition_point(|it| it.start as usize <= i);
+        let stretch = self.stretches.get(behind.wrapping_sub(1));
+        stretch.map_or(0, |it| it.offset)
     }
 
     /// The parts of some rows with equal offsets from the diagonal, and these offsets.
@@ -196,12 +215,7 @@ impl Banded {
 
     /// The entries of row `i`: columns and values.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
-        let behind = self.stretches.partition_point(|it| it.start as usize <= i);
-        let offset = self
-            .stretches
-            .get(behind.wrapping_sub(1))
-            .map_or(0, |it| it.offset);
-        self.row_from(i, offset)
+        self.row_from(i, self.offset(i))
     }
 
     fn row_from(&self, i: usize, offset: i32) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {

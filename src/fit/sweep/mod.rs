@@ -1,0 +1,285 @@
+//! Sweeps: residual, update and errors of a level in one pass over memory.
+//!
+//! An iteration on long banded data does few operations on many numbers, so that it takes as long
+//! as moving these numbers takes. The plain loop moves them three times. A sweep computes for each
+//! block of points `Δ = P − B X`, its norms and `X' = X + ω Δ` while they are in the nearest cache,
+//! reading `X`, `P` and `B` and writing `X'` once. `X'` is another array than `X`, as the next
+//! block still needs the old values; it is the next level's control points, one step *ahead*.
+//!
+//! Every number is computed by the same operations in the same order as in the plain loop, errors
+//! included, so that levels do not depend on the path, on the number of threads, or on how many
+//! levels were computed at once. No product is fused with a sum, with whatever instructions.
+//!
+//! - [`relaxation`]: the steps of global, weighted and Chebyshev-accelerated PIA;
+//! - [`parts`]: what a thread writes;
+//! - [`curve`], [`surface`]: a level in one pass;
+//! - [`tiles`]: several levels of a curve in one pass.
+
+pub mod curve;
+pub mod parts;
+pub mod relaxation;
+pub mod surface;
+#[cfg(test)]
+mod tests;
+pub mod tiles;
+
+use super::blocks::{Block, Blocks};
+use super::collocation::Collocation;
+use super::linear::banded::Banded;
+use super::norms::{FitError, Norms};
+use super::points::Points;
+use super::system::System;
+use parts::{LANES, Part};
+use relaxation::{Coefficients, Relaxation};
+use tiles::Room;
+
+/// Levels that are computed in one pass, at most: more would not be limited by memory any more.
+pub const LEVELS: usize = 8;
+
+/// Below so many points more threads cost more than they save.
+const PARALLEL: usize = 100_000;
+
+/// Curves of fewer points stay in the caches from level to level.
+const TILED: usize = 32_768;
+
+/// How the work is divided; of no influence on any result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Parts that threads can work on at the same time.
+    pub parts: usize,
+    /// Levels in one pass.
+    pub levels: usize,
+    /// Points of a tile.
+    pub tile: usize,
+}
+
+impl Plan {
+    /// For a grid of so many points.
+    fn new(points: usize, is_curve: bool) -> Self {
+        let threads = || rayon::current_num_threads();
+        let tiled = is_curve && points >= TILED;
+        Self {
+            parts: if points >= PARALLEL { 2 * threads() } else { 1 },
+            levels: if tiled { LEVELS } else { 1 },
+            tile: 1024,
+        }
+    }
+}
+
+/// What an iteration carries from level to level.
+#[derive(Debug)]
+pub struct Vectors {
+    /// The control points.
+    pub x: Points,
+    /// The last step, of methods with momentum.
+    pub step: Option<Points>,
+}
+
+/// The error of a level, and the length of its residual.
+pub type Measured = (FitError, f64);
+
+/// An iteration by sweeps.
+#[derive(Debug)]
+pub struct Sweep {
+    relaxation: Relaxation,
+    current: Vectors,
+    /// The next level if it is `ahead`; after several levels at once, the one before them.
+    spare: Vectors,
+    ahead: bool,
+    norms: Norms,
+    layout: Blocks,
+    /// Of each level of a pass.
+    blocks: Vec<Vec<Block>>,
+    rooms: Vec<Room>,
+    plan: Plan,
+}
+
+/// What all parts of a pass share.
+#[derive(Clone, Copy)]
+pub struct Pass<'a> {
+    /// The collocation matrix of a curve, or of direction u.
+    pub u: &'a Banded,
+    /// Of direction v.
+    pub v: Option<&'a Banded>,
+    /// P.
+    pub data: &'a Points,
+    /// The level that the pass starts from.
+    pub source: &'a Vectors,
+    /// Of each level.
+    pub coefficients: &'a [Coefficients],
+    /// What residuals are multiplied with before they are squared.
+    pub scale: f64,
+    /// The blocks of the errors.
+    pub layout: Blocks,
+    /// Points of a tile.
+    pub tile: usize,
+}
+
+impl Sweep {
+    /// Level 0, from given control points, and its error, if there are sweeps for this problem.
+    pub fn start(system: &System, control_points: Points) -> Result<(Self, Measured), Points> {
+        let grid = system.problem().grid();
+        let plan = Plan::new(grid.count(), system.problem().v().is_none());
+        Self::with_plan(system, control_points, plan)
+    }
+
+    /// The same with a plan of one's own. Gives the control points back if there are no sweeps.
+    pub fn with_plan(
+        system: &System,
+        control_points: Points,
+        plan: Plan,
+    ) -> Result<(Self, Measured), Points> {
+        let problem = system.problem();
+        let relaxation = Relaxation::new(system);
+        let (Some(relaxation), true) = (relaxation, is_plain(system)) else {
+            return Err(control_points);
+        };
+        let (data, grid) = (problem.data(), problem.grid());
+        let zeros = || Points::zeros(data.dimension(), data.len());
+        let step = || relaxation.has_momentum().then(zeros);
+        let layout = Blocks::new(grid);
+        let (lines, _) = layout.unit();
+        let mut sweep = Self {
+            relaxation,
+            spare: Vectors {
+                x: zeros(),
+                step: step(),
+            },
+            current: Vectors {
+                x: control_points,
+                step: step(),
+            },
+            ahead: false,
+            norms: Norms::new(data, grid, problem.diagonal(), false, None),
+            layout,
+            blocks: vec![vec![Block::default(); layout.count()]],
+            rooms: Vec::new(),
+            plan: Plan {
+                parts: plan.parts.clamp(1, grid.rows.div_ceil(lines)),
+                levels: plan.levels.clamp(1, LEVELS),
+                tile: plan.tile,
+            },
+        };
+        let measured = sweep.look_ahead(system);
+        Ok((sweep, measured))
+    }
+
+    /// The control points.
+    pub fn control_points(&self) -> &Points {
+        &self.current.x
+    }
+
+    /// Levels that are best computed in one pass.
+    pub fn levels(&self) -> usize {
+        self.plan.levels
+    }
+
+    /// Moves on to the next level.
+    pub fn step(&mut self, system: &System) -> Measured {
+        if !self.ahead {
+            self.look_ahead(system);
+        }
+        std::mem::swap(&mut self.current, &mut self.spare);
+        self.relaxation.advance();
+        self.look_ahead(system)
+    }
+
+    /// Measures the current level and computes the next one.
+    fn look_ahead(&mut self, system: &System) -> Measured {
+        self.run(system, &[self.relaxation.coefficients()], false);
+        self.ahead = true;
+        self.measured(0)
+    }
+
+    /// Moves on by several levels, at most [`Self::levels`], in one pass; the errors are those of
+    /// [`Self::measured`].
+    pub fn steps(&mut self, system: &System, count: usize) {
+        let mut coefficients = [Coefficients::default(); LEVELS];
+        for coefficients in &mut coefficients[..count] {
+            *coefficients = self.relaxation.coefficients();
+            self.relaxation.advance();
+        }
+        self.run(system, &coefficients[..count], true);
+        std::mem::swap(&mut self.current, &mut self.spare);
+        self.ahead = false;
+    }
+
+    /// Goes back to the level in which the last pass, of so many levels, began, and takes fewer.
+    pub fn retake(&mut self, system: &System, passed: usize, count: usize) {
+        std::mem::swap(&mut self.current, &mut self.spare);
+        self.relaxation.go_back(passed);
+        self.steps(system, count);
+    }
+
+    /// The error of a level of the last pass.
+    pub fn measured(&self, index: usize) -> Measured {
+        let total = Block::total(&self.blocks[index]);
+        (self.norms.error_of(&total), total.squares.sqrt())
+    }
+
+    /// A pass from the current level to the spare one.
+    fn run(&mut self, system: &System, coefficients: &[Coefficients], tiled: bool) {
+        let tensor = system.collocation();
+        let Collocation::Banded(u) = &tensor.u else {
+            return;
+        };
+        let v = tensor.v.as_ref().and_then(Collocation::as_banded);
+        let pass = Pass {
+            u,
+            v,
+            data: system.problem().data(),
+            source: &self.current,
+            coefficients,
+            scale: self.norms.scale(),
+            layout: self.layout,
+            tile: self.plan.tile,
+        };
+        self.rooms.resize_with(self.plan.parts, Room::default);
+        let rooms = self.rooms.iter_mut();
+        rooms.for_each(|room| room.prepare(&pass, tiled, self.plan.levels));
+        let blocks = &mut self.blocks;
+        blocks.resize_with(blocks.len().max(coefficients.len()), || {
+            vec![Block::default(); self.layout.count()]
+        });
+        let part = Part::whole(&pass, &mut self.spare, blocks, &mut self.rooms);
+        part.divide(&|part: Part| {
+            pulp::Arch::new().dispatch(Leaf {
+                pass: &pass,
+                part,
+                tiled,
+            });
+        });
+    }
+}
+
+/// The work of one thread, compiled for several instruction sets.
+struct Leaf<'a, 'b> {
+    pass: &'a Pass<'a>,
+    part: Part<'b>,
+    tiled: bool,
+}
+
+impl pulp::NullaryFnOnce for Leaf<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        match self.pass.v {
+            Some(v) => surface::sweep(self.pass, v, self.part),
+            None if self.tiled => tiles::sweep(self.pass, self.part),
+            None => curve::sweep(self.pass, self.part),
+        }
+    }
+}
+
+/// Whether all points count alike and all matrices are banded.
+fn is_plain(system: &System) -> bool {
+    let problem = system.problem();
+    let banded = |matrix: &Collocation| {
+        matches!(matrix, Collocation::Banded(_)) && matrix.rows() == matrix.columns()
+    };
+    !problem.is_homogeneous()
+        && problem.missing().is_none()
+        && problem.data().dimension() <= LANES
+        && system.collocation().directions().all(banded)
+}

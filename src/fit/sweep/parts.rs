@@ -1,0 +1,105 @@
+//! What a pass writes, divided among threads: lines of the grid, with their blocks.
+
+use std::ops::Range;
+
+use super::{LEVELS, Pass, Room, Vectors};
+use crate::fit::blocks::Block;
+
+/// The most coordinates of a point.
+pub const LANES: usize = 3;
+
+/// Consecutive lines of the next level, and the norms of their points.
+pub struct Part<'a> {
+    /// The lines: of a curve, its points.
+    pub lines: Range<usize>,
+    /// The control points of the next level.
+    pub x: [&'a mut [f64]; LANES],
+    /// The steps that lead there.
+    pub step: [&'a mut [f64]; LANES],
+    /// The blocks of each level.
+    pub blocks: [&'a mut [Block]; LEVELS],
+    /// Working space of each part that this is to be divided into.
+    pub rooms: &'a mut [Room],
+    columns: usize,
+    /// So many lines are so many blocks.
+    unit: (usize, usize),
+}
+
+impl<'a> Part<'a> {
+    /// Everything.
+    pub fn whole(
+        pass: &Pass<'_>,
+        target: &'a mut Vectors,
+        blocks: &'a mut [Vec<Block>],
+        rooms: &'a mut [Room],
+    ) -> Self {
+        let columns = pass.v.map_or(1, |v| v.columns());
+        let mut blocks = blocks.iter_mut();
+        let mut x = target.x.lanes_mut().iter_mut();
+        let step = target.step.as_mut().map(|step| step.lanes_mut());
+        let mut step = step.unwrap_or_default().iter_mut();
+        Self {
+            lines: 0..pass.data.len() / columns,
+            x: std::array::from_fn(|_| slice(x.next())),
+            step: std::array::from_fn(|_| slice(step.next())),
+            blocks: std::array::from_fn(|_| slice(blocks.next())),
+            rooms,
+            columns,
+            unit: pass.layout.unit(),
+        }
+    }
+
+    /// Does the work of all parts, one for each room, on as many threads as there are.
+    pub fn divide(self, work: &(impl Fn(Part<'_>) + Sync)) {
+        if self.rooms.len() <= 1 {
+            return work(self);
+        }
+        let (left, right) = self.halves();
+        rayon::join(|| left.divide(work), || right.divide(work));
+    }
+
+    fn halves(self) -> (Self, Self) {
+        let (lines, parts) = self.unit;
+        let half = self.rooms.len() / 2;
+        let units = self.lines.len().div_ceil(lines) * half / self.rooms.len();
+        let middle = (self.lines.start + units * lines).min(self.lines.end);
+        let points = (middle - self.lines.start) * self.columns;
+        let (x, other_x) = split(self.x, points);
+        let (step, other_step) = split(self.step, points);
+        let (blocks, other_blocks) = split(self.blocks, units * parts);
+        let (rooms, other_rooms) = self.rooms.split_at_mut(half);
+        let left = Self {
+            lines: self.lines.start..middle,
+            x,
+            step,
+            blocks,
+            rooms,
+            ..self
+        };
+        let right = Self {
+            lines: middle..self.lines.end,
+            x: other_x,
+            step: other_step,
+            blocks: other_blocks,
+            rooms: other_rooms,
+            ..left
+        };
+        (left, right)
+    }
+}
+
+fn slice<T>(values: Option<&mut Vec<T>>) -> &mut [T] {
+    values.map_or(&mut [], Vec::as_mut_slice)
+}
+
+/// Splits all slices at the same place; those that are empty stay so.
+fn split<T, const N: usize>(slices: [&mut [T]; N], at: usize) -> ([&mut [T]; N], [&mut [T]; N]) {
+    let mut behind = slices.map(Some);
+    let before = std::array::from_fn(|k| {
+        let slice = behind[k].take().unwrap_or_default();
+        let (front, back) = slice.split_at_mut(at.min(slice.len()));
+        behind[k] = Some(back);
+        front
+    });
+    (before, behind.map(Option::unwrap_or_default))
+}
