@@ -7,10 +7,11 @@ use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
+use super::negotiate::{self, Language};
 use super::options::form::{Digits, Encoding, Form, View};
 use super::options::{StreamParameters, ViewParameters};
 use super::problem::{Kind, Problem};
-use super::{App, encode, jobs, negotiate, no_store, view};
+use super::{App, encode, jobs, no_store, rpc, view};
 use crate::fit::iteration::Iteration;
 use crate::fit::limit::{MOST_ADJUSTED, NoLimit, local_limit};
 use crate::job::Job;
@@ -28,11 +29,21 @@ pub async fn iteration(
 ) -> Result<Response, Problem> {
     let (job, form) = job_and_form(&app, &id, &uri, &headers).await?;
     let k = match k.as_str() {
-        "last" => last_level(&job)?,
-        k => level_number(k)?,
+        "last" => None,
+        k => Some(level_number(k)?),
     };
-    match Cursor::new(Arc::clone(&job), k).next().await? {
-        Next::Frame(frame) => Ok(json_response(encode::frame(&job, &frame, &form).await?)),
+    let frame = frame(&job, k).await?;
+    Ok(response(&form, encode::frame(&job, &frame, &form).await?))
+}
+
+/// The frame of a level; without a number that of the last level so far.
+pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Problem> {
+    let k = match k {
+        None => last_level(job)?,
+        Some(k) => k,
+    };
+    match Cursor::new(Arc::clone(job), k).next().await? {
+        Next::Frame(frame) => Ok(frame),
         Next::End(status) => {
             let reached = status.levels.map(|levels| levels.last.iteration);
             let detail = match reached {
@@ -53,14 +64,24 @@ pub async fn input(
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    negotiate::json(&headers)?;
+    let language = negotiate::language(&headers)?;
     let job = jobs::find(&app, &id).await?;
-    let (owner, problem) = (Arc::clone(&job), job.problem().await?);
+    let bytes = input_bytes(&job, language).await?;
+    Ok(match language {
+        Language::Json => json_response(bytes),
+        Language::Protobuf => jobs::message(bytes),
+    })
+}
+
+/// The job as it was accepted, as JSON or as the bytes of a message.
+pub async fn input_bytes(job: &Arc<Job>, language: Language) -> Result<Bytes, Problem> {
+    let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = problem.data().len() * problem.data().dimension();
-    let write = move || view::input(owner.outline(), &problem);
-    Ok(json_response(
-        encode::off_network(&job, numbers, write).await,
-    ))
+    let write = move || match language {
+        Language::Json => view::input(owner.outline(), &problem),
+        Language::Protobuf => rpc::input::input(owner.outline(), &problem),
+    };
+    Ok(encode::off_network(job, numbers, write).await)
 }
 
 /// `GET /v1/jobs/{id}/result`
@@ -75,23 +96,28 @@ pub async fn result(
         let detail = "a result has all digits; rounded ones are for iterations";
         return Err(Problem::at_parameter("digits", detail));
     }
+    Ok(response(&form, result_bytes(&job, form.clone()).await?))
+}
+
+/// The final geometry in a form, as JSON or as the bytes of a message.
+pub async fn result_bytes(job: &Arc<Job>, form: Form) -> Result<Bytes, Problem> {
     let status = job.status();
     let (Some(Levels { last: level, .. }), Some(points)) = (status.levels, job.result().await?)
     else {
         let detail = format!("the job is {} and has no result", status.state);
         return Err(Problem::new(Kind::NoResult, detail));
     };
-    if form.view != View::ControlPoints {
+    if form.view != View::ControlPoints && !form.is_protobuf() {
         let frame = Arc::new(Frame::last(level, points));
-        return Ok(json_response(encode::frame(&job, &frame, &form).await?));
+        return Ok(encode::frame(job, &frame, &form).await?);
     }
-    let (owner, problem) = (Arc::clone(&job), job.problem().await?);
+    let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = points.len() * points.dimension();
-    let json = encode::off_network(&job, numbers, move || {
-        view::level::result(&owner, &problem, &status, &level, &points, &form)
-    })
-    .await;
-    Ok(json_response(json))
+    let write = move || match form.is_protobuf() {
+        false => view::level::result(&owner, &problem, &status, &level, &points, &form),
+        true => rpc::geometry::result(&owner, &problem, &status, &level, &points, form.view),
+    };
+    Ok(encode::off_network(job, numbers, write).await)
 }
 
 /// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
@@ -131,11 +157,14 @@ async fn job_and_form(
     uri: &Uri,
     headers: &HeaderMap,
 ) -> Result<(Arc<Job>, Form), Problem> {
-    negotiate::json(headers)?;
+    let language = negotiate::language(headers)?;
     let job = jobs::find(app, id).await?;
     let parameters: ViewParameters = negotiate::query(uri)?;
     let parameters = StreamParameters::from(parameters);
-    let form = parameters.form(job.outline().surface)?;
+    let form = match language {
+        Language::Json => parameters.form(job.outline().surface)?,
+        Language::Protobuf => parameters.message_form(job.outline().surface)?,
+    };
     if form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         parameters.check_range(None, &problem)?;
@@ -158,6 +187,13 @@ fn level_number(text: &str) -> Result<usize, Problem> {
             format!("{text:?} is no iteration: they are numbered from 0; there is also \"last\"");
         Problem::new(Kind::NoSuchIteration, detail)
     })
+}
+
+fn response(form: &Form, bytes: Bytes) -> Response {
+    match form.is_protobuf() {
+        false => json_response(bytes),
+        true => jobs::message(bytes),
+    }
 }
 
 fn json_response(json: Bytes) -> Response {
