@@ -10,11 +10,12 @@ use serde_json::error::Category;
 use serde_path_to_error::{Path, Segment};
 
 use super::App;
+use super::negotiate::{Language, PROTOBUF};
 use super::problem::{Kind, Problem};
 
-/// Reads the JSON body of a request.
-pub async fn read_json(app: &App, request: Request) -> Result<Bytes, Problem> {
-    check_media_type(&request)?;
+/// Reads the body of a request, which is JSON or a protobuf message.
+pub async fn read(app: &App, request: Request) -> Result<(Language, Bytes), Problem> {
+    let language = language(&request)?;
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let announced = request
         .headers()
@@ -23,10 +24,13 @@ pub async fn read_json(app: &App, request: Request) -> Result<Bytes, Problem> {
     if announced > Some(limit) {
         return Err(too_large(limit));
     }
-    collect(app, request.into_body(), limit, announced.unwrap_or(0)).await
+    let body = request.into_body();
+    let body = collect(app, body, limit, announced.unwrap_or(0)).await?;
+    Ok((language, body))
 }
 
-fn check_media_type(request: &Request) -> Result<(), Problem> {
+/// The language of a body by its media type.
+fn language(request: &Request) -> Result<Language, Problem> {
     let given = request.headers().get(header::CONTENT_TYPE);
     let given = given.and_then(|value| value.to_str().ok()).unwrap_or("");
     let mut parts = given.split(';').map(str::trim);
@@ -38,11 +42,15 @@ fn check_media_type(request: &Request) -> Result<(), Problem> {
             || value.trim().trim_matches('"').eq_ignore_ascii_case("utf-8")
     });
     if essence.eq_ignore_ascii_case("application/json") && utf8 {
-        return Ok(());
+        return Ok(Language::Json);
     }
+    if essence.eq_ignore_ascii_case(PROTOBUF) {
+        return Ok(Language::Protobuf);
+    }
+    const SENT: &str = "jobs are sent as application/json in UTF-8, or as application/x-protobuf";
     let detail = match given {
-        "" => "the Content-Type header is missing; jobs are sent as application/json".to_owned(),
-        _ => format!("Content-Type is {given:?}; jobs are sent as application/json in UTF-8"),
+        "" => format!("the Content-Type header is missing; {SENT}"),
+        _ => format!("Content-Type is {given:?}; {SENT}"),
     };
     Err(Problem::new(Kind::UnsupportedMediaType, detail))
 }

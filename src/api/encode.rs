@@ -1,16 +1,18 @@
-//! Making the JSON of frames and descriptions: once for all readers, and off the network threads.
+//! Making the JSON or the messages of frames and descriptions: once for all readers, and off the
+//! network threads.
 
 use std::sync::Arc;
 
 use bytes::Bytes;
 
 use super::options::form::{Digits, Form, View};
-use super::view;
+use super::{rpc, view};
 use crate::fit::direction::Direction;
 use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
+use crate::job::state::Status;
 use crate::job::store::StoreError;
 
 /// So many numbers are written where they are needed, more of them on the compute pool.
@@ -19,20 +21,33 @@ const SMALL: usize = 2000;
 /// Writing a number takes about as long as so many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 50;
 
-/// The JSON of the `job` event, made once for each job.
-pub async fn description(job: &Arc<Job>) -> Result<Bytes, StoreError> {
-    job.description(|| async {
+/// The data of the `job` event, made once for each job.
+pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Bytes, StoreError> {
+    let in_protobuf = form.is_protobuf();
+    let name = if in_protobuf { "protobuf" } else { "json" };
+    job.description(name, || async {
         let problem = job.problem().await?;
         let numbers = problem.grid().count();
         let described = Arc::clone(job);
         let levels = job.status().levels;
-        let describe = move || view::description(&described, &problem, levels);
+        let describe = move || match in_protobuf {
+            false => view::description(&described, &problem, levels),
+            true => rpc::view::description(&described, &problem, levels),
+        };
         Ok(off_network(job, numbers, describe).await)
     })
     .await
 }
 
-/// The JSON of an iteration, made once for each frame and form.
+/// The data of the `end` event.
+pub fn end(job: &Job, status: &Status, form: &Form) -> Bytes {
+    match form.is_protobuf() {
+        false => view::end(job, status),
+        true => rpc::view::end(job, status),
+    }
+}
+
+/// The data of an `iteration` event, made once for each frame and form.
 pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Bytes, StoreError> {
     let is_last = || frame.is_last || job.has_ended_at(frame.level.iteration);
     let in_full = form.digits == Digits::Auto && is_last();
@@ -47,7 +62,10 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<By
         job.resources().counters.encodings.inc();
         let numbers = numbers(&problem, frame, form.view);
         let frame = Arc::clone(frame);
-        let encode = move || view::level::level(&problem, &frame, &form);
+        let encode = move || match form.is_protobuf() {
+            false => view::level::level(&problem, &frame, &form),
+            true => rpc::geometry::iteration(&problem, &frame, &form),
+        };
         off_network(job, numbers, encode)
     };
     Ok(encoded.get_or_init(encode).await.clone())

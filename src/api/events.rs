@@ -1,8 +1,7 @@
-//! A job as a stream of events: `job`, then every `iteration` from 0 on, then `end`.
+//! The events of a job as the body of an answer: as server-sent events, a JSON object a line, or
+//! protobuf messages with their lengths in front.
 //!
-//! The stream is pulled: the next frame is asked for when the connection has taken the one before.
-//! The JSON of an iteration is made once for each view and shared by all streams; only what stands
-//! around it differs between server-sent events and NDJSON.
+//! The data of an event are shared by all streams; only what stands around them differs.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -12,26 +11,21 @@ use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
-use bytes::{Bytes, BytesMut};
+use bytes::{BufMut, Bytes, BytesMut};
 use futures_util::stream;
+use prost::encoding::encode_varint;
 use serde_json::json;
-use tokio::sync::watch;
-use tokio::time::{Duration, Instant, sleep_until};
-use tracing::error;
 use uuid::Uuid;
 
-use super::milestones::Milestones;
+use super::feed::{Event, Feed};
 use super::negotiate::{self, Framing};
 use super::options::form::Encoding;
 use super::options::object::StreamObject;
 use super::options::{StreamOptions, StreamParameters};
 use super::problem::Problem;
-use super::{App, encode, jobs, view};
+use super::rpc::encoded::Encoded;
+use super::{App, jobs};
 use crate::job::Job;
-use crate::job::cursor::{Cursor, Next};
-use crate::job::frame::Frame;
-use crate::job::state::Status;
-use crate::job::store::StoreError;
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
@@ -51,7 +45,7 @@ pub async fn get(
     let parameters: StreamParameters = negotiate::query(&uri)?;
     let job = jobs::find(&app, &id).await?;
     let defaults = StreamObject::of(&job.outline().label)?;
-    let options = parameters.options(defaults.as_ref(), job.outline().surface)?;
+    let options = parameters.framed(framing, defaults.as_ref(), job.outline().surface)?;
     if options.form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         parameters.check_range(defaults.as_ref(), &problem)?;
@@ -106,44 +100,23 @@ pub fn stream(
     options: StreamOptions,
     seen: Option<usize>,
 ) -> Response {
-    let mut cursor = Cursor::new(Arc::clone(&job), 0);
-    if options.latest {
-        cursor.only_latest();
+    let feed = Feed::new(app, job, options, seen);
+    let mut pending = VecDeque::new();
+    // Proxies hold the answer back until there is something to pass on.
+    if framing == Framing::Sse {
+        pending.push_back(Bytes::from_static(b": piad\nretry: 2000\n\n"));
     }
-    let first = match seen {
-        None => 0,
-        // What the client has seen tells which milestones it has seen reached.
-        Some(k) if !options.milestones.is_empty() => k,
-        Some(k) => k + 1,
-    };
-    cursor.seek(first.next_multiple_of(options.every));
-    let milestones = Milestones::new(options.milestones.clone());
-    let feed = Feed {
-        cursor,
-        job,
-        framing,
-        milestones: Some(milestones).filter(|milestones| !milestones.all_reached()),
-        options,
-        seen,
-        complete: false,
-        stage: Stage::Opening,
-        pending: VecDeque::new(),
-        heartbeat: app.config.heartbeat,
-        quiet_until: Instant::now(),
-        stopping: app.stopping.clone(),
-    };
-    let body = stream::unfold(feed, |mut feed| async move {
-        let piece = feed.next().await?;
-        Some((Ok::<_, Infallible>(piece), feed))
+    let body = stream::unfold((feed, pending), move |(mut feed, mut pending)| async move {
+        while pending.is_empty() {
+            write(framing, feed.next().await?, &mut pending);
+        }
+        let piece = pending.pop_front()?;
+        Some((Ok::<_, Infallible>(piece), (feed, pending)))
     });
     let mut response = Response::new(Body::from_stream(body));
     let headers = response.headers_mut();
-    let content_type = match framing {
-        Framing::Sse => "text/event-stream",
-        Framing::Ndjson => "application/x-ndjson",
-    };
     for (name, value) in [
-        (header::CONTENT_TYPE, content_type),
+        (header::CONTENT_TYPE, framing.media_type()),
         (header::CACHE_CONTROL, "no-store, no-transform"),
         (HeaderName::from_static("x-accel-buffering"), "no"),
     ] {
@@ -155,209 +128,85 @@ pub fn stream(
     response
 }
 
-/// Where a stream is.
-enum Stage {
-    Opening,
-    /// Before the `job` event, which tells numbers that are known when the job has begun.
-    Waiting,
-    Iterations,
-    Over,
-}
-
-/// What a stream was waiting for.
-enum Happened {
-    Next(Result<Next, StoreError>),
-    Nothing,
-    Stopping,
-}
-
-/// The state of one stream.
-struct Feed {
-    job: Arc<Job>,
-    cursor: Cursor,
-    framing: Framing,
-    options: StreamOptions,
-    milestones: Option<Milestones>,
-    /// The last iteration that the client has.
-    seen: Option<usize>,
-    /// The client has complete control points, to which changes can be applied.
-    complete: bool,
-    stage: Stage,
-    /// Pieces of the event that is being sent.
-    pending: VecDeque<Bytes>,
-    heartbeat: Duration,
-    /// When the client hears that the stream is still there, if it hears nothing else.
-    quiet_until: Instant,
-    stopping: watch::Receiver<bool>,
-}
-
-impl Feed {
-    /// The next piece of the stream.
-    async fn next(&mut self) -> Option<Bytes> {
-        self.quiet_until = Instant::now() + self.heartbeat;
-        loop {
-            if let Some(piece) = self.pending.pop_front() {
-                return Some(piece);
-            }
-            match self.stage {
-                Stage::Opening => {
-                    self.stage = Stage::Waiting;
-                    // Proxies hold the answer back until there is something to pass on.
-                    if self.framing == Framing::Sse {
-                        return Some(Bytes::from_static(b": piad\nretry: 2000\n\n"));
-                    }
-                }
-                Stage::Waiting | Stage::Iterations => self.advance().await,
-                Stage::Over => return None,
-            }
-        }
-    }
-
-    /// Waits for the next frame, the next heartbeat or the end of the server.
-    async fn advance(&mut self) {
-        let happened = tokio::select! {
-            next = self.cursor.next() => Happened::Next(next),
-            () = sleep_until(self.quiet_until) => Happened::Nothing,
-            _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
-        };
-        match happened {
-            Happened::Next(next) => {
-                if let Err(reason) = self.push_next(next).await {
-                    // Without an end the client comes back.
-                    error!(job = %self.job.id(), %reason, "a stream broke off");
-                    self.stage = Stage::Over;
-                }
-            }
-            Happened::Nothing => {
-                self.quiet_until += self.heartbeat;
-                self.push_comment(": still here\n\n".into());
-            }
-            Happened::Stopping => {
-                // Clients come back one after the other, to whoever serves them then.
-                let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
-                self.push_comment(format!(": the server is stopping\nretry: {retry}\n\n"));
-                self.stage = Stage::Over;
-            }
-        }
-    }
-
-    /// The next frame or the end, and first of all the job.
-    async fn push_next(&mut self, next: Result<Next, StoreError>) -> Result<(), StoreError> {
-        let next = next?;
-        if matches!(self.stage, Stage::Waiting) {
-            self.stage = Stage::Iterations;
-            let data = encode::description(&self.job).await?;
-            self.push("job", None, None, data);
-        }
-        match next {
-            Next::Frame(frame) => self.take(&frame).await,
-            Next::End(status) => self.finish(&status).await,
-        }
-    }
-
-    /// Sends a frame, if the client wants it.
-    async fn take(&mut self, frame: &Arc<Frame>) -> Result<(), StoreError> {
-        let Some(milestones) = &mut self.milestones else {
-            return self.push_frame(frame, None).await;
-        };
-        let milestone = milestones.reach(frame.level.error.max);
-        if milestones.all_reached() {
-            self.cursor.only_end();
-        }
-        let new = Some(frame.level.iteration) > self.seen;
-        match milestone.filter(|_| new) {
-            Some(milestone) => self.push_frame(frame, Some(milestone)).await?,
-            // Others have their turn, however many frames are left out.
-            None => tokio::task::consume_budget().await,
-        }
-        Ok(())
-    }
-
-    async fn push_frame(
-        &mut self,
-        frame: &Arc<Frame>,
-        milestone: Option<f64>,
-    ) -> Result<(), StoreError> {
-        let k = frame.level.iteration;
-        let changes = self.options.changes.as_ref();
-        let form = changes
-            .filter(|_| self.complete && frame.moved.is_some())
-            .unwrap_or(&self.options.form);
-        let data = encode::frame(&self.job, frame, form).await?;
-        self.push("iteration", Some(&k.to_string()), milestone, data);
-        self.seen = Some(k);
-        self.complete = true;
-        if self.milestones.is_none() {
-            let next = (k + 1).next_multiple_of(self.options.every);
-            self.cursor.seek(next);
-        }
-        Ok(())
-    }
-
-    /// The last iteration, if it was left out so far, and the end.
-    async fn finish(&mut self, status: &Status) -> Result<(), StoreError> {
-        self.stage = Stage::Over;
-        let last = status.levels.map(|levels| levels.last.iteration);
-        if self.options.every > 1
-            && let Some(last) = last.filter(|&last| Some(last) > self.seen)
-        {
-            self.cursor.seek(last);
-            if let Next::Frame(frame) = self.cursor.next().await? {
-                self.push_frame(&frame, None).await?;
-            }
-        }
-        let data = view::end(&self.job, status);
-        self.push("end", Some(END), None, data);
-        Ok(())
-    }
-
-    /// NDJSON has no comments.
-    fn push_comment(&mut self, text: String) {
-        if self.framing == Framing::Sse {
-            self.pending.push_back(text.into());
-        }
-    }
-
-    /// A milestone becomes the first field of the data, which stay as all readers share them.
-    fn push(&mut self, event: &str, id: Option<&str>, milestone: Option<f64>, mut data: Bytes) {
-        self.job.resources().counters.events.inc();
-        let (mut before, after) = match self.framing {
-            Framing::Sse => {
-                let id = id.map_or(String::new(), |id| format!("id: {id}\n"));
-                (format!("event: {event}\n{id}data: "), "\n\n")
-            }
-            Framing::Ndjson => {
-                // Numbers stay numbers.
-                let id = id.map_or(String::new(), |id| match id {
-                    END => format!(r#""id":"{END}","#),
-                    number => format!(r#""id":{number},"#),
-                });
-                (format!(r#"{{"event":"{event}",{id}"data":"#), "}\n")
-            }
-        };
-        if let Some(milestone) = milestone
-            && data.starts_with(b"{")
-        {
-            before.push_str(&format!("{{\"milestone\":{},", json!(milestone)));
-            data = data.slice(1..);
-        }
-        let before = Bytes::from(before);
-        let after = Bytes::from_static(after.as_bytes());
-        if data.len() > ONE_PIECE {
-            self.pending.extend([before, data, after]);
-        } else {
-            let mut whole = BytesMut::with_capacity(before.len() + data.len() + after.len());
-            whole.extend([before, data, after]);
-            self.pending.push_back(whole.freeze());
-        }
+/// Writes an event in as few pieces as its size makes sensible.
+fn write(framing: Framing, event: Event, pieces: &mut VecDeque<Bytes>) {
+    match framing {
+        Framing::Sse => write_sse(event, pieces),
+        Framing::Ndjson => write_line(event, pieces),
+        Framing::Protobuf => write_message(event, pieces),
     }
 }
 
-impl Drop for Feed {
-    fn drop(&mut self) {
-        let gone = !matches!(self.stage, Stage::Over);
-        if gone && self.options.cancels {
-            self.job.request_cancel();
+fn write_sse(event: Event, pieces: &mut VecDeque<Bytes>) {
+    let (head, data, milestone) = match event {
+        Event::Job(data) => ("event: job\n".to_owned(), data, None),
+        Event::Iteration { k, milestone, data } => {
+            (format!("event: iteration\nid: {k}\n"), data, milestone)
         }
+        Event::End(data) => (format!("event: end\nid: {END}\n"), data, None),
+        Event::Quiet => return pieces.push_back(Bytes::from_static(b": still here\n\n")),
+        Event::Stopping => {
+            // Clients come back one after the other, to whoever serves them then.
+            let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
+            let comment = format!(": the server is stopping\nretry: {retry}\n\n");
+            return pieces.push_back(comment.into());
+        }
+    };
+    let (start, data) = with_milestone(milestone, data);
+    push(format!("{head}data: {start}"), data, "\n\n", pieces);
+}
+
+/// A JSON object a line; there are no comments.
+fn write_line(event: Event, pieces: &mut VecDeque<Bytes>) {
+    let (head, data, milestone) = match event {
+        Event::Job(data) => (r#"{"event":"job","data":"#.to_owned(), data, None),
+        Event::Iteration { k, milestone, data } => {
+            let head = format!(r#"{{"event":"iteration","id":{k},"data":"#);
+            (head, data, milestone)
+        }
+        Event::End(data) => {
+            let head = format!(r#"{{"event":"end","id":"{END}","data":"#);
+            (head, data, None)
+        }
+        Event::Quiet | Event::Stopping => return,
+    };
+    let (start, data) = with_milestone(milestone, data);
+    push(format!("{head}{start}"), data, "}\n", pieces);
+}
+
+/// A `WatchJobResponse` after its length; there are no comments.
+fn write_message(event: Event, pieces: &mut VecDeque<Bytes>) {
+    let Some(message) = Encoded::event(event) else {
+        return;
+    };
+    let (head, body) = message.parts();
+    let mut before = BytesMut::with_capacity(10 + head.len());
+    encode_varint((head.len() + body.len()) as u64, &mut before);
+    before.put(head);
+    push(before, body, "", pieces);
+}
+
+/// A milestone becomes the first field of the data, which stay as all readers share them.
+fn with_milestone(milestone: Option<f64>, data: Bytes) -> (String, Bytes) {
+    match milestone {
+        Some(milestone) if data.starts_with(b"{") => {
+            let start = format!("{{\"milestone\":{},", json!(milestone));
+            (start, data.slice(1..))
+        }
+        _ => (String::new(), data),
+    }
+}
+
+/// Large data are passed on as they are, small ones in one piece with what stands around them.
+fn push(before: impl Into<Bytes>, data: Bytes, after: &'static str, pieces: &mut VecDeque<Bytes>) {
+    let before: Bytes = before.into();
+    let after = Bytes::from_static(after.as_bytes());
+    if data.len() > ONE_PIECE {
+        let all = [before, data, after].into_iter();
+        pieces.extend(all.filter(|piece| !piece.is_empty()));
+    } else {
+        let mut whole = BytesMut::with_capacity(before.len() + data.len() + after.len());
+        whole.extend([before, data, after]);
+        pieces.push_back(whole.freeze());
     }
 }

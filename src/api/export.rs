@@ -27,6 +27,8 @@ const OPERATIONS_PER_NUMBER: usize = 100;
 pub enum Representation {
     /// As JSON.
     Json,
+    /// As a protobuf message.
+    Protobuf,
     /// As a file.
     File(Format),
 }
@@ -38,17 +40,21 @@ pub fn representation(
 ) -> Result<Representation, Problem> {
     match format {
         Some("json") => Ok(Representation::Json),
+        Some("protobuf") => Ok(Representation::Protobuf),
         Some(name) => name
             .parse()
             .map(Representation::File)
             .map_err(|error: UnknownFormat| {
-                Problem::at_parameter("format", format!("{error}, and json"))
+                Problem::at_parameter("format", format!("{error}, and json and protobuf"))
             }),
         None => {
             let files =
                 Format::ALL.map(|format| (format.media_type(), Representation::File(format)));
-            let json = [("application/json", Representation::Json)];
-            negotiate::choose(headers, &[json.as_slice(), files.as_slice()].concat())
+            let levels = [
+                (negotiate::JSON, Representation::Json),
+                (negotiate::PROTOBUF, Representation::Protobuf),
+            ];
+            negotiate::choose(headers, &[levels.as_slice(), files.as_slice()].concat())
         }
     }
 }

@@ -8,19 +8,20 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
 use super::export::{self, Representation};
+use super::negotiate::{self, Language};
 use super::options::form::{Digits, Encoding, Form, View};
 use super::options::{StreamParameters, ViewParameters};
 use super::problem::{Kind, Problem};
-use super::{App, encode, jobs, negotiate, no_store, view};
+use super::{App, encode, jobs, no_store, rpc, view};
 use crate::export::Format;
-use crate::fit::iteration::Iteration;
+use crate::fit::iteration::{Iteration, Level};
 use crate::fit::limit::{MOST_ADJUSTED, NoLimit, local_limit};
-use crate::fit::points::Grid;
+use crate::fit::points::{Grid, Points};
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
-use crate::job::state::Levels;
+use crate::job::state::{Levels, Status};
 
 /// `GET /v1/jobs/{id}/iterations/{k}`
 pub async fn iteration(
@@ -31,17 +32,27 @@ pub async fn iteration(
 ) -> Result<Response, Problem> {
     let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
     let k = match k.as_str() {
-        "last" => last_level(&job)?,
-        k => level_number(k)?,
+        "last" => None,
+        k => Some(level_number(k)?),
     };
-    match Cursor::new(Arc::clone(&job), k).next().await? {
-        Next::Frame(frame) => match wanted {
-            Wanted::Json(form) => Ok(json_response(encode::frame(&job, &frame, &form).await?)),
-            Wanted::File(format, samples) => {
-                let points = Arc::clone(&frame.control_points);
-                export::file(&job, frame.level.iteration, points, format, samples).await
-            }
-        },
+    let frame = frame(&job, k).await?;
+    match wanted {
+        Wanted::Form(form) => Ok(response(&form, encode::frame(&job, &frame, &form).await?)),
+        Wanted::File(format, samples) => {
+            let points = Arc::clone(&frame.control_points);
+            export::file(&job, frame.level.iteration, points, format, samples).await
+        }
+    }
+}
+
+/// The frame of a level; without a number that of the last level so far.
+pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Problem> {
+    let k = match k {
+        None => last_level(job)?,
+        Some(k) => k,
+    };
+    match Cursor::new(Arc::clone(job), k).next().await? {
+        Next::Frame(frame) => Ok(frame),
         Next::End(status) => {
             let reached = status.levels.map(|levels| levels.last.iteration);
             let detail = match reached {
@@ -62,14 +73,24 @@ pub async fn input(
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    negotiate::json(&headers)?;
+    let language = negotiate::language(&headers)?;
     let job = jobs::find(&app, &id).await?;
-    let (owner, problem) = (Arc::clone(&job), job.problem().await?);
+    let bytes = input_bytes(&job, language).await?;
+    Ok(match language {
+        Language::Json => json_response(bytes),
+        Language::Protobuf => jobs::message(bytes),
+    })
+}
+
+/// The job as it was accepted, as JSON or as the bytes of a message.
+pub async fn input_bytes(job: &Arc<Job>, language: Language) -> Result<Bytes, Problem> {
+    let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = problem.data().len() * problem.data().dimension();
-    let write = move || view::input(owner.outline(), &problem);
-    Ok(json_response(
-        encode::off_network(&job, numbers, write).await,
-    ))
+    let write = move || match language {
+        Language::Json => view::input(owner.outline(), &problem),
+        Language::Protobuf => rpc::input::input(owner.outline(), &problem),
+    };
+    Ok(encode::off_network(job, numbers, write).await)
 }
 
 /// `GET /v1/jobs/{id}/result`
@@ -80,33 +101,45 @@ pub async fn result(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
-    let status = job.status();
-    let (Some(Levels { last: level, .. }), Some(points)) = (status.levels, job.result().await?)
-    else {
-        let detail = format!("the job is {} and has no result", status.state);
-        return Err(Problem::new(Kind::NoResult, detail));
-    };
-    let form = match wanted {
-        Wanted::Json(form) => form,
-        Wanted::File(format, samples) => {
-            return export::file(&job, level.iteration, points, format, samples).await;
+    match wanted {
+        Wanted::Form(form) if form.digits == Digits::Auto => {
+            let detail = "a result has all digits; rounded ones are for iterations";
+            Err(Problem::at_parameter("digits", detail))
         }
-    };
-    if form.digits == Digits::Auto {
-        let detail = "a result has all digits; rounded ones are for iterations";
-        return Err(Problem::at_parameter("digits", detail));
+        Wanted::Form(form) => Ok(response(&form, result_bytes(&job, form.clone()).await?)),
+        Wanted::File(format, samples) => {
+            let (_, level, points) = end(&job).await?;
+            export::file(&job, level.iteration, points, format, samples).await
+        }
     }
-    if form.view != View::ControlPoints {
+}
+
+/// The last level of a job that has ended.
+async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Problem> {
+    let status = job.status();
+    match (status.levels, job.result().await?) {
+        (Some(Levels { last, .. }), Some(points)) => Ok((status, last, points)),
+        _ => {
+            let detail = format!("the job is {} and has no result", status.state);
+            Err(Problem::new(Kind::NoResult, detail))
+        }
+    }
+}
+
+/// The final geometry in a form, as JSON or as the bytes of a message.
+pub async fn result_bytes(job: &Arc<Job>, form: Form) -> Result<Bytes, Problem> {
+    let (status, level, points) = end(job).await?;
+    if form.view != View::ControlPoints && !form.is_protobuf() {
         let frame = Arc::new(Frame::last(level, points));
-        return Ok(json_response(encode::frame(&job, &frame, &form).await?));
+        return Ok(encode::frame(job, &frame, &form).await?);
     }
-    let (owner, problem) = (Arc::clone(&job), job.problem().await?);
+    let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = points.len() * points.dimension();
-    let json = encode::off_network(&job, numbers, move || {
-        view::level::result(&owner, &problem, &status, &level, &points, &form)
-    })
-    .await;
-    Ok(json_response(json))
+    let write = move || match form.is_protobuf() {
+        false => view::level::result(&owner, &problem, &status, &level, &points, &form),
+        true => rpc::geometry::result(&owner, &problem, &status, &level, &points, form.view),
+    };
+    Ok(encode::off_network(job, numbers, write).await)
 }
 
 /// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
@@ -142,7 +175,7 @@ pub async fn limit(
 
 /// What a client wants of a level.
 enum Wanted {
-    Json(Form),
+    Form(Form),
     File(Format, Option<Grid>),
 }
 
@@ -155,17 +188,21 @@ async fn job_and_wanted(
     let parameters: ViewParameters = negotiate::query(uri)?;
     let representation = export::representation(headers, parameters.format.as_deref())?;
     let job = jobs::find(app, id).await?;
+    let surface = job.outline().surface;
     if let Representation::File(format) = representation {
-        let samples = parameters.samples_of_file(job.outline().surface)?;
+        let samples = parameters.samples_of_file(surface)?;
         return Ok((job, Wanted::File(format, samples)));
     }
     let parameters = StreamParameters::from(parameters);
-    let form = parameters.form(job.outline().surface)?;
+    let form = match representation {
+        Representation::Protobuf => parameters.message_form(surface)?,
+        _ => parameters.form(surface)?,
+    };
     if form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         parameters.check_range(None, &problem)?;
     }
-    Ok((job, Wanted::Json(form)))
+    Ok((job, Wanted::Form(form)))
 }
 
 fn last_level(job: &Job) -> Result<usize, Problem> {
@@ -183,6 +220,13 @@ fn level_number(text: &str) -> Result<usize, Problem> {
             format!("{text:?} is no iteration: they are numbered from 0; there is also \"last\"");
         Problem::new(Kind::NoSuchIteration, detail)
     })
+}
+
+fn response(form: &Form, bytes: Bytes) -> Response {
+    match form.is_protobuf() {
+        false => json_response(bytes),
+        true => jobs::message(bytes),
+    }
 }
 
 fn json_response(json: Bytes) -> Response {

@@ -5,12 +5,14 @@
 //!   one value for both directions or one for each;
 //! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
-//! - [`create`]: new jobs and edits; [`jobs`]: list, get, cancel, delete;
-//! - [`events`]: a job as a stream of events;
+//! - [`order`]: new jobs and edits, in whatever language; [`create`]: posting them;
+//! - [`jobs`]: list, get, cancel, delete;
+//! - [`feed`]: a job as a sequence of events; [`events`]: the body of an answer with them;
 //! - [`milestones`]: which iterations a stream shows that is asked for the progress alone;
 //! - [`geometry`]: single iterations and results; [`export`]: as files;
 //! - [`options`]: query parameters that say what to show, and the defaults that jobs set;
 //! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
+//! - [`rpc`]: the same in protobuf messages, and as a gRPC service;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457).
 
@@ -19,6 +21,7 @@ pub mod create;
 pub mod encode;
 pub mod events;
 pub mod export;
+pub mod feed;
 pub mod geometry;
 pub mod info;
 pub mod jobs;
@@ -26,9 +29,11 @@ pub mod milestones;
 pub mod negotiate;
 pub mod numbers;
 pub mod options;
+pub mod order;
 pub mod per_direction;
 pub mod problem;
 pub mod request;
+pub mod rpc;
 pub mod strict;
 pub mod view;
 
@@ -105,6 +110,7 @@ pub fn router(app: App) -> Router {
         .route("/v1/jobs/{id}/limit", get(geometry::limit))
         .fallback(not_found)
         .method_not_allowed_fallback(method_not_allowed)
+        .merge(rpc::mount::routes(&app))
         .layer(layers)
         .with_state(app)
 }

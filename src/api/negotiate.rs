@@ -21,41 +21,94 @@ pub enum Framing {
     Sse,
     /// One JSON object a line.
     Ndjson,
+    /// Protobuf messages, each after its length.
+    Protobuf,
+}
+
+impl Framing {
+    /// The media type of such a stream.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Sse => SSE,
+            Self::Ndjson => NDJSON,
+            Self::Protobuf => PROTOBUF,
+        }
+    }
+}
+
+/// What bodies are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// JSON.
+    Json,
+    /// A protobuf message.
+    Protobuf,
 }
 
 /// How a job is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// The job as JSON.
-    Json,
+    /// The job as it stands.
+    Job(Language),
     /// The events of the job.
     Events(Framing),
 }
 
-const JSON: &str = "application/json";
+/// The media type of JSON.
+pub const JSON: &str = "application/json";
 const SSE: &str = "text/event-stream";
 const NDJSON: &str = "application/x-ndjson";
+/// Protobuf messages.
+pub const PROTOBUF: &str = "application/x-protobuf";
 
-/// JSON or events, whichever the client prefers; JSON if it does not care.
+/// The job or its events, whichever the client prefers; the job as JSON if it does not care. A client
+/// of messages that wants them as they come says so with `Prefer: stream`, for they have the same
+/// media type.
 pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
+    let message = match prefers_stream(headers) {
+        true => Answer::Events(Framing::Protobuf),
+        false => Answer::Job(Language::Protobuf),
+    };
     choose(
         headers,
         &[
-            (JSON, Answer::Json),
+            (JSON, Answer::Job(Language::Json)),
             (SSE, Answer::Events(Framing::Sse)),
             (NDJSON, Answer::Events(Framing::Ndjson)),
+            (PROTOBUF, message),
         ],
     )
 }
 
 /// The framing of an event stream; server-sent events if the client does not care.
 pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
-    choose(headers, &[(SSE, Framing::Sse), (NDJSON, Framing::Ndjson)])
+    choose(
+        headers,
+        &[
+            (SSE, Framing::Sse),
+            (NDJSON, Framing::Ndjson),
+            (PROTOBUF, Framing::Protobuf),
+        ],
+    )
+}
+
+/// JSON or a message; JSON if the client does not care.
+pub fn language(headers: &HeaderMap) -> Result<Language, Problem> {
+    choose(
+        headers,
+        &[(JSON, Language::Json), (PROTOBUF, Language::Protobuf)],
+    )
 }
 
 /// Refuses clients that do not take JSON.
 pub fn json(headers: &HeaderMap) -> Result<(), Problem> {
     choose(headers, &[(JSON, ())])
+}
+
+fn prefers_stream(headers: &HeaderMap) -> bool {
+    let values = headers.get_all("prefer").iter();
+    let mut preferences = values.flat_map(|value| value.to_str().unwrap_or("").split(','));
+    preferences.any(|preference| preference.trim().eq_ignore_ascii_case("stream"))
 }
 
 /// The first of the representations that the Accept header likes best.

@@ -18,6 +18,7 @@ use crate::job::store::{MOST_CRASHES, StoreError};
 #[allow(missing_docs, reason = "each is described in `catalogue`")]
 pub enum Kind {
     NotJson,
+    NotProtobuf,
     InvalidRequest,
     InvalidFit,
     NotFound,
@@ -55,8 +56,9 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::NotJson,
+        Self::NotProtobuf,
         Self::InvalidRequest,
         Self::InvalidFit,
         Self::NotFound,
@@ -99,6 +101,12 @@ impl Kind {
                 "The body is not JSON",
                 "The body could not be read as JSON; detail names line and column. JSON has no NaN and no Infinity.",
             ),
+            Self::NotProtobuf => (
+                "not-protobuf",
+                S::BAD_REQUEST,
+                "The body is not the protobuf message that is expected",
+                "The body could not be read as a message of piad.v1 (proto/piad/v1/fitting.proto): it is cut off, or has fields of other types.",
+            ),
             Self::InvalidRequest => (
                 "invalid-request",
                 S::BAD_REQUEST,
@@ -109,7 +117,7 @@ impl Kind {
                 "invalid-fit",
                 S::UNPROCESSABLE_ENTITY,
                 "The job is not a fit that can be computed",
-                "The body is JSON, but not a fitting problem; each entry of errors points at the value that is wrong and says why.",
+                "The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why.",
             ),
             Self::NotFound => (
                 "not-found",
@@ -181,7 +189,7 @@ impl Kind {
                 "unsupported-media-type",
                 S::UNSUPPORTED_MEDIA_TYPE,
                 "The body has a media type that is not understood",
-                "Jobs are sent as application/json.",
+                "Jobs are sent as application/json or application/x-protobuf.",
             ),
             Self::KeyTaken => (
                 "key-taken",
@@ -235,6 +243,9 @@ pub struct FieldError {
     /// A header.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub header: Option<&'static str>,
+    /// A field of a protobuf message, such as `curve.points[34]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<String>,
     /// Why it is wrong.
     pub detail: String,
 }
@@ -281,6 +292,7 @@ impl Problem {
             pointer: Some(pointer),
             parameter: None,
             header: None,
+            field: None,
             detail,
         });
         problem
@@ -297,9 +309,62 @@ impl Problem {
             pointer: None,
             parameter: Some(name),
             header: None,
+            field: None,
             detail,
         });
         problem
+    }
+
+    /// A problem with a field of a message, of which the path is told.
+    pub fn at_field(field: impl Into<String>, detail: impl Into<String>) -> Self {
+        let mut problem = Self::at_pointer(Kind::InvalidFit, String::new(), detail);
+        let field = field.into();
+        problem.name_fields(|_| Some(field.clone()));
+        problem
+    }
+
+    /// Says of errors which field of a message they are about, where `name` knows it, instead of
+    /// where it would be in JSON or in a query.
+    pub fn name_fields(&mut self, name: impl Fn(&FieldError) -> Option<String>) {
+        for error in &mut self.errors {
+            if let Some(field) = name(error) {
+                self.detail = match field.as_str() {
+                    "" => error.detail.clone(),
+                    field => format!("{field}: {}", error.detail),
+                };
+                error.field = Some(field);
+                (error.pointer, error.parameter) = (None, None);
+            }
+        }
+    }
+
+    /// The same with paths of fields that start further up, at a message with this field.
+    pub fn within(mut self, parent: &str) -> Self {
+        self.name_fields(|error| match error.field.as_deref()? {
+            "" => Some(parent.to_owned()),
+            field => Some(format!("{parent}.{field}")),
+        });
+        self
+    }
+
+    /// The kind.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// What is wrong.
+    pub fn detail(&self) -> &str {
+        &self.detail
+    }
+
+    /// The single things that are wrong.
+    pub fn errors(&self) -> &[FieldError] {
+        &self.errors
+    }
+
+    /// After how many seconds to try again.
+    pub fn retry(&self) -> Option<u32> {
+        self.retry_after
     }
 
     /// A problem with a header.
@@ -310,6 +375,7 @@ impl Problem {
             pointer: None,
             parameter: None,
             header: Some(name),
+            field: None,
             detail,
         });
         problem

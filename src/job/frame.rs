@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use bytes::Bytes;
-use parking_lot::Mutex;
 use tokio::sync::OnceCell;
 
+use super::forms::Forms;
 use crate::fit::iteration::{Iteration, Level};
 use crate::fit::points::Points;
 
@@ -20,15 +20,8 @@ pub struct Frame {
     pub moved: Option<Arc<[usize]>>,
     /// The fit has ended at this level.
     pub is_last: bool,
-    /// What was made of it, by the name of the form.
-    encoded: Mutex<Vec<Encoded>>,
-}
-
-/// A frame in one of its forms, once its first reader has made it.
-#[derive(Debug)]
-struct Encoded {
-    form: Arc<str>,
-    bytes: Arc<OnceCell<Bytes>>,
+    /// What was made of it.
+    encoded: Forms,
 }
 
 impl Frame {
@@ -54,7 +47,7 @@ impl Frame {
             control_points,
             moved: None,
             is_last: true,
-            encoded: Mutex::default(),
+            encoded: Forms::default(),
         }
     }
 
@@ -65,15 +58,6 @@ impl Frame {
 
     /// The place for a form of the frame on the wire: made by its first reader and shared by the others.
     pub fn encoded(&self, form: &Arc<str>) -> Arc<OnceCell<Bytes>> {
-        let mut encoded = self.encoded.lock();
-        if let Some(known) = encoded.iter().find(|known| known.form == *form) {
-            return Arc::clone(&known.bytes);
-        }
-        let bytes = Arc::new(OnceCell::new());
-        encoded.push(Encoded {
-            form: Arc::clone(form),
-            bytes: Arc::clone(&bytes),
-        });
-        bytes
+        self.encoded.of(form)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! - [`outline`]: a job without its points;
 //! - [`state`]: the state machine of a job;
-//! - [`frame`]: the geometry of one level, shared by everyone who reads it;
+//! - [`frame`]: the geometry of one level, shared by everyone who reads it; [`forms`]: its bytes;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
@@ -15,6 +15,7 @@
 
 pub mod counters;
 pub mod cursor;
+pub mod forms;
 pub mod frame;
 pub mod outline;
 pub mod recent;
@@ -36,6 +37,7 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use counters::Counters;
+use forms::Forms;
 use outline::Outline;
 use run::{Attached, Run, SharedSystem};
 use scheduler::Scheduler;
@@ -70,7 +72,7 @@ pub struct Job {
     /// Runs that readers can share, the primary one among them.
     runs: Mutex<Vec<Weak<Run>>>,
     resources: Arc<Resources>,
-    description: OnceCell<Bytes>,
+    descriptions: Forms,
 }
 
 impl Job {
@@ -88,7 +90,7 @@ impl Job {
             primary: Mutex::new(Weak::new()),
             runs: Mutex::new(Vec::new()),
             resources,
-            description: OnceCell::new(),
+            descriptions: Forms::default(),
         }
     }
 
@@ -181,12 +183,14 @@ impl Job {
         }
     }
 
-    /// The encoded description of the job, made once by `encode`.
+    /// The description of the job in this form, made once by `encode`.
     pub async fn description<E, F: Future<Output = Result<Bytes, E>>>(
         &self,
+        form: &'static str,
         encode: impl FnOnce() -> F,
     ) -> Result<Bytes, E> {
-        self.description.get_or_try_init(encode).await.cloned()
+        let place = self.descriptions.of(&form.into());
+        place.get_or_try_init(encode).await.cloned()
     }
 
     /// What the job's runs share with those of other jobs.

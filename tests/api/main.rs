@@ -36,8 +36,15 @@ mod program;
 mod rational;
 mod reference;
 mod refusals;
+mod rpc;
 mod scales;
 mod stream_object;
 mod streams;
 mod support;
 mod views;
+
+/// The messages and the client that the contract gives to everybody.
+#[allow(clippy::all, reason = "generated")]
+mod messages {
+    include!(concat!(env!("OUT_DIR"), "/client/piad.v1.rs"));
+}

@@ -122,11 +122,7 @@ async fn resources_methods_and_media_types() {
             "unsupported-media-type",
         ),
         (typed("text/csv"), 415, "unsupported-media-type"),
-        (
-            typed("application/x-protobuf"),
-            415,
-            "unsupported-media-type",
-        ),
+        (typed("application/yaml"), 415, "unsupported-media-type"),
         (
             typed(json).header("accept", "image/png"),
             406,

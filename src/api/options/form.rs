@@ -45,6 +45,8 @@ pub enum Encoding {
     Base64,
     /// Little-endian numbers of 32 bits in base64.
     Base64F32,
+    /// Not JSON at all, but a protobuf message.
+    Protobuf,
 }
 
 /// How many digits coordinates have.
@@ -82,6 +84,16 @@ impl Form {
     /// What tells this form from others: what is made in one form is shared by all who want it.
     pub fn key(&self) -> &Arc<str> {
         &self.key
+    }
+
+    /// The same as a protobuf message, in which numbers are written in one way only.
+    pub fn in_protobuf(&self) -> Self {
+        Self::new(self.view, Encoding::Protobuf, Digits::Full)
+    }
+
+    /// Whether it is a protobuf message.
+    pub fn is_protobuf(&self) -> bool {
+        self.encoding == Encoding::Protobuf
     }
 
     /// The same with all digits.

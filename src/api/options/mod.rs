@@ -11,7 +11,7 @@ pub mod object;
 
 use serde::Deserialize;
 
-use super::negotiate::plain_number;
+use super::negotiate::{Framing, plain_number};
 use super::problem::Problem;
 use crate::fit::points::Grid;
 use crate::fit::problem as fit;
@@ -159,6 +159,48 @@ impl StreamParameters {
     ) -> Result<(), Problem> {
         let job = job.map(StreamObject::parameters).unwrap_or_default();
         form::check_range(Sources::new(self, &job).get("encoding"), problem)
+    }
+
+    /// The options of a stream that is framed like this.
+    pub fn framed(
+        &self,
+        framing: Framing,
+        job: Option<&StreamObject>,
+        surface: bool,
+    ) -> Result<StreamOptions, Problem> {
+        if framing != Framing::Protobuf {
+            return self.options(job, surface);
+        }
+        self.refuse_numbers()?;
+        // How numbers are written in JSON is of no interest, whatever the job says of it.
+        let parameters = Self {
+            encoding: Some("json".to_owned()),
+            digits: Some("full".to_owned()),
+            ..self.clone()
+        };
+        let options = parameters.options(job, surface)?;
+        Ok(StreamOptions {
+            form: options.form.in_protobuf(),
+            changes: options.changes.map(|form| form.in_protobuf()),
+            ..options
+        })
+    }
+
+    /// The form of a single level of a curve or a surface as a protobuf message.
+    pub fn message_form(&self, surface: bool) -> Result<Form, Problem> {
+        self.refuse_numbers()?;
+        Ok(self.form(surface)?.in_protobuf())
+    }
+
+    /// Messages have no choice of how numbers are written.
+    fn refuse_numbers(&self) -> Result<(), Problem> {
+        for (name, given) in [("encoding", &self.encoding), ("digits", &self.digits)] {
+            if given.is_some() {
+                let detail = "it is about numbers in JSON; protobuf messages have all 64 bits";
+                return Err(Problem::at_parameter(name, detail));
+            }
+        }
+        Ok(())
     }
 
     /// The options of a stream of a curve or a surface. Where the query says nothing, the stream

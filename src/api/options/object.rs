@@ -18,23 +18,23 @@ use crate::job::outline::Label;
 #[serde(deny_unknown_fields)]
 pub struct StreamObject {
     #[serde(skip_serializing_if = "Option::is_none")]
-    view: Option<String>,
+    pub(in crate::api) view: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    samples: Option<SampleCount>,
+    pub(in crate::api) samples: Option<SampleCount>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    every: Option<Count>,
+    pub(in crate::api) every: Option<Count>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    milestones: Option<Vec<Number>>,
+    pub(in crate::api) milestones: Option<Vec<Number>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pace: Option<String>,
+    pub(in crate::api) pace: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    changed: Option<bool>,
+    pub(in crate::api) changed: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    encoding: Option<String>,
+    pub(in crate::api) encoding: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    digits: Option<String>,
+    pub(in crate::api) digits: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    on_disconnect: Option<String>,
+    pub(in crate::api) on_disconnect: Option<String>,
 }
 
 impl StreamObject {
@@ -59,7 +59,7 @@ impl StreamObject {
     }
 
     /// The same as a query would say it, so that there is one way to understand it.
-    pub(super) fn parameters(&self) -> StreamParameters {
+    pub(in crate::api) fn parameters(&self) -> StreamParameters {
         let list = |numbers: &Vec<Number>| {
             let numbers = numbers.iter().map(|Number(x)| format!("{x:?}"));
             numbers.collect::<Vec<_>>().join(",")
@@ -81,7 +81,7 @@ impl StreamObject {
 
 /// A number of samples: `200` for a curve, `"40x40"` for a surface.
 #[derive(Clone, Debug)]
-struct SampleCount(String);
+pub(in crate::api) struct SampleCount(pub(in crate::api) String);
 
 impl<'de> Deserialize<'de> for SampleCount {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

@@ -23,19 +23,19 @@ use crate::fit::problem::{self as fit, Weights};
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EditRequest {
-    name: Option<String>,
-    iteration: Option<IterationRequest>,
-    points: Option<Vec<Object<Move>>>,
-    weights: Option<PerDirection<WeightList>>,
-    rational: Option<Name<RationalRequest>>,
-    method: Option<Object<MethodRequest>>,
-    stop: Option<Object<StopRequest>>,
-    stream: Option<Object<StreamObject>>,
+    pub(in crate::api) name: Option<String>,
+    pub(in crate::api) iteration: Option<IterationRequest>,
+    pub(in crate::api) points: Option<Vec<Object<Move>>>,
+    pub(in crate::api) weights: Option<PerDirection<WeightList>>,
+    pub(in crate::api) rational: Option<Name<RationalRequest>>,
+    pub(in crate::api) method: Option<Object<MethodRequest>>,
+    pub(in crate::api) stop: Option<Object<StopRequest>>,
+    pub(in crate::api) stream: Option<Object<StreamObject>>,
 }
 
 /// The level of the parent to start from: a number or `"last"`.
 #[derive(Clone, Copy, Debug)]
-struct IterationRequest(Option<usize>);
+pub(in crate::api) struct IterationRequest(pub(in crate::api) Option<usize>);
 
 impl<'de> Deserialize<'de> for IterationRequest {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -67,10 +67,10 @@ impl<'de> Deserialize<'de> for IterationRequest {
 /// A data point that goes elsewhere, or gets another weight.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Move {
-    index: Index,
-    point: Option<Vec<Number>>,
-    weight: Option<Number>,
+pub(in crate::api) struct Move {
+    pub(in crate::api) index: Index,
+    pub(in crate::api) point: Option<Vec<Number>>,
+    pub(in crate::api) weight: Option<Number>,
 }
 
 impl EditRequest {

@@ -17,21 +17,21 @@ use crate::fit::points::Grid;
 /// the error can say it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct MethodRequest {
-    kind: Name<Kind>,
-    omega: Option<Omega>,
-    indices: Option<Vec<Index>>,
-    row_by_row: Option<bool>,
-    threshold: Option<Number>,
-    start: Option<Name<StartRequest>>,
-    control_points: Option<PerDirection<Count>>,
-    variant: Option<Name<VariantRequest>>,
-    mu: Option<Number>,
+pub(in crate::api) struct MethodRequest {
+    pub(in crate::api) kind: Name<Kind>,
+    pub(in crate::api) omega: Option<Omega>,
+    pub(in crate::api) indices: Option<Vec<Index>>,
+    pub(in crate::api) row_by_row: Option<bool>,
+    pub(in crate::api) threshold: Option<Number>,
+    pub(in crate::api) start: Option<Name<StartRequest>>,
+    pub(in crate::api) control_points: Option<PerDirection<Count>>,
+    pub(in crate::api) variant: Option<Name<VariantRequest>>,
+    pub(in crate::api) mu: Option<Number>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+pub(in crate::api) enum Kind {
     Global,
     Weighted,
     Local,
@@ -46,14 +46,14 @@ enum Kind {
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum StartRequest {
+pub(in crate::api) enum StartRequest {
     Transformed,
     Data,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "snake_case")]
-enum VariantRequest {
+pub(in crate::api) enum VariantRequest {
     Diagonal,
     Lspia,
     Cg,
@@ -201,7 +201,7 @@ impl MethodRequest {
 
 /// The relaxation of weighted PIA: a number or `"auto"`.
 #[derive(Clone, Copy, Debug)]
-enum Omega {
+pub(in crate::api) enum Omega {
     Auto,
     Given(f64),
 }
@@ -241,9 +241,11 @@ impl<'de> Deserialize<'de> for Omega {
 
 /// The index of a point: of a curve `i`, of a surface `[row, column]`.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Index {
+pub(in crate::api) enum Index {
     Single(usize),
     Pair(usize, usize),
+    /// `row · columns + column` on surfaces: how messages number points.
+    Flat(usize),
 }
 
 impl Index {
@@ -252,6 +254,8 @@ impl Index {
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
         match (self, surface) {
             (Self::Single(i), false) => Ok(i),
+            (Self::Flat(i), _) if i < grid.count() => Ok(i),
+            (Self::Flat(i), _) => Err(format!("{i} is not one of the {} points", grid.count())),
             (Self::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
                 Ok(i * grid.columns + j)
             }

@@ -1,7 +1,7 @@
 //! The JSON of a job, and its way to a fitting problem.
 
 pub mod edit;
-mod method;
+pub(super) mod method;
 mod places;
 
 use std::sync::Arc;
@@ -33,46 +33,46 @@ const LONGEST_NAME: usize = 200;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JobRequest {
-    name: Option<String>,
-    curve: Option<Object<CurveRequest>>,
-    surface: Option<Object<SurfaceRequest>>,
-    rational: Option<Name<RationalRequest>>,
-    method: Option<Object<MethodRequest>>,
-    stop: Option<Object<StopRequest>>,
-    stream: Option<Object<StreamObject>>,
+    pub(in crate::api) name: Option<String>,
+    pub(in crate::api) curve: Option<Object<CurveRequest>>,
+    pub(in crate::api) surface: Option<Object<SurfaceRequest>>,
+    pub(in crate::api) rational: Option<Name<RationalRequest>>,
+    pub(in crate::api) method: Option<Object<MethodRequest>>,
+    pub(in crate::api) stop: Option<Object<StopRequest>>,
+    pub(in crate::api) stream: Option<Object<StreamObject>>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CurveRequest {
-    points: PointList,
-    basis: Option<Object<BasisRequest>>,
-    parameters: Option<NameOrNumbers>,
-    weights: Option<WeightList>,
-    closed: Option<bool>,
+pub(in crate::api) struct CurveRequest {
+    pub(in crate::api) points: PointList,
+    pub(in crate::api) basis: Option<Object<BasisRequest>>,
+    pub(in crate::api) parameters: Option<NameOrNumbers>,
+    pub(in crate::api) weights: Option<WeightList>,
+    pub(in crate::api) closed: Option<bool>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SurfaceRequest {
-    points: PointGrid,
-    basis: Option<PerDirection<Object<BasisRequest>>>,
-    parameters: Option<PerDirection<NameOrNumbers>>,
-    weights: Option<PerDirection<WeightList>>,
-    closed: Option<PerDirection<bool>>,
+pub(in crate::api) struct SurfaceRequest {
+    pub(in crate::api) points: PointGrid,
+    pub(in crate::api) basis: Option<PerDirection<Object<BasisRequest>>>,
+    pub(in crate::api) parameters: Option<PerDirection<NameOrNumbers>>,
+    pub(in crate::api) weights: Option<PerDirection<WeightList>>,
+    pub(in crate::api) closed: Option<PerDirection<bool>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct BasisRequest {
-    kind: Name<BasisKind>,
-    degree: Option<Count>,
-    knots: Option<NameOrNumbers>,
+pub(in crate::api) struct BasisRequest {
+    pub(in crate::api) kind: Name<BasisKind>,
+    pub(in crate::api) degree: Option<Count>,
+    pub(in crate::api) knots: Option<NameOrNumbers>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
-enum BasisKind {
+pub(in crate::api) enum BasisKind {
     Bspline,
     Bernstein,
     SaidBall,
@@ -81,17 +81,17 @@ enum BasisKind {
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
-enum RationalRequest {
+pub(in crate::api) enum RationalRequest {
     Homogeneous,
     Fixed,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StopRequest {
-    tolerance: Option<Number>,
-    relative_tolerance: Option<Number>,
-    max_iterations: Option<Count>,
+pub(in crate::api) struct StopRequest {
+    pub(in crate::api) tolerance: Option<Number>,
+    pub(in crate::api) relative_tolerance: Option<Number>,
+    pub(in crate::api) max_iterations: Option<Count>,
 }
 
 /// A job that can be computed.

@@ -69,8 +69,11 @@ fn numbers(form: &Form, level: &Level) -> Numbers {
     match (form.encoding, form.digits) {
         (Encoding::Base64, _) => Numbers::Binary64,
         (Encoding::Base64F32, _) => Numbers::Binary32,
-        (Encoding::Json, Digits::Full) => Numbers::Decimal(None),
-        (Encoding::Json, Digits::Auto) => Numbers::Decimal(Rounding::for_error(level.error.max)),
+        // Messages are not written here.
+        (Encoding::Json | Encoding::Protobuf, Digits::Full) => Numbers::Decimal(None),
+        (Encoding::Json | Encoding::Protobuf, Digits::Auto) => {
+            Numbers::Decimal(Rounding::for_error(level.error.max))
+        }
     }
 }
 

@@ -1,0 +1,198 @@
+//! Jobs that are asked for, in whatever language: what can be computed, and making it a job.
+
+use std::sync::Arc;
+
+use bytes::Bytes;
+use sha2::{Digest, Sha256};
+
+use super::App;
+use super::negotiate::Framing;
+use super::options::StreamParameters;
+use super::options::object::StreamObject;
+use super::problem::{Kind, Problem};
+use super::request::ValidJob;
+use super::request::edit::EditRequest;
+use crate::config::Config;
+use crate::fit::problem as fit;
+use crate::fit::system::System;
+use crate::job::Job;
+use crate::job::cursor::{Cursor, Next};
+use crate::job::frame::Frame;
+use crate::job::outline::{Label, Parent};
+use crate::job::scheduler::Lane;
+use crate::job::service::Accepted;
+use crate::job::store::Key;
+
+/// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
+pub const PARSED_AT_ONCE: usize = 16 * 1024;
+
+/// Problems of up to so many points are edited where the edit arrives.
+const EDITED_AT_ONCE: usize = 1000;
+
+const LONGEST_KEY: usize = 255;
+
+/// A job that can be made.
+pub struct Order {
+    label: Label,
+    problem: fit::Problem,
+    /// The system of a job with the same collocation matrix, if one is at hand.
+    like: Option<Arc<System>>,
+}
+
+impl Order {
+    /// A new job, from a body of so many bytes.
+    pub async fn new(
+        app: &App,
+        bytes: usize,
+        read: impl FnOnce(&Config) -> Result<ValidJob, Problem> + Send + 'static,
+    ) -> Result<Self, Problem> {
+        let config = Arc::clone(&app.config);
+        let valid = compute(app, bytes <= PARSED_AT_ONCE, move || read(&config)).await?;
+        Ok(Self {
+            label: Label {
+                name: valid.name,
+                parent: None,
+                stream: valid.stream,
+            },
+            problem: valid.problem,
+            like: None,
+        })
+    }
+
+    /// A job that starts from the control points of another one.
+    pub async fn edit(
+        app: &App,
+        parent: &Arc<Job>,
+        mut request: EditRequest,
+    ) -> Result<Self, Problem> {
+        request.inherit(StreamObject::of(&parent.outline().label)?);
+        let frame = start(parent, request.iteration()).await?;
+        let iteration = frame.level.iteration;
+        let (config, problem) = (Arc::clone(&app.config), parent.problem().await?);
+        let levels = parent.status().levels;
+        let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
+        let small = problem.grid().count() <= EDITED_AT_ONCE;
+        let valid = compute(app, small, move || {
+            request.apply(&problem, &frame.control_points, lambda_min, &config)
+        })
+        .await?;
+        Ok(Self {
+            label: Label {
+                name: valid.name,
+                parent: Some(Parent {
+                    id: parent.id(),
+                    iteration,
+                }),
+                stream: valid.stream,
+            },
+            problem: valid.problem,
+            like: parent.system().await?.at_hand(),
+        })
+    }
+
+    /// Makes the job, unless there is one for the same key. If it is to be watched, what is wrong with
+    /// the parameters of the stream is said before there is a job.
+    pub async fn make(
+        self,
+        app: &App,
+        watch: Option<(&StreamParameters, Framing)>,
+        key: Option<Key>,
+    ) -> Result<Accepted, Problem> {
+        if let Some((parameters, framing)) = watch {
+            let stream = StreamObject::of(&self.label)?;
+            let surface = self.problem.v().is_some();
+            parameters.framed(framing, stream.as_ref(), surface)?;
+            if framing != Framing::Protobuf {
+                parameters.check_range(stream.as_ref(), &self.problem)?;
+            }
+        }
+        let (label, problem, like) = (self.label, self.problem, self.like);
+        Ok(app.jobs.create(label, problem, like, key).await?)
+    }
+}
+
+/// Refuses new jobs while the server stops.
+pub fn check_open(app: &App) -> Result<(), Problem> {
+    if *app.stopping.borrow() {
+        return Err(Problem::new(Kind::Stopping, "the server is stopping").retry_after(5));
+    }
+    Ok(())
+}
+
+/// What is wrong with the name of an idempotency key.
+pub fn check_key(name: &str) -> Result<(), String> {
+    let visible = name
+        .bytes()
+        .all(|byte| (b' '..=b'~').contains(&byte) || byte == b'\t');
+    if name.is_empty() || name.len() > LONGEST_KEY || !visible {
+        return Err(format!(
+            "a key has 1 to {LONGEST_KEY} visible ASCII characters"
+        ));
+    }
+    Ok(())
+}
+
+/// The key with a digest of the request: where it went and what it said.
+pub async fn key(app: &App, name: String, path: String, body: Bytes) -> Result<Key, Problem> {
+    let small = body.len() <= PARSED_AT_ONCE;
+    compute(app, small, move || {
+        let digest = Sha256::new()
+            .chain_update(path)
+            .chain_update([0])
+            .chain_update(&body)
+            .finalize();
+        let digest = digest.into();
+        Ok(Key { name, digest })
+    })
+    .await
+}
+
+/// The job that was made for a key before.
+pub async fn known(app: &App, key: Option<&Key>) -> Result<Option<Accepted>, Problem> {
+    match key {
+        None => Ok(None),
+        Some(key) => Ok(app.jobs.made_for(key).await?),
+    }
+}
+
+/// The level of the parent that an edit starts from.
+async fn start(parent: &Arc<Job>, iteration: Option<usize>) -> Result<Arc<Frame>, Problem> {
+    let status = parent.status();
+    let wrong = |detail| Problem::at_pointer(Kind::InvalidFit, "/iteration".to_owned(), detail);
+    let Some(reached) = status.levels.map(|levels| levels.last.iteration) else {
+        let detail = format!(
+            "the job is {} and has no iteration to start from",
+            status.state
+        );
+        return Err(wrong(detail));
+    };
+    let k = iteration.unwrap_or(reached);
+    if k > reached {
+        let detail = format!(
+            "the job is {} at iteration {reached}, before {k}",
+            status.state
+        );
+        return Err(wrong(detail));
+    }
+    match Cursor::new(Arc::clone(parent), k).next().await? {
+        Next::Frame(frame) => Ok(frame),
+        Next::End(status) => Err(wrong(format!(
+            "the job is {} before iteration {k}",
+            status.state
+        ))),
+    }
+}
+
+/// Computes where the request is handled, or on the compute pool if it is much.
+async fn compute<T: Send + 'static>(
+    app: &App,
+    small: bool,
+    function: impl FnOnce() -> Result<T, Problem> + Send + 'static,
+) -> Result<T, Problem> {
+    if small {
+        function()
+    } else {
+        let scheduler = &app.jobs.resources().scheduler;
+        scheduler.compute(Lane::Heavy, function).await?
+    }
+}

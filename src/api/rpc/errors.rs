@@ -1,0 +1,74 @@
+//! Problems as gRPC statuses, with details of `google.rpc`.
+
+use std::collections::HashMap;
+use std::time::Duration;
+
+use tonic::{Code, Status};
+use tonic_types::{ErrorDetails, FieldViolation, StatusExt};
+
+use super::fields;
+use crate::api::problem::{Kind, Problem};
+use crate::job::service::Refused;
+use crate::job::store::StoreError;
+
+/// Who says what the reason of an error means.
+const DOMAIN: &str = "piad";
+
+/// The code of a kind of problem.
+fn code(kind: Kind) -> Code {
+    match kind {
+        Kind::NotJson
+        | Kind::NotProtobuf
+        | Kind::InvalidRequest
+        | Kind::InvalidFit
+        | Kind::NotAcceptable
+        | Kind::UnsupportedMediaType
+        | Kind::KeyTaken => Code::InvalidArgument,
+        Kind::NotFound | Kind::UnknownJob | Kind::NoSuchIteration => Code::NotFound,
+        Kind::NoResult | Kind::NoLimit | Kind::NoExport | Kind::AlreadyEnded | Kind::Overflow => {
+            Code::FailedPrecondition
+        }
+        Kind::BodyTooLarge | Kind::QueueFull | Kind::StoreFull => Code::ResourceExhausted,
+        Kind::BodyTimeout => Code::DeadlineExceeded,
+        Kind::MethodNotAllowed => Code::Unimplemented,
+        Kind::Stopping => Code::Unavailable,
+        Kind::Internal => Code::Internal,
+    }
+}
+
+impl From<Problem> for Status {
+    fn from(problem: Problem) -> Self {
+        let problem = fields::of_call(problem);
+        let kind = problem.kind();
+        let reason = kind.entry().slug.replace('-', "_").to_uppercase();
+        let mut details = ErrorDetails::new();
+        details.set_error_info(reason, DOMAIN, HashMap::new());
+        let violations: Vec<_> = problem
+            .errors()
+            .iter()
+            .filter_map(|error| {
+                let field = error.field.as_ref()?;
+                Some(FieldViolation::new(field, &error.detail))
+            })
+            .collect();
+        if !violations.is_empty() {
+            details.set_bad_request(violations);
+        }
+        if let Some(seconds) = problem.retry() {
+            details.set_retry_info(Some(Duration::from_secs(seconds.into())));
+        }
+        Self::with_error_details(code(kind), problem.detail(), details)
+    }
+}
+
+impl From<Refused> for Status {
+    fn from(refused: Refused) -> Self {
+        Problem::from(refused).into()
+    }
+}
+
+impl From<StoreError> for Status {
+    fn from(error: StoreError) -> Self {
+        Problem::from(error).into()
+    }
+}

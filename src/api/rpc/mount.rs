@@ -1,0 +1,105 @@
+//! The gRPC service on the same port as REST, with reflection and health.
+
+use std::convert::Infallible;
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::{HeaderMap, HeaderName};
+use axum::response::{IntoResponse, Response};
+use axum::routing::any_service;
+use bytes::Bytes;
+use futures_util::stream;
+use http_body::Frame;
+use http_body_util::{BodyExt, StreamBody};
+use tokio::sync::watch;
+use tonic::Code;
+use tonic::server::NamedService;
+use tower::Service;
+use tower::util::MapResponseLayer;
+use tower_http::timeout::RequestBodyTimeoutLayer;
+use tracing::error;
+
+use super::DESCRIPTORS;
+use super::messages::fitting_service_server::FittingServiceServer;
+use super::service;
+use crate::api::App;
+
+const GRPC_STATUS: HeaderName = HeaderName::from_static("grpc-status");
+
+/// The routes of the services. Everything else at their paths is told by tonic that there is no such
+/// call; everything at other paths is REST.
+pub fn routes(app: &App) -> Router<App> {
+    let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
+    let fitting = FittingServiceServer::new(service::Service::new(app.clone()))
+        .max_decoding_message_size(limit);
+    // What a client sends is given up as a body of REST is: after a pause that is too long.
+    let pause = RequestBodyTimeoutLayer::new(app.config.body_timeout);
+    let fitting = route(fitting).layer(pause);
+    fitting.merge(operations(app))
+}
+
+/// Reflection and health. Their streams last as long as the client likes, and end with the server.
+fn operations(app: &App) -> Router<App> {
+    let (health, checks) = tonic_health::server::health_reporter();
+    let mut stopping = app.stopping.clone();
+    tokio::spawn(async move {
+        let name = FittingServiceServer::<service::Service>::NAME;
+        use tonic_health::ServingStatus::{NotServing, Serving};
+        health.set_service_status(name, Serving).await;
+        // The sender is gone only if the server is.
+        let _ = stopping.wait_for(|stopping| *stopping).await;
+        health.set_service_status(name, NotServing).await;
+        health.set_service_status("", NotServing).await;
+    });
+    let reflection = || {
+        tonic_reflection::server::Builder::configure()
+            .register_encoded_file_descriptor_set(DESCRIPTORS)
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+    };
+    let mut router = route(checks);
+    match (reflection().build_v1(), reflection().build_v1alpha()) {
+        (Ok(v1), Ok(v1alpha)) => router = router.merge(route(v1)).merge(route(v1alpha)),
+        (Err(reason), _) | (_, Err(reason)) => error!(%reason, "there is no reflection"),
+    }
+    let stopping = app.stopping.clone();
+    let ending = MapResponseLayer::new(move |response| until(stopping.clone(), response));
+    router.layer(ending)
+}
+
+/// A service at its path.
+fn route<S>(service: S) -> Router<App>
+where
+    S: NamedService
+        + Service<axum::extract::Request, Error = Infallible>
+        + Clone
+        + Send
+        + Sync
+        + 'static,
+    S::Response: IntoResponse,
+    S::Future: Send + 'static,
+{
+    Router::new().route(&format!("/{}/{{*call}}", S::NAME), any_service(service))
+}
+
+/// A response that ends when the server stops, with a status that says so.
+fn until(stopping: watch::Receiver<bool>, response: Response) -> Response {
+    response.map(|body| {
+        let frames = stream::unfold(Some((body, stopping)), |state| async {
+            let (mut body, mut stopping) = state?;
+            let frame = tokio::select! {
+                frame = body.frame() => frame?,
+                _ = stopping.wait_for(|stopping| *stopping) => {
+                    return Some((Ok(unavailable()), None));
+                }
+            };
+            Some((frame, Some((body, stopping))))
+        });
+        Body::new(StreamBody::new(frames))
+    })
+}
+
+/// The end of a response that could go on.
+fn unavailable() -> Frame<Bytes> {
+    let code = i32::from(Code::Unavailable);
+    Frame::trailers(HeaderMap::from_iter([(GRPC_STATUS, code.into())]))
+}

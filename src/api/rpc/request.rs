@@ -1,0 +1,360 @@
+//! A job that a message asks for: it becomes what its JSON would have become, so that both are
+//! validated by the same code.
+
+use bytes::Bytes;
+use prost::Message;
+
+use super::fields::Layout;
+use super::messages::{self as pb, job_input::Geometry, method, stop_rules::Rule};
+use super::names::known;
+use super::stream;
+use crate::api::numbers::{MAX_DIMENSION, NameOrNumbers, Number, PointGrid, PointList, WeightList};
+use crate::api::per_direction::PerDirection;
+use crate::api::problem::{Kind, Problem};
+use crate::api::request::method::{
+    Index, Kind as MethodKind, MethodRequest, Omega, StartRequest, VariantRequest,
+};
+use crate::api::request::{
+    BasisKind, BasisRequest, CurveRequest, JobRequest, RationalRequest, StopRequest,
+    SurfaceRequest, ValidJob,
+};
+use crate::api::strict::{Count, Name, Object};
+use crate::config::Config;
+use crate::fit::points::Points;
+
+/// Reads a message from the body of a request.
+pub fn decode<M: Message + Default>(body: Bytes) -> Result<M, Problem> {
+    M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, error.to_string()))
+}
+
+/// The job, if it can be computed. Fields of errors are relative to the message.
+pub fn validate(input: pb::JobInput, config: &Config) -> Result<ValidJob, Problem> {
+    let layout = Layout::of(&input);
+    let request = job(input)?;
+    let valid = request.validate(config);
+    valid.map_err(|problem| layout.name(problem))
+}
+
+fn job(input: pb::JobInput) -> Result<JobRequest, Problem> {
+    let (curve, surface) = match input.geometry {
+        None => (None, None),
+        Some(Geometry::Curve(it)) => (Some(Object(curve(it)?)), None),
+        Some(Geometry::Surface(it)) => (None, Some(Object(surface(it)?))),
+    };
+    let stream = input.stream.map(stream::object).transpose();
+    Ok(JobRequest {
+        name: input.name,
+        curve,
+        surface,
+        rational: rational(input.rational)?,
+        method: method(input.method)?,
+        stop: stop(input.stop),
+        stream: stream
+            .map_err(|problem| problem.within("stream"))?
+            .map(Object),
+    })
+}
+
+fn curve(curve: pb::Curve) -> Result<CurveRequest, Problem> {
+    let points = points(curve.dimension, &curve.points, "curve")?;
+    Ok(CurveRequest {
+        points: PointList(points),
+        basis: basis(curve.basis, "curve.basis")?.map(Object),
+        parameters: parameters(curve.parameters, "curve.parameters")?,
+        weights: some(curve.weights).map(WeightList::Line),
+        closed: Some(curve.closed),
+    })
+}
+
+fn surface(surface: pb::Surface) -> Result<SurfaceRequest, Problem> {
+    let (rows, columns) = (surface.rows as usize, surface.columns as usize);
+    let points = points(surface.dimension, &surface.points, "surface")?;
+    let count = rows.checked_mul(columns);
+    if count != Some(points.len()) {
+        let given = points.len();
+        let detail = format!("{given} points for {rows} rows of {columns} points");
+        return Err(Problem::at_field("surface.points", detail));
+    }
+    let missing = missing(&surface.missing, points.len())?;
+    let (u, v) = (surface.u.unwrap_or_default(), surface.v.unwrap_or_default());
+    let weights = Weights {
+        values: surface.weights,
+        u: u.weights,
+        v: v.weights,
+    };
+    let basis = |it, field| Ok::<_, Problem>(Object(basis(it, field)?.unwrap_or_else(usual_basis)));
+    let parameters = |it, field| {
+        let usual = NameOrNumbers::Name("chord_length".to_owned());
+        Ok::<_, Problem>(parameters(it, field)?.unwrap_or(usual))
+    };
+    Ok(SurfaceRequest {
+        points: PointGrid {
+            points,
+            missing,
+            rows,
+            columns,
+        },
+        basis: Some(PerDirection::Each {
+            u: basis(u.basis, "surface.u.basis")?,
+            v: basis(v.basis, "surface.v.basis")?,
+        }),
+        parameters: Some(PerDirection::Each {
+            u: parameters(u.parameters, "surface.u.parameters")?,
+            v: parameters(v.parameters, "surface.v.parameters")?,
+        }),
+        weights: weights.of_surface(rows, columns, "surface.weights")?,
+        closed: Some(PerDirection::Each {
+            u: u.closed,
+            v: v.closed,
+        }),
+    })
+}
+
+/// Flat coordinates as points.
+fn points(dimension: u32, flat: &[f64], root: &str) -> Result<Points, Problem> {
+    let dimension = dimension as usize;
+    if !(1..=MAX_DIMENSION).contains(&dimension) {
+        let detail = format!("points have 1 to {MAX_DIMENSION} coordinates, not {dimension}");
+        return Err(Problem::at_field(format!("{root}.dimension"), detail));
+    }
+    if !flat.len().is_multiple_of(dimension) {
+        let count = flat.len();
+        let detail = format!("{count} numbers are no points of {dimension} coordinates");
+        return Err(Problem::at_field(format!("{root}.points"), detail));
+    }
+    let lane = |c| flat.iter().skip(c).step_by(dimension).copied().collect();
+    Ok(Points::from_lanes((0..dimension).map(lane).collect()))
+}
+
+fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Problem> {
+    let mut missing = Vec::with_capacity(indices.len().min(count));
+    for (k, &index) in indices.iter().enumerate() {
+        let index = index as usize;
+        let wrong = if index >= count {
+            format!("{index} is not one of the {count} points")
+        } else if missing.last() >= Some(&index) {
+            "indices of missing points increase".to_owned()
+        } else {
+            missing.push(index);
+            continue;
+        };
+        return Err(Problem::at_field(format!("surface.missing[{k}]"), wrong));
+    }
+    Ok(missing)
+}
+
+/// Weights of a surface: for each point, or factors of the directions.
+pub(super) struct Weights {
+    pub(super) values: Vec<f64>,
+    pub(super) u: Vec<f64>,
+    pub(super) v: Vec<f64>,
+}
+
+impl Weights {
+    /// `field` is that of the weights for each point.
+    pub(super) fn of_surface(
+        self,
+        rows: usize,
+        columns: usize,
+        field: &str,
+    ) -> Result<Option<PerDirection<WeightList>>, Problem> {
+        let Self { values, u, v } = self;
+        let wrong = |detail: String| Err(Problem::at_field(field, detail));
+        match (values.is_empty(), u.is_empty() && v.is_empty()) {
+            (true, true) => Ok(None),
+            (false, false) => {
+                wrong("weights of points and of directions exclude each other".into())
+            }
+            (true, false) => Ok(Some(PerDirection::Each {
+                u: WeightList::Line(u),
+                v: WeightList::Line(v),
+            })),
+            (false, true) if values.len() != rows * columns => {
+                let given = values.len();
+                wrong(format!(
+                    "{given} weights for {rows} rows of {columns} points"
+                ))
+            }
+            (false, true) => Ok(Some(PerDirection::Both(WeightList::Grid {
+                values,
+                columns,
+            }))),
+        }
+    }
+}
+
+fn usual_basis() -> BasisRequest {
+    BasisRequest {
+        kind: Name(BasisKind::Bspline),
+        degree: None,
+        knots: None,
+    }
+}
+
+fn basis(basis: Option<pb::Basis>, field: &str) -> Result<Option<BasisRequest>, Problem> {
+    let Some(basis) = basis else { return Ok(None) };
+    let kind = match known(basis.kind, &format!("{field}.kind"))? {
+        pb::BasisKind::Unspecified | pb::BasisKind::Bspline => BasisKind::Bspline,
+        pb::BasisKind::Bernstein => BasisKind::Bernstein,
+        pb::BasisKind::SaidBall => BasisKind::SaidBall,
+        pb::BasisKind::WangBall => BasisKind::WangBall,
+    };
+    let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
+        pb::KnotRule::Unspecified => Chosen::Any,
+        pb::KnotRule::Explicit => Chosen::Explicit,
+        pb::KnotRule::Data => Chosen::Name("data"),
+        pb::KnotRule::Averaged => Chosen::Name("averaged"),
+    };
+    Ok(Some(BasisRequest {
+        kind: Name(kind),
+        degree: basis.degree.map(|degree| Count(degree as usize)),
+        knots: rule.of(basis.knots, &format!("{field}.knots"))?,
+    }))
+}
+
+fn parameters(
+    parameters: Option<pb::Parameters>,
+    field: &str,
+) -> Result<Option<NameOrNumbers>, Problem> {
+    let Some(parameters) = parameters else {
+        return Ok(None);
+    };
+    let rule = match known(parameters.rule, &format!("{field}.rule"))? {
+        pb::ParameterRule::Unspecified => Chosen::Any,
+        pb::ParameterRule::Explicit => Chosen::Explicit,
+        pb::ParameterRule::ChordLength => Chosen::Name("chord_length"),
+        pb::ParameterRule::Centripetal => Chosen::Name("centripetal"),
+        pb::ParameterRule::Uniform => Chosen::Name("uniform"),
+    };
+    rule.of(parameters.values, &format!("{field}.values"))
+}
+
+/// The rule by which numbers are chosen.
+enum Chosen {
+    /// As the numbers say, if there are any.
+    Any,
+    Explicit,
+    Name(&'static str),
+}
+
+impl Chosen {
+    fn of(self, numbers: Vec<f64>, field: &str) -> Result<Option<NameOrNumbers>, Problem> {
+        match (self, numbers.is_empty()) {
+            (Self::Any, true) => Ok(None),
+            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(NameOrNumbers::Numbers(numbers))),
+            (Self::Name(name), true) => Ok(Some(NameOrNumbers::Name(name.to_owned()))),
+            (Self::Name(name), false) => {
+                let detail = format!("numbers are given, but the rule is {name:?}");
+                Err(Problem::at_field(field, detail))
+            }
+        }
+    }
+}
+
+pub(super) fn rational(value: i32) -> Result<Option<Name<RationalRequest>>, Problem> {
+    Ok(match known(value, "rational")? {
+        pb::Rational::Unspecified => None,
+        pb::Rational::Homogeneous => Some(Name(RationalRequest::Homogeneous)),
+        pb::Rational::Fixed => Some(Name(RationalRequest::Fixed)),
+    })
+}
+
+pub(super) fn stop(stop: Option<pb::StopRules>) -> Option<Object<StopRequest>> {
+    let stop = stop?;
+    let (tolerance, relative_tolerance) = match stop.rule {
+        None => (None, None),
+        Some(Rule::Tolerance(value)) => (Some(Number(value)), None),
+        Some(Rule::RelativeTolerance(value)) => (None, Some(Number(value))),
+    };
+    // Too many for this machine are too many for any limit.
+    let count = |count| Count(usize::try_from(count).unwrap_or(usize::MAX));
+    Some(Object(StopRequest {
+        tolerance,
+        relative_tolerance,
+        max_iterations: stop.max_iterations.map(count),
+    }))
+}
+
+pub(super) fn method(method: Option<pb::Method>) -> Result<Option<Object<MethodRequest>>, Problem> {
+    use method::Kind as K;
+    let Some(method) = method else {
+        return Ok(None);
+    };
+    let Some(kind) = method.kind else {
+        return Err(Problem::at_field("method", "it has no kind"));
+    };
+    let plain = |kind| MethodRequest {
+        kind: Name(kind),
+        omega: None,
+        indices: None,
+        row_by_row: None,
+        threshold: None,
+        start: None,
+        control_points: None,
+        variant: None,
+        mu: None,
+    };
+    let request = match kind {
+        K::Global(_) => plain(MethodKind::Global),
+        K::Weighted(weighted) => MethodRequest {
+            omega: weighted.omega.map(Omega::Given),
+            ..plain(MethodKind::Weighted)
+        },
+        K::Local(local) => MethodRequest {
+            indices: some(local.indices).map(|indices| {
+                let indices = indices.into_iter();
+                indices.map(|index| Index::Flat(index as usize)).collect()
+            }),
+            row_by_row: Some(local.row_by_row),
+            ..plain(MethodKind::Local)
+        },
+        K::Adaptive(adaptive) => MethodRequest {
+            threshold: Some(Number(adaptive.threshold)),
+            ..plain(MethodKind::Adaptive)
+        },
+        K::Extended(extended) => MethodRequest {
+            start: match known(extended.start, "method.extended.start")? {
+                pb::method::Start::Unspecified => None,
+                pb::method::Start::Transformed => Some(Name(StartRequest::Transformed)),
+                pb::method::Start::Data => Some(Name(StartRequest::Data)),
+            },
+            ..plain(MethodKind::Extended)
+        },
+        K::Transpose(_) => plain(MethodKind::Transpose),
+        K::Convex(_) => plain(MethodKind::Convex),
+        K::Chebyshev(_) => plain(MethodKind::Chebyshev),
+        K::Direct(_) => plain(MethodKind::Direct),
+        K::LeastSquares(settings) => least_squares(settings, plain(MethodKind::LeastSquares))?,
+    };
+    Ok(Some(Object(request)))
+}
+
+fn least_squares(
+    settings: pb::method::LeastSquares,
+    plain: MethodRequest,
+) -> Result<MethodRequest, Problem> {
+    let (u, v) = (settings.control_points_u, settings.control_points_v);
+    let control_points = match v {
+        0 => PerDirection::Both(Count(u as usize)),
+        v => PerDirection::Each {
+            u: Count(u as usize),
+            v: Count(v as usize),
+        },
+    };
+    Ok(MethodRequest {
+        control_points: Some(control_points),
+        variant: match known(settings.variant, "method.least_squares.variant")? {
+            pb::method::Variant::Unspecified => None,
+            pb::method::Variant::Diagonal => Some(Name(VariantRequest::Diagonal)),
+            pb::method::Variant::Lspia => Some(Name(VariantRequest::Lspia)),
+            pb::method::Variant::Cg => Some(Name(VariantRequest::Cg)),
+        },
+        mu: settings.mu.map(Number),
+        ..plain
+    })
+}
+
+/// A list that is given.
+fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
+    (!list.is_empty()).then_some(list)
+}
