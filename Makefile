@@ -1,4 +1,4 @@
-.PHONY: run test lint tools fmt
+.PHONY: run test interop lint tools fmt
 
 # Serves on 127.0.0.1:8080.
 run:
@@ -7,6 +7,13 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
+
+# A client in another language, from the contract alone; needs Python 3 with venv.
+interop:
+	cargo build --locked
+	@test -d target/python || python3 -m venv target/python
+	target/python/bin/pip install --quiet -r tests/python/requirements.txt
+	target/python/bin/python tests/python/grpc_client.py target/debug/piad
 
 lint: tools
 	cargo fmt --check

@@ -17,7 +17,7 @@
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
 //! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
-//! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457);
+//! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`server`] — binds them together: [`server::serve`].
 
 pub mod api;

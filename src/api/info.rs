@@ -7,12 +7,15 @@ use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
 use prometheus_client::registry::Registry;
 use serde_json::{Value, json};
+use tonic::server::NamedService;
 
 use super::App;
 use super::numbers::MAX_DIMENSION;
 use super::options::form::MOST_SAMPLES;
 use super::options::{MOST_MILESTONES, StreamParameters};
 use super::problem::{Kind, Problem};
+use super::rpc::messages::fitting_service_server::FittingServiceServer;
+use super::rpc::service::Service;
 use crate::fit::basis::MAX_DEGREE;
 
 /// `GET /`
@@ -59,8 +62,14 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "paces": ["all", "latest"],
         "stream": StreamParameters::NAMES,
         "formats": {
-            "events": ["text/event-stream", "application/x-ndjson"],
-            "result": ["application/json"],
+            "jobs": ["application/json", "application/x-protobuf"],
+            "events": ["text/event-stream", "application/x-ndjson", "application/x-protobuf"],
+            "result": ["application/json", "application/x-protobuf"],
+        },
+        "grpc": {
+            "service": FittingServiceServer::<Service>::NAME,
+            "reflection": ["grpc.reflection.v1", "grpc.reflection.v1alpha"],
+            "health": "grpc.health.v1",
         },
         "limits": {
             "body_bytes": config.max_body.as_u64(),
