@@ -1,6 +1,6 @@
-.PHONY: run test lint tools fmt files
+.PHONY: run test lint tools fmt files interop
 
-# Python packages that read the exported files.
+# Python packages that read the exported files, and talk gRPC.
 VENV := target/venv
 PYTHON := $(VENV)/bin/python
 
@@ -11,12 +11,16 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
-	$(MAKE) files
+	$(MAKE) files interop
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others.
 files: $(VENV)/installed
 	$(PYTHON) tests/python/export_check.py --all target/tmp/export
 	$(PYTHON) tests/python/over_http.py target/debug/piad
+
+# A gRPC client in another language, from the contract alone.
+interop: $(VENV)/installed
+	$(PYTHON) tests/python/grpc_client.py target/debug/piad
 
 lint: tools
 	cargo fmt --check

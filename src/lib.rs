@@ -18,7 +18,7 @@
 //! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
 //! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, SVG, CSV;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
-//! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457);
+//! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`server`] — binds them together: [`server::serve`].
 
 pub mod api;

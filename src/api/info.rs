@@ -7,12 +7,15 @@ use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
 use prometheus_client::registry::Registry;
 use serde_json::{Value, json};
+use tonic::server::NamedService;
 
 use super::App;
 use super::numbers::MAX_DIMENSION;
 use super::options::form::MOST_SAMPLES;
 use super::options::{MOST_MILESTONES, StreamParameters};
 use super::problem::{Kind, Problem};
+use super::rpc::messages::fitting_service_server::FittingServiceServer;
+use super::rpc::service::Service;
 use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
 
@@ -37,7 +40,8 @@ pub async fn index() -> Json<Value> {
 pub async fn capabilities(State(app): State<App>) -> Json<Value> {
     let config = &app.config;
     let files = Format::ALL.map(Format::media_type);
-    let results: Vec<_> = ["application/json"].into_iter().chain(files).collect();
+    let levels = ["application/json", "application/x-protobuf"];
+    let results: Vec<_> = levels.into_iter().chain(files).collect();
     Json(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "geometry": ["curve", "surface"],
@@ -62,8 +66,14 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "paces": ["all", "latest"],
         "stream": StreamParameters::NAMES,
         "formats": {
-            "events": ["text/event-stream", "application/x-ndjson"],
+            "jobs": ["application/json", "application/x-protobuf"],
+            "events": ["text/event-stream", "application/x-ndjson", "application/x-protobuf"],
             "result": results,
+        },
+        "grpc": {
+            "service": FittingServiceServer::<Service>::NAME,
+            "reflection": ["grpc.reflection.v1", "grpc.reflection.v1alpha"],
+            "health": "grpc.health.v1",
         },
         "limits": {
             "body_bytes": config.max_body.as_u64(),

@@ -1,0 +1,229 @@
+#!/usr/bin/env python3
+"""A client of piad from the .proto alone, as a plug-in would be: fits, watches, resumes, edits, cancels.
+
+    make interop
+
+or, with the packages of requirements.txt:
+
+    cargo build && python3 tests/python/grpc_client.py [target/debug/piad]
+
+Starts a server of its own on a free port, and compares every frame with the stream of server-sent
+events, bit for bit.
+"""
+
+import contextlib
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+import grpc
+from google.rpc import error_details_pb2
+from grpc_health.v1 import health_pb2, health_pb2_grpc
+from grpc_reflection.v1alpha.proto_reflection_descriptor_database import ProtoReflectionDescriptorDatabase
+from grpc_status import rpc_status
+from grpc_tools import protoc
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def generate():
+    """Python from the contract, and nothing else of piad."""
+    out = tempfile.mkdtemp()
+    arguments = ["protoc", f"-I{ROOT / 'proto'}", f"--python_out={out}", f"--grpc_python_out={out}"]
+    include = pathlib.Path(protoc.__file__).parent / "_proto"
+    assert protoc.main([*arguments, f"-I{include}", "piad/v1/fitting.proto"]) == 0
+    sys.path.insert(0, out)
+    from piad.v1 import fitting_pb2, fitting_pb2_grpc
+
+    return fitting_pb2, fitting_pb2_grpc
+
+
+pb, pb_grpc = generate()
+
+
+@contextlib.contextmanager
+def server(program):
+    """A server on a free port; stopped as an operator would stop it."""
+    command = [program, "--listen", "127.0.0.1:0", "--data-dir", ":memory:", "--max-iterations", "1000000000"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
+        for line in process.stderr:
+            if address := re.search(r"listening on http://(\S+)", line):
+                break
+        yield address[1]
+    finally:
+        process.terminate()
+        process.stderr.read()
+        assert process.wait(timeout=10) == 0
+
+
+def sse(address, job, after=None):
+    """The iterations of a job as server-sent events."""
+    request = urllib.request.Request(f"http://{address}/v1/jobs/{job}/events")
+    if after is not None:
+        request.add_header("Last-Event-ID", str(after))
+    iterations = []
+    with urllib.request.urlopen(request) as response:
+        for line in response:
+            if line.startswith(b"data: "):
+                data = json.loads(line[6:])
+                if "iteration" in data:
+                    iterations.append(data)
+    return iterations
+
+
+def flat(value):
+    return [x for item in value for x in flat(item)] if isinstance(value, list) else [value]
+
+
+def assert_same(message, event):
+    """Both have the same numbers, to the last bit."""
+    assert message.iteration == event["iteration"]
+    assert message.moved == event["moved"]
+    assert message.error.max == event["error"]["max"]
+    assert message.error.rms == event["error"]["rms"]
+    assert list(message.control_net.points) == flat(event["control_points"])
+    assert list(message.control_net.weights) == flat(event.get("weights", []))
+
+
+def helix(count=200):
+    angles = [6 * math.pi * i / (count - 1) for i in range(count)]
+    return [x for a in angles for x in (math.cos(a), math.sin(a), a / 2)]
+
+
+def read(events):
+    """The job, its iterations and its end."""
+    events = list(events)
+    kinds = [event.WhichOneof("event") for event in events]
+    assert kinds == ["job", *["iteration"] * (len(kinds) - 2), "end"], kinds
+    return events[0].job, [event.iteration for event in events[1:-1]], events[-1].end
+
+
+def fits_and_watches(stub, address):
+    curve = pb.Curve(dimension=3, points=helix(), weights=[1 + (i % 3) for i in range(200)])
+    request = pb.FitRequest(input=pb.JobInput(name="helix", curve=curve, stop=pb.StopRules(tolerance=1e-8)))
+    job, iterations, end = read(stub.Fit(request))
+    assert end.state == pb.JOB_STATE_CONVERGED and end.error.max <= 1e-8
+    assert [iteration.iteration for iteration in iterations] == list(range(len(iterations)))
+    events = sse(address, job.id)
+    assert len(events) == len(iterations)
+    for message, event in zip(iterations, events):
+        assert_same(message, event)
+
+    _, again, _ = read(stub.WatchJob(pb.WatchJobRequest(id=job.id)))
+    assert again == iterations
+    _, rest, _ = read(stub.WatchJob(pb.WatchJobRequest(id=job.id, resume_after=7)))
+    assert rest == iterations[8:]
+    for message, event in zip(rest, sse(address, job.id, after=7), strict=True):
+        assert_same(message, event)
+
+    result = stub.GetResult(pb.GetResultRequest(id=job.id)).result
+    assert result.control_net == iterations[-1].control_net
+    assert len(result.u.knots) == result.u.control_points + result.u.degree + 1
+    third = stub.GetIteration(pb.GetIterationRequest(id=job.id, iteration=3)).iteration
+    assert third == iterations[3]
+    given = stub.GetInput(pb.GetInputRequest(id=job.id)).input
+    assert given.curve.points == curve.points and given.name == "helix"
+    return job.id
+
+
+def edits(stub, parent):
+    edit = pb.Edit(moved=[100], points=[5.0, 5.0, 5.0], method=pb.Method(local=pb.Method.Local(indices=[99, 100, 101])))
+    job = stub.EditJob(pb.EditJobRequest(id=parent, edit=edit)).job
+    assert job.parent.id == parent and job.computed.adjusted == 3
+    options = pb.StreamOptions(changed=True)
+    _, iterations, _ = read(stub.WatchJob(pb.WatchJobRequest(id=job.id, stream=options)))
+    net = list(iterations[0].control_net.points)
+    for iteration in iterations[1:]:
+        changes = iteration.changes
+        for k, place in enumerate(changes.indices):
+            net[3 * place : 3 * place + 3] = changes.points[3 * k : 3 * k + 3]
+    assert net == list(stub.GetResult(pb.GetResultRequest(id=job.id)).result.control_net.points)
+
+
+def fits_a_surface(stub, address):
+    points = [x for i in range(9) for j in range(7) for x in (i, j, math.sin(i) * math.cos(j))]
+    direction = pb.SurfaceDirection(basis=pb.Basis(kind=pb.BASIS_KIND_BSPLINE, degree=2))
+    surface = pb.Surface(dimension=3, rows=9, columns=7, points=points, u=direction)
+    job, iterations, _ = read(stub.Fit(pb.FitRequest(input=pb.JobInput(surface=surface))))
+    assert (job.u.degree, job.v.degree) == (2, 3)
+    net = iterations[0].control_net
+    assert (net.rows, net.columns) == (job.u.control_points, job.v.control_points)
+    for message, event in zip(iterations, sse(address, job.id), strict=True):
+        assert_same(message, event)
+
+
+def cancels(stub):
+    endless = pb.JobInput(
+        curve=pb.Curve(dimension=3, points=helix()),
+        stop=pb.StopRules(tolerance=0, max_iterations=1_000_000_000),
+    )
+    job = stub.CreateJob(pb.CreateJobRequest(input=endless)).job
+    events = stub.WatchJob(pb.WatchJobRequest(id=job.id))
+    for _, event in zip(range(50), events):
+        pass
+    assert event.iteration.iteration == 48
+    cancelled = stub.CancelJob(pb.CancelJobRequest(id=job.id)).job
+    assert cancelled.state == pb.JOB_STATE_CANCELLED
+    *_, last = events
+    assert last.end.state == pb.JOB_STATE_CANCELLED
+    stub.DeleteJob(pb.DeleteJobRequest(id=job.id))
+
+    # A call that its client gives up ends the job, if it was asked for.
+    options = pb.StreamOptions(on_disconnect=pb.ON_DISCONNECT_CANCEL)
+    call = stub.Fit(pb.FitRequest(input=endless, stream=options))
+    job = next(call).job
+    call.cancel()
+    deadline = time.monotonic() + 10
+    while stub.GetJob(pb.GetJobRequest(id=job.id)).job.state != pb.JOB_STATE_CANCELLED:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def is_told_what_is_wrong(stub):
+    points = [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0]
+    try:
+        stub.CreateJob(pb.CreateJobRequest(input=pb.JobInput(curve=pb.Curve(dimension=2, points=points))))
+        raise AssertionError("two points are equal")
+    except grpc.RpcError as error:
+        assert error.code() == grpc.StatusCode.INVALID_ARGUMENT
+        bad, info = error_details_pb2.BadRequest(), error_details_pb2.ErrorInfo()
+        for detail in rpc_status.from_call(error).details:
+            detail.Unpack(bad)
+            detail.Unpack(info)
+        assert bad.field_violations[0].field == "input.curve.points[4]", bad
+        assert (info.domain, info.reason) == ("piad", "INVALID_FIT")
+
+
+def is_a_good_citizen(channel):
+    names = ProtoReflectionDescriptorDatabase(channel).get_services()
+    assert "piad.v1.FittingService" in names, names
+    health = health_pb2_grpc.HealthStub(channel)
+    for service in ["", "piad.v1.FittingService"]:
+        answer = health.Check(health_pb2.HealthCheckRequest(service=service))
+        assert answer.status == health_pb2.HealthCheckResponse.SERVING
+
+
+def main():
+    program = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "target/debug/piad")
+    with server(program) as address, grpc.insecure_channel(address) as channel:
+        stub = pb_grpc.FittingServiceStub(channel)
+        job = fits_and_watches(stub, address)
+        edits(stub, job)
+        fits_a_surface(stub, address)
+        cancels(stub)
+        is_told_what_is_wrong(stub)
+        is_a_good_citizen(channel)
+        jobs = stub.ListJobs(pb.ListJobsRequest(page_size=2))
+        assert len(jobs.jobs) == 2 and jobs.next_page_token
+    print("fits, watches, resumes, edits, cancels: all the same as over REST")
+
+
+if __name__ == "__main__":
+    main()
