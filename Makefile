@@ -1,6 +1,6 @@
-.PHONY: run test lint tools fmt files
+.PHONY: run test lint tools fmt files python
 
-# Python packages that read the exported files.
+# Python packages that read the exported files and test the client.
 VENV := target/venv
 PYTHON := $(VENV)/bin/python
 
@@ -11,12 +11,17 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
-	$(MAKE) files
+	$(MAKE) files python
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others.
 files: $(VENV)/installed
 	$(PYTHON) tests/python/export_check.py --all target/tmp/export
 	$(PYTHON) tests/python/over_http.py target/debug/piad
+
+# The Python client against real servers.
+python: $(VENV)/installed
+	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
+	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
 
 lint: tools
 	cargo fmt --check
@@ -33,9 +38,10 @@ tools:
 	  rustup component add rustfmt clippy
 
 # cairosvg needs the cairo library, and OpenCASCADE an OpenGL library, of the system.
-$(VENV)/installed: tests/python/requirements.txt
+REQUIREMENTS := tests/python/requirements.txt clients/python/tests/requirements.txt
+$(VENV)/installed: $(REQUIREMENTS) clients/python/pyproject.toml
 	@python3 -m venv $(VENV) && ldconfig -p | grep -q libcairo.so.2 && ldconfig -p | grep -q libGL.so.1 || \
 	  { apt-get update && apt-get install -y --no-install-recommends python3-venv libcairo2 libgl1; }
 	python3 -m venv $(VENV)
-	$(PYTHON) -m pip install --quiet -r $<
+	$(PYTHON) -m pip install --quiet $(REQUIREMENTS:%=-r %) -e clients/python
 	touch $@
