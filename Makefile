@@ -1,6 +1,6 @@
-.PHONY: run test lint tools fmt files interop
+.PHONY: run test lint tools fmt files interop python
 
-# Python packages that read the exported files, and talk gRPC.
+# Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
 PYTHON := $(VENV)/bin/python
 
@@ -11,7 +11,7 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
-	$(MAKE) files interop
+	$(MAKE) files interop python
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others.
 files: $(VENV)/installed
@@ -21,6 +21,11 @@ files: $(VENV)/installed
 # A gRPC client in another language, from the contract alone.
 interop: $(VENV)/installed
 	$(PYTHON) tests/python/grpc_client.py target/debug/piad
+
+# The Python client against real servers.
+python: $(VENV)/installed
+	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
+	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
 
 lint: tools
 	cargo fmt --check
@@ -37,9 +42,10 @@ tools:
 	  rustup component add rustfmt clippy
 
 # cairosvg needs the cairo library, and OpenCASCADE an OpenGL library, of the system.
-$(VENV)/installed: tests/python/requirements.txt
+REQUIREMENTS := tests/python/requirements.txt clients/python/tests/requirements.txt
+$(VENV)/installed: $(REQUIREMENTS) clients/python/pyproject.toml
 	@python3 -m venv $(VENV) && ldconfig -p | grep -q libcairo.so.2 && ldconfig -p | grep -q libGL.so.1 || \
 	  { apt-get update && apt-get install -y --no-install-recommends python3-venv libcairo2 libgl1; }
 	python3 -m venv $(VENV)
-	$(PYTHON) -m pip install --quiet -r $<
+	$(PYTHON) -m pip install --quiet $(REQUIREMENTS:%=-r %) -e clients/python
 	touch $@

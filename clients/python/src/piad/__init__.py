@@ -1,0 +1,53 @@
+"""A client of piad: curve and surface fitting in which every iteration is streamed.
+
+    import piad
+
+    with piad.Client("http://127.0.0.1:8080") as client:
+        curve = client.fit([[0, 0], [1, 2], [3, 1], [4, 3]]).curve
+        curve.evaluate(0.5), curve.degree, curve.knots, curve.control_points
+
+- `client`: `Client`, where fits begin; `job`: `Job`, its iterations and its result;
+- `iteration`: `Iteration`, `Result` and what is in them; `geometry`: `Curve` and `Surface`, and
+  their form in other packages;
+- `errors`: what can go wrong.
+"""
+
+from .client import Client
+from .errors import (
+    ApiError,
+    ConnectionLost,
+    FieldError,
+    JobFailed,
+    MissingPackage,
+    PiadError,
+    Problem,
+    ProtocolError,
+    WaitTimeout,
+)
+from .geometry import Basis, Curve, Surface
+from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape
+from .job import Job, Status
+
+__all__ = [
+    "ApiError",
+    "BadWeight",
+    "Basis",
+    "Client",
+    "ConnectionLost",
+    "Curve",
+    "Deviation",
+    "FieldError",
+    "Iteration",
+    "Job",
+    "JobFailed",
+    "MissingPackage",
+    "PiadError",
+    "Problem",
+    "ProtocolError",
+    "Result",
+    "Samples",
+    "Shape",
+    "Status",
+    "Surface",
+    "WaitTimeout",
+]

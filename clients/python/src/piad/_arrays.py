@@ -1,0 +1,109 @@
+"""Arrays of numbers: of numpy where it is installed, otherwise nested lists.
+
+The functions here are all that the rest of the package needs of arrays, so that nothing else has to
+know which of the two it has.
+"""
+
+from __future__ import annotations
+
+import base64
+import struct
+from collections.abc import Callable, Iterable, Sequence
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy
+    from numpy.typing import NDArray
+
+    Array = NDArray[numpy.float64]
+else:
+    Array = Any
+
+
+def _import_numpy() -> ModuleType | None:
+    try:
+        import numpy
+    except ImportError:
+        return None
+    return numpy
+
+
+np: Any = _import_numpy()
+
+
+def as_array(values: Any) -> Array:
+    """Numbers in nested lists, or an array. Null of JSON becomes NaN: no number is there."""
+    if np is not None:
+        return _numpy_array(values)
+    nested: Any = _map(lambda x: float("nan") if x is None else float(x), as_lists(values))
+    return nested  # type: ignore[no-any-return]
+
+
+def _numpy_array(values: Any) -> Array:
+    array: Array = np.asarray(values, dtype="f8")
+    return array
+
+
+def from_base64(text: str, shape: Sequence[int], *, single: bool = False) -> Array:
+    """Little-endian numbers of 64 bits (32 if `single`), the last index running fastest."""
+    raw = base64.b64decode(text, validate=True)
+    if np is not None:
+        array: Array = np.frombuffer(raw, "<f4" if single else "<f8").astype("f8").reshape(tuple(shape))
+        return array
+    size, letter = (4, "f") if single else (8, "d")
+    nested: Any = _fold(list(struct.unpack(f"<{len(raw) // size}{letter}", raw)), shape)
+    return nested  # type: ignore[no-any-return]
+
+
+def _fold(flat: list[Any], shape: Sequence[int]) -> Any:
+    """A flat list as lists of lists."""
+    for length in reversed(shape[1:]):
+        flat = [flat[i : i + length] for i in range(0, len(flat), length)]
+    return flat
+
+
+def as_lists(values: Any) -> Any:
+    """Nested lists, whether the values were an array, tuples or anything else that can be iterated."""
+    if hasattr(values, "tolist"):
+        return values.tolist()
+    if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
+        return [as_lists(value) for value in values]
+    return values
+
+
+def depth(values: Any) -> int:
+    """The number of dimensions: 0 for a number, and 1 more for each level of lists. Elements that
+    are None are missing and tell nothing.
+    """
+    if hasattr(values, "ndim"):
+        return int(values.ndim)
+    if not isinstance(values, Iterable) or isinstance(values, (str, bytes)):
+        return 0
+    return 1 + next((depth(value) for value in values if value is not None), 0)
+
+
+def copy(values: Array) -> Array:
+    """A copy that can be written to."""
+    if np is not None:
+        return values.copy()
+    nested: Any = _map(float, values)
+    return nested  # type: ignore[no-any-return]
+
+
+def _map(function: Callable[[Any], float], values: Any) -> Any:
+    if isinstance(values, list):
+        return [_map(function, value) for value in values]
+    return function(values)
+
+
+def mix(factors: Sequence[float], items: Any) -> Any:
+    """The sum of items, each times its factor; items are numbers, or lists of one shape."""
+    if isinstance(items[0], list):
+        return [mix(factors, elements) for elements in zip(*items)]
+    return sum(factor * item for factor, item in zip(factors, items))
+
+
+def outer(u: Sequence[float], v: Sequence[float]) -> Array:
+    """The products of two lists, a row for each number of the first."""
+    return as_array([[a * b for b in v] for a in u])

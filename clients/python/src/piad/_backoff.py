@@ -1,0 +1,37 @@
+"""How long to wait before trying again."""
+
+from __future__ import annotations
+
+import random
+from datetime import datetime, timezone
+from email.utils import parsedate_to_datetime
+from typing import Optional
+
+import httpx
+
+_FIRST = 0.25
+_LONGEST = 30.0
+
+
+def delay(failures: int, at_least: float = 0.0) -> float:
+    """Seconds to wait after so many failures in a row, one at least: twice as many each time, and
+    by chance up to half more, so that clients of a server that comes back do not come all at once.
+    """
+    doubled = min(max(at_least, _FIRST) * 2.0 ** (failures - 1), _LONGEST)
+    return max(doubled, at_least) * random.uniform(1.0, 1.5)
+
+
+def retry_after(response: httpx.Response) -> Optional[float]:
+    """The seconds in the Retry-After header, which may be a date."""
+    value = response.headers.get("retry-after")
+    if value is None:
+        return None
+    if value.isdecimal():
+        return float(value)
+    try:
+        until = parsedate_to_datetime(value)
+    except ValueError:
+        return None
+    if until.tzinfo is None:
+        until = until.replace(tzinfo=timezone.utc)
+    return max(0.0, (until - datetime.now(timezone.utc)).total_seconds())

@@ -1,0 +1,131 @@
+"""The JSON of a job, from arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Optional, TypeVar, Union
+
+from ._arrays import as_lists, depth
+from .geometry import BasisKind
+
+T = TypeVar("T")
+
+PerDirection = Union[T, Mapping[Literal["u", "v"], T]]
+"""One value, for both directions of a surface, or `{"u": …, "v": …}`."""
+
+MethodKind = Literal[
+    "global",
+    "weighted",
+    "local",
+    "adaptive",
+    "extended",
+    "transpose",
+    "convex",
+    "chebyshev",
+    "direct",
+    "least_squares",
+]
+Method = Union[MethodKind, Mapping[str, Any]]
+"""The kind of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
+
+Rational = Literal["homogeneous", "fixed"]
+Knots = Union[Literal["data", "averaged"], Sequence[float]]
+Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
+
+
+def job(
+    points: Any,
+    *,
+    basis: PerDirection[BasisKind],
+    degree: Optional[PerDirection[int]],
+    knots: Optional[PerDirection[Knots]],
+    parameters: Optional[PerDirection[Parameters]],
+    closed: PerDirection[bool],
+    weights: Any,
+    rational: Optional[Rational],
+    method: Method,
+    stop: Mapping[str, Any],
+    name: Optional[str],
+    stream: Optional[Mapping[str, Any]],
+) -> dict[str, Any]:
+    """A body for `POST /v1/jobs`. What is None is left to the server."""
+    kind = _kind(points)
+    shape = {
+        "points": as_lists(points),
+        "basis": _bases(basis, degree, knots),
+        "parameters": plain(parameters),
+        "closed": plain(closed),
+        "weights": plain(weights),
+    }
+    return given(
+        {
+            "name": name,
+            kind: given(shape),
+            "rational": rational,
+            "method": settings(method),
+            "stop": dict(stop) or None,
+            "stream": stream,
+        }
+    )
+
+
+def _kind(points: Any) -> Literal["curve", "surface"]:
+    dimensions = depth(points)
+    if dimensions == 2:
+        return "curve"
+    if dimensions == 3:
+        return "surface"
+    raise ValueError(
+        f"points have {dimensions} dimensions: a curve is a list of points (2), a surface rows of points (3)"
+    )
+
+
+def _bases(basis: Any, degree: Any, knots: Any) -> Any:
+    """One basis, or `{"u": …, "v": …}` if anything of it is."""
+    if not any(map(_is_each, (basis, degree, knots))):
+        return _basis(basis, degree, knots)
+    return {way: _basis(*(_of(it, way) for it in (basis, degree, knots))) for way in ("u", "v")}
+
+
+def _basis(kind: str, degree: Any, knots: Any) -> dict[str, Any]:
+    return given({"kind": kind, "degree": None if degree is None else int(degree), "knots": plain(knots)})
+
+
+def _is_each(value: Any) -> bool:
+    return isinstance(value, Mapping)
+
+
+def _of(value: Any, way: str) -> Any:
+    return value[way] if _is_each(value) else value
+
+
+def stop(
+    tolerance: Optional[float], relative_tolerance: Optional[float], max_iterations: Optional[int]
+) -> dict[str, Any]:
+    """When a fit ends."""
+    return given(
+        {
+            "tolerance": tolerance,
+            "relative_tolerance": relative_tolerance,
+            "max_iterations": max_iterations,
+        }
+    )
+
+
+def settings(method: Method) -> dict[str, Any]:
+    """A method with its settings."""
+    if isinstance(method, str):
+        return {"kind": method}
+    return {name: plain(value) for name, value in method.items()}
+
+
+def plain(value: Any) -> Any:
+    """Arrays as lists; objects, texts, numbers and None stay."""
+    if _is_each(value):
+        return {name: plain(part) for name, part in value.items()}
+    return as_lists(value)
+
+
+def given(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Without those that are None."""
+    return {name: value for name, value in fields.items() if value is not None}

@@ -1,0 +1,169 @@
+"""The client: where fits begin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from types import TracebackType
+from typing import Any, Optional
+
+import httpx
+
+from . import _request
+from ._request import Knots, Method, Parameters, PerDirection, Rational
+from ._transport import Transport
+from .geometry import BasisKind
+from .iteration import Result
+from .job import Job, State, Status, post
+
+# The server is asked to answer when a job has ended, if that is within so many seconds.
+_WAIT = 10.0
+
+
+class Client:
+    """A connection to a server, to be closed at the end; a context manager does that.
+
+    It may be used from several threads.
+    """
+
+    def __init__(
+        self,
+        base_url: str = "http://127.0.0.1:8080",
+        *,
+        timeout: float = 60.0,
+        attempts: int = 8,
+        headers: Optional[Mapping[str, str]] = None,
+        transport: Optional[httpx.BaseTransport] = None,
+    ):
+        """`timeout` is how many seconds the server may be silent, `attempts` how often a request is
+        sent, or a stream opened again without an iteration in between, while connections break or
+        the server has no room. `headers` go with every request. `transport` is one of httpx, for
+        proxies, certificates and tests.
+        """
+        if attempts < 1:
+            raise ValueError("there is one attempt at least")
+        http = httpx.Client(base_url=base_url, timeout=timeout, headers=headers, transport=transport)
+        self._transport = Transport(http, attempts)
+        self._wait = min(_WAIT, timeout / 2)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes all connections. Jobs go on."""
+        self._transport.close()
+
+    def create(
+        self,
+        points: Any,
+        *,
+        basis: PerDirection[BasisKind] = "bspline",
+        degree: Optional[PerDirection[int]] = None,
+        knots: Optional[PerDirection[Knots]] = None,
+        parameters: Optional[PerDirection[Parameters]] = None,
+        closed: PerDirection[bool] = False,
+        weights: Any = None,
+        rational: Optional[Rational] = None,
+        method: Method = "global",
+        tolerance: Optional[float] = None,
+        relative_tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        name: Optional[str] = None,
+        stream: Optional[Mapping[str, Any]] = None,
+        idempotency_key: Optional[str] = None,
+    ) -> Job:
+        """A new job.
+
+        `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
+        an array or nested lists, in any unit. On surfaces `basis`, `degree`, `knots`, `parameters`
+        and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
+        units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
+        object such as `{"kind": "local", "indices": [3, 4]}`. What is not given is left to the
+        server, whose README says more about each.
+
+        Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
+        makes no second job; `idempotency_key` sets it for programs that may themselves start again.
+        """
+        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
+        body = _request.job(
+            points,
+            basis=basis,
+            degree=degree,
+            knots=knots,
+            parameters=parameters,
+            closed=closed,
+            weights=weights,
+            rational=rational,
+            method=method,
+            stop=stop,
+            name=name,
+            stream=stream,
+        )
+        return post(self._transport, "/v1/jobs", body, key=idempotency_key)
+
+    def fit(
+        self,
+        points: Any,
+        *,
+        basis: PerDirection[BasisKind] = "bspline",
+        degree: Optional[PerDirection[int]] = None,
+        knots: Optional[PerDirection[Knots]] = None,
+        parameters: Optional[PerDirection[Parameters]] = None,
+        closed: PerDirection[bool] = False,
+        weights: Any = None,
+        rational: Optional[Rational] = None,
+        method: Method = "global",
+        tolerance: Optional[float] = None,
+        relative_tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        name: Optional[str] = None,
+        timeout: Optional[float] = None,
+    ) -> Result:
+        """The result of a new job: `create` says what the arguments mean.
+
+        Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is a
+        result, too: look at `state` and `error`.
+        """
+        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
+        body = _request.job(
+            points,
+            basis=basis,
+            degree=degree,
+            knots=knots,
+            parameters=parameters,
+            closed=closed,
+            weights=weights,
+            rational=rational,
+            method=method,
+            stop=stop,
+            name=name,
+            stream=None,
+        )
+        wait = self._wait if timeout is None else min(self._wait, timeout)
+        return post(self._transport, "/v1/jobs", body, wait=wait).result(timeout)
+
+    def job(self, id: str) -> Job:
+        """The job with this id."""
+        return Job(self._transport, Status.from_json(self._transport.json("GET", f"/v1/jobs/{id}")))
+
+    def jobs(self, state: Optional[State] = None, *, page: int = 100) -> Iterator[Job]:
+        """All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time."""
+        parameters = _request.given({"state": state, "limit": str(page)})
+        answer = self._transport.json("GET", "/v1/jobs", parameters=parameters)
+        while True:
+            for job in answer["jobs"]:
+                yield Job(self._transport, Status.from_json(job))
+            if answer["next"] is None:
+                return
+            answer = self._transport.json("GET", answer["next"])
+
+    def capabilities(self) -> dict[str, Any]:
+        """What the server can do and its limits, as JSON."""
+        return self._transport.json("GET", "/v1/capabilities")

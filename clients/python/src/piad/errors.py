@@ -1,0 +1,114 @@
+"""What can go wrong, as exceptions; all of them are `PiadError`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Optional
+
+
+@dataclass(frozen=True)
+class FieldError:
+    """One thing that is wrong with a request."""
+
+    detail: str
+    """Why it is wrong."""
+    pointer: Optional[str] = None
+    """The value in the body, as a JSON pointer (RFC 6901)."""
+    parameter: Optional[str] = None
+    """The query parameter."""
+    header: Optional[str] = None
+    """The header."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A problem object (RFC 9457), as servers answer it and failed jobs carry it."""
+
+    type: str
+    """Such as "/problems/invalid-fit", where the server explains it; "about:blank" for answers of others."""
+    title: str
+    status: int
+    """The HTTP status."""
+    detail: str
+    errors: tuple[FieldError, ...] = ()
+    request_id: Optional[str] = None
+
+    @property
+    def pointers(self) -> tuple[str, ...]:
+        """The values of the body that are wrong, as JSON pointers."""
+        return tuple(error.pointer for error in self.errors if error.pointer is not None)
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Problem:
+        """Reads a problem object; fields that it does not have are empty."""
+        names = ("pointer", "parameter", "header")
+        errors = (
+            FieldError(error.get("detail", ""), **{name: error.get(name) for name in names})
+            for error in value.get("errors", ())
+        )
+        return cls(
+            value.get("type", "about:blank"),
+            value.get("title", ""),
+            value.get("status", 0),
+            value.get("detail", ""),
+            tuple(errors),
+            value.get("request_id"),
+        )
+
+
+class PiadError(Exception):
+    """The base of all exceptions of this package."""
+
+
+@dataclass
+class ApiError(PiadError):
+    """The server refused a request."""
+
+    problem: Problem
+    retry_after: Optional[float] = field(default=None)
+    """Seconds after which the server asked to be tried again (`RetryAfter`)."""
+
+    @property
+    def status(self) -> int:
+        """The HTTP status."""
+        return self.problem.status
+
+    def __str__(self) -> str:
+        return f"{self.status} {self.problem.title}: {self.problem.detail}"
+
+
+class ConnectionLost(PiadError):
+    """The server could not be reached, or the connection broke, more often than is tried."""
+
+
+class ProtocolError(PiadError):
+    """The server answered something that is not of this API."""
+
+
+@dataclass
+class JobFailed(PiadError):
+    """A job ended without a result."""
+
+    id: str
+    state: str
+    """"failed" or "cancelled"."""
+    problem: Optional[Problem] = None
+    """Why it failed."""
+
+    def __str__(self) -> str:
+        why = "" if self.problem is None else f": {self.problem.detail}"
+        return f"the job {self.id} is {self.state}{why}"
+
+
+class WaitTimeout(PiadError, TimeoutError):
+    """A job has not ended within the time that was given to it. It goes on."""
+
+
+class MissingPackage(PiadError, ImportError):
+    """An optional package is not installed."""
+
+    def __init__(self, module: str, package: str):
+        super().__init__(f"{module} is needed for this and cannot be imported: pip install {package}", name=module)
+        self.package = package
+        """The package that has it."""

@@ -1,0 +1,13 @@
+"""Curves and surfaces as CAD kernels store them, and their form in other packages.
+
+- `curve`, `surface`: what is fitted;
+- `basis`: knots and functions of one direction; `net`: homogeneous control points; `ball`: how
+  polynomials of the Ball bases become Bézier form;
+- `scipy`, `geomdl`, `rhino`, `occ`: the same in other packages, which are imported when asked for.
+"""
+
+from .basis import Basis, BasisKind
+from .curve import Curve
+from .surface import Surface
+
+__all__ = ["Basis", "BasisKind", "Curve", "Surface"]

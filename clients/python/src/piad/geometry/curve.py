@@ -1,0 +1,107 @@
+"""Curves: points at parameters, and their form in other packages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Optional
+
+from .._arrays import Array, as_array, depth, np
+from . import geomdl, net, occ, rhino, scipy
+from .basis import Basis
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve: a basis, control points and, if it is rational, weights.
+
+    Lengths are in the units of the data that were fitted. With numpy the arrays are arrays of it,
+    otherwise nested lists.
+    """
+
+    basis: Basis
+    control_points: Array
+    """Shape (n, dimension): the places, not multiplied by weights."""
+    weights: Optional[Array] = None
+    """Shape (n,), or None if the curve is not rational."""
+
+    @property
+    def degree(self) -> int:
+        """The degree p."""
+        return self.basis.degree
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """The n + p + 1 knots; polynomial bases have those of a Bézier curve, 0 and 1."""
+        return self.basis.full_knots()
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curve is periodic: its last p control points are the first ones again."""
+        return self.basis.closed
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """The interval of parameters."""
+        return self.basis.domain
+
+    @property
+    def dimension(self) -> int:
+        """The number of coordinates: 1, 2 or 3."""
+        return len(self.control_points[0])
+
+    @cached_property
+    def _net(self) -> Array:
+        """Homogeneous control points of the B-spline form."""
+        net_ = net.homogeneous(self.control_points, self.weights)
+        if not net.is_finite(net_):
+            raise ValueError("a control point of weight 0 is at infinity")
+        return net.in_bspline_basis(self.basis, net_)
+
+    def as_bspline(self) -> Curve:
+        """The same curve as a B-spline: exact for every basis.
+
+        Polynomials get the knots 0 and 1, and control points of the Ball bases become Bézier
+        points. What is a B-spline stays what it is.
+        """
+        if self.basis.kind == "bspline":
+            return self
+        points, weights = (self._net, None) if self.weights is None else net.projected(self._net)
+        return Curve(self.basis.as_bspline(), points, weights)
+
+    def evaluate(self, u: Any) -> Array:
+        """The point at a parameter, shape (dimension,), or those at m parameters, (m, dimension).
+
+        Parameters of closed curves may go round; those outside of the domain of other curves are a
+        `ValueError`.
+        """
+        if depth(u) == 0:
+            return self._at(float(u))
+        if np is not None:
+            return self._at(as_array(u))
+        nested: Any = [self._at(float(x)) for x in u]
+        return nested  # type: ignore[no-any-return]
+
+    def _at(self, u: Any) -> Array:
+        point = net.combined(self.basis.as_bspline(), u, self._net)
+        return point if self.weights is None else net.projected(point)[0]
+
+    def to_scipy(self, *, homogeneous: bool = False) -> Any:
+        """A `scipy.interpolate.BSpline` (`extrapolate="periodic"` if the curve is closed).
+
+        scipy has no rational splines: those are a `ValueError`, unless `homogeneous` asks for the
+        spline of (x w, y w, z w, w), whose values are to be divided by their last coordinate.
+        """
+        return scipy.curve(self, homogeneous=homogeneous)
+
+    def to_geomdl(self) -> Any:
+        """A `geomdl.BSpline.Curve`, or `geomdl.NURBS.Curve` if it is rational."""
+        return geomdl.curve(self)
+
+    def to_rhino(self) -> Any:
+        """A `rhino3dm.NurbsCurve`."""
+        return rhino.curve(self)
+
+    def to_occ(self) -> Any:
+        """A `Geom_BSplineCurve` of OpenCASCADE, not periodic; of degree 25 at most."""
+        return occ.curve(self)

@@ -1,0 +1,43 @@
+"""Curves and surfaces of geomdl (NURBS-Python)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .._arrays import as_lists
+from . import net
+from ._optional import load
+
+if TYPE_CHECKING:
+    from .curve import Curve
+    from .surface import Surface
+
+
+def curve(it: Curve) -> Any:
+    """With the knots as they are; geomdl would otherwise move them to [0, 1]."""
+    spline = it.as_bspline()
+    made = _module(spline).Curve(normalize_kv=False)
+    made.degree = spline.degree
+    made.set_ctrlpts(_points(spline))
+    made.knotvector = list(spline.knots)
+    return made
+
+
+def surface(it: Surface) -> Any:
+    """The control points go in one list, row by row."""
+    spline = it.as_bspline()
+    made = _module(spline).Surface(normalize_kv=False)
+    made.degree_u, made.degree_v = spline.degrees
+    rows = _points(spline)
+    made.set_ctrlpts([point for row in rows for point in row], len(rows), len(rows[0]))
+    u, v = spline.knots
+    made.knotvector_u, made.knotvector_v = list(u), list(v)
+    return made
+
+
+def _module(spline: Curve | Surface) -> Any:
+    return load("geomdl.BSpline" if spline.weights is None else "geomdl.NURBS", "geomdl")
+
+
+def _points(spline: Curve | Surface) -> Any:
+    return as_lists(net.homogeneous(spline.control_points, spline.weights))

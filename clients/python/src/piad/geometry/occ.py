@@ -1,0 +1,79 @@
+"""Curves and surfaces of OpenCASCADE, with OCP (as in CadQuery and build123d)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .._arrays import as_lists
+from ._optional import load
+from .basis import multiplicities
+from .net import in_space
+
+if TYPE_CHECKING:
+    from .curve import Curve
+    from .surface import Surface
+
+_MOST_DEGREE = 25
+_PACKAGE = "cadquery-ocp"
+
+
+def curve(it: Curve) -> Any:
+    """Distinct knots with their multiplicities. Points of the plane get z = 0."""
+    geom = load("OCP.Geom", _PACKAGE)
+    spline = it.as_bspline()
+    _check_degree(spline.degree)
+    points = as_lists(spline.control_points)
+    poles = load("OCP.TColgp", _PACKAGE).TColgp_Array1OfPnt(1, len(points))
+    for i, point in enumerate(points, 1):
+        poles.SetValue(i, _point(point))
+    knots, counts = _knots(spline.knots)
+    if spline.weights is None:
+        return geom.Geom_BSplineCurve(poles, knots, counts, spline.degree)
+    weights = _reals([float(w) for w in spline.weights])
+    return geom.Geom_BSplineCurve(poles, weights, knots, counts, spline.degree)
+
+
+def surface(it: Surface) -> Any:
+    """Distinct knots with their multiplicities. Points of the plane get z = 0."""
+    geom = load("OCP.Geom", _PACKAGE)
+    spline = it.as_bspline()
+    for degree in spline.degrees:
+        _check_degree(degree)
+    rows = as_lists(spline.control_points)
+    poles = load("OCP.TColgp", _PACKAGE).TColgp_Array2OfPnt(1, len(rows), 1, len(rows[0]))
+    for i, row in enumerate(rows, 1):
+        for j, point in enumerate(row, 1):
+            poles.SetValue(i, j, _point(point))
+    (u, counts_u), (v, counts_v) = map(_knots, spline.knots)
+    numbers = (u, v, counts_u, counts_v, *spline.degrees)
+    if spline.weights is None:
+        return geom.Geom_BSplineSurface(poles, *numbers)
+    weights = load("OCP.TColStd", _PACKAGE).TColStd_Array2OfReal(1, len(rows), 1, len(rows[0]))
+    for i, line in enumerate(as_lists(spline.weights), 1):
+        for j, weight in enumerate(line, 1):
+            weights.SetValue(i, j, weight)
+    return geom.Geom_BSplineSurface(poles, weights, *numbers)
+
+
+def _check_degree(degree: int) -> None:
+    if degree > _MOST_DEGREE:
+        raise ValueError(f"OpenCASCADE has no degree {degree}: {_MOST_DEGREE} is the highest")
+
+
+def _point(point: list[float]) -> Any:
+    return load("OCP.gp", _PACKAGE).gp_Pnt(*in_space(point))
+
+
+def _reals(values: list[float]) -> Any:
+    array = load("OCP.TColStd", _PACKAGE).TColStd_Array1OfReal(1, len(values))
+    for i, value in enumerate(values, 1):
+        array.SetValue(i, value)
+    return array
+
+
+def _knots(knots: tuple[float, ...]) -> tuple[Any, Any]:
+    distinct = multiplicities(knots)
+    counts = load("OCP.TColStd", _PACKAGE).TColStd_Array1OfInteger(1, len(distinct))
+    for i, (_, count) in enumerate(distinct, 1):
+        counts.SetValue(i, count)
+    return _reals([knot for knot, _ in distinct]), counts

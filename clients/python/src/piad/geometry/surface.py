@@ -1,0 +1,119 @@
+"""Surfaces: points at parameters, and their form in other packages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Optional
+
+from .._arrays import Array, as_array, depth, np
+from . import geomdl, net, occ, rhino, scipy
+from .basis import Basis
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A tensor-product surface: two bases, a net of control points and, if it is rational, weights.
+
+    u runs down the rows of the net and v along its columns. Lengths are in the units of the data
+    that were fitted. With numpy the arrays are arrays of it, otherwise nested lists.
+    """
+
+    bases: tuple[Basis, Basis]
+    """Those of u and v."""
+    control_points: Array
+    """Shape (rows, columns, dimension): the places, not multiplied by weights."""
+    weights: Optional[Array] = None
+    """Shape (rows, columns), or None if the surface is not rational."""
+
+    @property
+    def degrees(self) -> tuple[int, int]:
+        """The degrees in u and v."""
+        u, v = self.bases
+        return u.degree, v.degree
+
+    @property
+    def knots(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The knots in u and v; polynomial bases have those of a Bézier curve, 0 and 1."""
+        u, v = self.bases
+        return u.full_knots(), v.full_knots()
+
+    @property
+    def closed(self) -> tuple[bool, bool]:
+        """Whether the surface is periodic in u and in v."""
+        u, v = self.bases
+        return u.closed, v.closed
+
+    @property
+    def domain(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The intervals of u and v."""
+        u, v = self.bases
+        return u.domain, v.domain
+
+    @property
+    def dimension(self) -> int:
+        """The number of coordinates: 1, 2 or 3."""
+        return len(self.control_points[0][0])
+
+    @cached_property
+    def _net(self) -> Array:
+        """Homogeneous control points of the B-spline form."""
+        net_ = net.homogeneous(self.control_points, self.weights)
+        if not net.is_finite(net_):
+            raise ValueError("a control point of weight 0 is at infinity")
+        u, v = self.bases
+        rows = net.in_bspline_basis(u, net_)
+        return net.swapped(net.in_bspline_basis(v, net.swapped(rows)))
+
+    def as_bspline(self) -> Surface:
+        """The same surface with B-spline bases, exactly; see `Curve.as_bspline`."""
+        u, v = self.bases
+        if u.kind == v.kind == "bspline":
+            return self
+        points, weights = (self._net, None) if self.weights is None else net.projected(self._net)
+        return Surface((u.as_bspline(), v.as_bspline()), points, weights)
+
+    def evaluate(self, u: Any, v: Any) -> Array:
+        """The points on the grid of parameters u and v, shape (len(u), len(v), dimension).
+
+        A single number instead of a list of parameters has no axis in the result: with two numbers
+        it is one point. Parameters of closed directions may go round.
+        """
+        one_u, one_v = depth(u) == 0, depth(v) == 0
+        if np is not None:
+            return self._at(float(u) if one_u else as_array(u), float(v) if one_v else as_array(v))
+        us, vs = ([u] if one_u else u), ([v] if one_v else v)
+        rows: Any = [[self._at(float(x), float(y)) for y in vs] for x in us]
+        if one_v:
+            rows = [row[0] for row in rows]
+        return rows[0] if one_u else rows  # type: ignore[no-any-return]
+
+    def _at(self, u: Any, v: Any) -> Array:
+        basis_u, basis_v = self.bases
+        lines = net.combined(basis_u.as_bspline(), u, self._net)
+        if np is not None and lines.ndim == 3:
+            points = net.combined(basis_v.as_bspline(), v, net.swapped(lines))
+            points = net.swapped(points) if points.ndim == 3 else points
+        else:
+            points = net.combined(basis_v.as_bspline(), v, lines)
+        return points if self.weights is None else net.projected(points)[0]
+
+    def to_scipy(self, *, homogeneous: bool = False) -> Any:
+        """A `scipy.interpolate.NdBSpline`, to be called with points (u, v).
+
+        scipy has no rational splines: those are a `ValueError`, unless `homogeneous` asks for the
+        spline of (x w, y w, z w, w), whose values are to be divided by their last coordinate.
+        """
+        return scipy.surface(self, homogeneous=homogeneous)
+
+    def to_geomdl(self) -> Any:
+        """A `geomdl.BSpline.Surface`, or `geomdl.NURBS.Surface` if it is rational."""
+        return geomdl.surface(self)
+
+    def to_rhino(self) -> Any:
+        """A `rhino3dm.NurbsSurface`."""
+        return rhino.surface(self)
+
+    def to_occ(self) -> Any:
+        """A `Geom_BSplineSurface` of OpenCASCADE, not periodic; of degrees 25 at most."""
+        return occ.surface(self)

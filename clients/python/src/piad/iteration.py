@@ -1,0 +1,256 @@
+"""Iterations, samples and results, from the JSON of the server."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Optional, Union
+
+from ._arrays import Array, as_array, copy, from_base64, outer
+from .errors import ProtocolError
+from .geometry import Basis, Curve, Surface
+
+Geometry = Union[Curve, Surface]
+Index = Union[int, tuple[int, int]]
+"""The number of a data point; on surfaces its row and column."""
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The distances of a curve or surface from its data points, in their units.
+
+    A distance is None where it is infinite, because a weight of a homogeneous fit is not positive.
+    """
+
+    max: Optional[float]
+    rms: Optional[float]
+    """Root mean square."""
+    sum: Optional[float]
+    at: Index
+    """The point with the largest distance."""
+    fixed_max: Optional[float] = None
+    """Local fits: the largest distance of the points that are not adjusted."""
+    homogeneous: Optional[float] = None
+    """Homogeneous fits: the largest distance in homogeneous coordinates."""
+    gradient: Optional[float] = None
+    """Least squares: zero at the minimum."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Deviation:
+        """Reads `error`."""
+        at = value["at"]
+        more = {name: value.get(name) for name in ("fixed_max", "homogeneous", "gradient")}
+        place = (at[0], at[1]) if isinstance(at, list) else at
+        return cls(value["max"], value["rms"], value["sum"], place, **more)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What does not change from iteration to iteration: bases and weights that stay."""
+
+    bases: tuple[Basis, ...]
+    """One of a curve, two of a surface."""
+    fixed_weights: Optional[Array]
+    """Shape (n,), or (rows, columns) of a surface; end copies included."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Shape:
+        """Reads the data of the `job` event, or a result."""
+        ways = [None] if value["kind"] == "curve" else ["u", "v"]
+        bases = tuple(_basis(value, way) for way in ways)
+        weights = value.get("weights") if value["rational"] == "fixed" else None
+        return cls(bases, None if weights is None else _fixed_weights(value, weights, bases))
+
+    def with_net(self, points: Array, weights: Optional[Array]) -> Geometry:
+        """The curve or surface of these control points."""
+        weights = self.fixed_weights if weights is None else weights
+        if len(self.bases) == 1:
+            return Curve(self.bases[0], points, weights)
+        return Surface((self.bases[0], self.bases[1]), points, weights)
+
+
+def _basis(value: Mapping[str, Any], way: Optional[str]) -> Basis:
+    parts = (value["basis"], value["degree"], value["knots"], value["closed"])
+    kind, degree, knots, closed = parts if way is None else (part[way] for part in parts)
+    return Basis(kind, degree, None if knots is None else tuple(knots), closed)
+
+
+def _fixed_weights(value: Mapping[str, Any], weights: Any, bases: tuple[Basis, ...]) -> Array:
+    """Weights of surfaces are products of those of rows and columns; a direction may have none."""
+    if len(bases) == 1:
+        return _line(value, weights)
+    u, v = (
+        _line(value, weights[way]) if weights[way] else as_array([1.0] * basis.count)
+        for way, basis in zip(("u", "v"), bases)
+    )
+    return outer(list(u), list(v))
+
+
+def _line(value: Mapping[str, Any], numbers: Any) -> Array:
+    if isinstance(numbers, str):
+        width = 4 if value["encoding"] == "base64_f32" else 8
+        count = (len(numbers) // 4 * 3 - numbers.count("=")) // width
+        return from_base64(numbers, [count], single=width == 4)
+    return as_array(numbers)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points at equal steps of the parameters."""
+
+    parameters: tuple[Array, ...]
+    """Those of a curve, or those of u and of v."""
+    points: Array
+    """Shape (n, dimension), or (rows, columns, dimension) of a surface."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Samples:
+        """Reads an iteration with `view=samples`."""
+        parameters = value["parameters"]
+        lines = [parameters["u"], parameters["v"]] if isinstance(parameters, dict) else [parameters]
+        return cls(tuple(_line(value, line) for line in lines), _array(value, "samples"))
+
+
+def _array(value: Mapping[str, Any], name: str, dropped: int = 0) -> Array:
+    """An array of the geometry, as lists or base64, without the last `dropped` axes of `shape`."""
+    numbers = value[name]
+    if not isinstance(numbers, str):
+        return as_array(numbers)
+    shape = value["shape"][: len(value["shape"]) - dropped]
+    return from_base64(numbers, shape, single=value["encoding"] == "base64_f32")
+
+
+@dataclass(frozen=True)
+class BadWeight:
+    """A control point of a homogeneous fit whose weight no CAD kernel takes."""
+
+    control_point: Index
+    weight: float
+
+
+def _bad_weight(value: Mapping[str, Any]) -> Optional[BadWeight]:
+    bad = value.get("bad_weight")
+    if bad is None:
+        return None
+    place = bad["control_point"]
+    return BadWeight(tuple(place) if isinstance(place, list) else place, bad["weight"])
+
+
+@dataclass(frozen=True, eq=False)
+class Iteration:
+    """A level of a fit."""
+
+    number: int
+    """From 0 on."""
+    error: Deviation
+    moved: int
+    """How many control points the step to this level has moved."""
+    rate: Optional[float] = None
+    """The factor by which the step has made the largest distance smaller."""
+    milestone: Optional[float] = None
+    """The smallest of the milestones that this is the first level to reach."""
+    bad_weight: Optional[BadWeight] = None
+    control_points: Optional[Array] = None
+    """Complete, of shape (n, dimension) or (rows, columns, dimension); None in other views."""
+    weights: Optional[Array] = None
+    """Those of a homogeneous fit, of shape (n,) or (rows, columns)."""
+    samples: Optional[Samples] = None
+    """With `view="samples"`."""
+    shape: Optional[Shape] = None
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any], shape: Shape, before: Optional[Iteration] = None) -> Iteration:
+        """Reads the data of an `iteration` event. One that only says what has changed is applied to
+        the level `before`.
+        """
+        points, weights = _net(value, before)
+        return cls(
+            value["iteration"],
+            Deviation.from_json(value["error"]),
+            value["moved"],
+            value.get("rate"),
+            value.get("milestone"),
+            _bad_weight(value),
+            points,
+            weights,
+            Samples.from_json(value) if "samples" in value else None,
+            shape,
+        )
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """The curve or surface. A `ValueError` if the view has no control points."""
+        if self.control_points is None or self.shape is None:
+            raise ValueError('this iteration has no control points: it was asked for in another view')
+        return self.shape.with_net(self.control_points, self.weights)
+
+
+def _net(value: Mapping[str, Any], before: Optional[Iteration]) -> tuple[Optional[Array], Optional[Array]]:
+    if "control_points" in value:
+        weights = _array(value, "weights", 1) if "weights" in value else None
+        return _array(value, "control_points"), weights
+    if "changed" not in value:
+        return None, None
+    if before is None or before.control_points is None:
+        raise ProtocolError("the server sent changes before what has changed")
+    points = copy(before.control_points)
+    weights = None if before.weights is None else copy(before.weights)
+    for place, point, *weight in value["changed"]:
+        _set(points, place, as_array(point))
+        if weights is not None:
+            _set(weights, place, weight[0])
+    return points, weights
+
+
+def _set(net: Any, place: Any, value: Any) -> None:
+    if isinstance(place, list):
+        row, column = place
+        net[row][column] = value
+    else:
+        net[place] = value
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """The last level of a fit that has ended."""
+
+    id: str
+    """The job."""
+    name: Optional[str]
+    state: str
+    """"converged", "exhausted", "stalled", "failed" or "cancelled"."""
+    iteration: int
+    error: Deviation
+    geometry: Geometry
+    bad_weight: Optional[BadWeight] = None
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Result:
+        """Reads a result."""
+        shape = Shape.from_json(value)
+        homogeneous = value["rational"] == "homogeneous"
+        weights = _array(value, "weights", 1) if homogeneous else None
+        return cls(
+            value["id"],
+            value["name"],
+            value["state"],
+            value["iteration"],
+            Deviation.from_json(value["error"]),
+            shape.with_net(_array(value, "control_points"), weights),
+            _bad_weight(value),
+        )
+
+    @property
+    def curve(self) -> Curve:
+        """The curve. A `TypeError` if it is a surface."""
+        if not isinstance(self.geometry, Curve):
+            raise TypeError("the job fitted a surface, not a curve")
+        return self.geometry
+
+    @property
+    def surface(self) -> Surface:
+        """The surface. A `TypeError` if it is a curve."""
+        if not isinstance(self.geometry, Surface):
+            raise TypeError("the job fitted a curve, not a surface")
+        return self.geometry

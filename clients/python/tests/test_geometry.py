@@ -1,0 +1,133 @@
+"""Curves and surfaces are what the server says they are, here and in other packages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from shapes import CURVE, FITS
+
+import piad
+from piad.geometry.ball import to_bezier
+
+KINDS = ["piad", "scipy", "geomdl", "rhino", "occ"]
+
+
+def in_space(points: Any) -> Any:
+    points = np.asarray(points)
+    missing = 3 - points.shape[-1]
+    return np.concatenate([points, np.zeros((*points.shape[:-1], missing))], axis=-1)
+
+
+def projected(values: Any, rational: bool) -> Any:
+    return values[..., :-1] / values[..., -1:] if rational else values
+
+
+def of_curve(kind: str, curve: piad.Curve, parameters: Any) -> Any:
+    rational = curve.weights is not None
+    if kind == "piad":
+        return curve.evaluate(parameters)
+    if kind == "scipy":
+        return projected(curve.to_scipy(homogeneous=rational)(parameters), rational)
+    if kind == "geomdl":
+        made = curve.to_geomdl()
+        return [made.evaluate_single(float(u)) for u in parameters]
+    if kind == "rhino":
+        made = curve.to_rhino()
+        assert made.IsValid
+        points = [made.PointAt(float(u)) for u in parameters]
+        return [(p.X, p.Y, p.Z) for p in points]
+    made = curve.to_occ()
+    points = [made.Value(float(u)) for u in parameters]
+    return [(p.X(), p.Y(), p.Z()) for p in points]
+
+
+def of_surface(kind: str, surface: piad.Surface, us: Any, vs: Any) -> Any:
+    rational = surface.weights is not None
+    if kind == "piad":
+        return surface.evaluate(us, vs)
+    if kind == "scipy":
+        grid = np.stack(np.meshgrid(us, vs, indexing="ij"), axis=-1)
+        return projected(surface.to_scipy(homogeneous=rational)(grid), rational)
+    if kind == "geomdl":
+        made = surface.to_geomdl()
+        return [[made.evaluate_single((float(u), float(v))) for v in vs] for u in us]
+    if kind == "rhino":
+        made = surface.to_rhino()
+        assert made.IsValid
+        return [[(p.X, p.Y, p.Z) for p in (made.PointAt(float(u), float(v)) for v in vs)] for u in us]
+    made = surface.to_occ()
+    return [[(p.X(), p.Y(), p.Z()) for p in (made.Value(float(u), float(v)) for v in vs)] for u in us]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", FITS)
+def test_points_are_those_of_the_server(client: piad.Client, name: str, kind: str) -> None:
+    job = client.create(**FITS[name])
+    geometry = job.result().geometry
+    if isinstance(geometry, piad.Curve):
+        samples = job.samples(57)
+        points = of_curve(kind, geometry, samples.parameters[0])
+    else:
+        samples = job.samples((17, 13))
+        points = of_surface(kind, geometry, *samples.parameters)
+    expected = in_space(samples.points)
+    difference = np.abs(in_space(points) - expected).max()
+    assert difference <= 1e-12 * np.abs(expected).max()
+
+
+def test_iterations_are_geometry_too(client: piad.Client) -> None:
+    job = client.create(**FITS["homogeneous"])
+    job.wait()
+    curve = job.iteration(3).geometry
+    samples = job.samples(20, 3)
+    assert np.allclose(curve.evaluate(samples.parameters[0]), samples.points, rtol=1e-12, atol=1e-12)
+
+
+def test_single_parameters_have_no_axis(client: piad.Client) -> None:
+    surface = client.fit(**FITS["surface"]).surface
+    assert surface.evaluate(1.0, 1.0).shape == (3,)
+    assert surface.evaluate([1.0, 2.0], 1.0).shape == (2, 3)
+    assert surface.evaluate(1.0, [1.0, 2.0, 3.0]).shape == (3, 3)
+    grid = surface.evaluate([1.0, 2.0], [1.0, 2.0, 3.0])
+    assert grid.shape == (2, 3, 3)
+    assert np.allclose(grid[1, 2], surface.evaluate(2.0, 3.0), rtol=1e-15)
+
+
+def test_closed_curves_go_round_and_others_end(client: piad.Client) -> None:
+    ring = client.fit(**FITS["closed"]).curve
+    start, end = ring.domain
+    turned = ring.evaluate([start + 1 + 3 * (end - start), start + 1 - (end - start)])
+    assert np.allclose(turned, ring.evaluate(start + 1), rtol=1e-12)
+    curve = client.fit(CURVE).curve
+    with pytest.raises(ValueError, match="not between"):
+        curve.evaluate([0.0, curve.domain[1] + 1])
+    with pytest.raises(ValueError, match="not between"):
+        curve.evaluate(float("nan"))
+
+
+def test_what_packages_cannot_say_is_refused(client: piad.Client) -> None:
+    with pytest.raises(ValueError, match="rational"):
+        client.fit(**FITS["fixed"]).curve.to_scipy()
+    values = client.fit([[1.0], [2.0], [4.0], [3.0]], parameters="uniform").curve
+    for convert in (values.to_rhino, values.to_occ):
+        with pytest.raises(ValueError, match="one coordinate"):
+            convert()
+    points = [[i, i % 3] for i in range(30)]
+    with pytest.raises(ValueError, match="degree 29"):
+        client.fit(points, basis="bernstein", method="direct").curve.to_occ()
+
+
+@pytest.mark.parametrize("kind", ["said_ball", "wang_ball"])
+@pytest.mark.parametrize("degree", [1, 2, 3, 4, 7, 30, 1000])
+def test_bezier_points_are_means_of_ball_points(kind: Any, degree: int) -> None:
+    matrix = np.array(to_bezier(kind, degree))
+    assert (matrix >= 0).all()
+    assert np.allclose(matrix.sum(axis=1), 1, rtol=0, atol=1e-13)
+
+
+def test_cubic_ball_points() -> None:
+    for kind in ("said_ball", "wang_ball"):
+        bezier = np.array(to_bezier(kind, 3)) @ [1, 2, 4, 8]  # type: ignore[arg-type]
+        assert np.allclose(bezier, [1, 5 / 3, 16 / 3, 8], rtol=1e-15)

@@ -1,0 +1,124 @@
+"""Jobs from their beginning to their end."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import CURVE, FITS, SURFACE
+
+import piad
+
+# Fits that take a while.
+SLOW = {"basis": "bernstein", "relative_tolerance": 1e-15, "max_iterations": 1_000_000}
+MANY = [[float(i), float(i % 7)] for i in range(200)]
+
+
+def test_fits_go_through_the_points(client: piad.Client) -> None:
+    result = client.fit(np.array(CURVE), tolerance=1e-9, name="arc")
+    assert (result.state, result.name) == ("converged", "arc")
+    curve = result.curve
+    assert np.allclose(curve.evaluate(curve.domain[1]), CURVE[-1], atol=1e-9)
+    surface = client.fit(np.array(SURFACE), parameters="uniform", tolerance=1e-9).surface
+    assert surface.degrees == (3, 3)
+    with pytest.raises(TypeError):
+        _ = result.surface
+
+
+def test_jobs_are_found_waited_for_and_deleted(client: piad.Client) -> None:
+    job = client.create(CURVE, name="one")
+    assert job.wait(30).ended
+    again = client.job(job.id)
+    assert again.status.name == "one"
+    assert again.input()["curve"]["points"] == CURVE
+    again.delete()
+    with pytest.raises(piad.ApiError) as refused:
+        job.refresh()
+    assert refused.value.status == 404
+    assert refused.value.problem.type == "/problems/unknown-job"
+
+
+def test_cancelled_jobs_have_a_result(client: piad.Client) -> None:
+    job = client.create(MANY, **SLOW)
+    with pytest.raises(piad.WaitTimeout):
+        job.wait(0.05)
+    next(iter(job.iterations(view="errors")))
+    assert job.cancel().state == "cancelled"
+    assert job.result().state == "cancelled"
+    ended = client.create(CURVE).wait(30)
+    with pytest.raises(piad.ApiError) as refused:
+        client.job(ended.id).cancel()
+    assert refused.value.status == 409
+
+
+def test_edits_start_from_the_job(client: piad.Client) -> None:
+    job = client.create(CURVE)
+    job.wait()
+    edit = job.edit({3: [1.0, 2.0, 3.0]}, method={"kind": "local", "indices": np.array([2, 3, 4])}, iteration=2)
+    assert edit.status.parent == {"id": job.id, "iteration": 2}
+    edit.wait()
+    assert edit.input()["curve"]["points"][3] == [1.0, 2.0, 3.0]
+    surface = client.create(**FITS["homogeneous_surface"])
+    surface.wait()
+    moved = surface.edit({(1, 2): np.array([1.0, 2.0, 0.5])}, point_weights={(1, 2): 2.0, (0, 0): 1.5})
+    moved.wait()
+    asked = moved.input()["surface"]
+    assert asked["points"][1][2] == [1.0, 2.0, 0.5]
+    assert (asked["weights"][1][2], asked["weights"][0][0]) == (2.0, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("format", "start"),
+    [("step", b"ISO-10303-21"), ("gltf", b"glTF"), ("svg", b"<"), ("csv", b""), ("iges", b""), ("obj", b"")],
+)
+def test_downloads(client: piad.Client, tmp_path: Path, format: str, start: bytes) -> None:
+    job = client.create(CURVE)
+    job.wait()
+    path = job.download(format, tmp_path / "file")  # type: ignore[arg-type]
+    assert path.read_bytes().startswith(start) and path.stat().st_size > 100
+    assert job.download(format, tmp_path / "first", iteration=0).exists()  # type: ignore[arg-type]
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_lists_go_over_pages(client: piad.Client) -> None:
+    made = [client.create(CURVE).id for _ in range(7)]
+    for id in made:
+        client.job(id).wait()
+    listed = [job.id for job in client.jobs("converged", page=3)]
+    assert [id for id in listed if id in made] == made[::-1]
+    assert len(listed) == len(set(listed))
+
+
+def test_errors_point_at_what_is_wrong(client: piad.Client) -> None:
+    with pytest.raises(piad.ApiError) as refused:
+        client.fit([[0, 0], [1, 1], [1, 1], [2, 0]])
+    problem = refused.value.problem
+    assert (problem.status, problem.type) == (422, "/problems/invalid-fit")
+    assert problem.pointers == ("/curve/points/2",)
+    assert problem.request_id and "point 2 equals point 1" in str(refused.value)
+    with pytest.raises(ValueError, match="dimensions"):
+        client.fit([1.0, 2.0])
+    with pytest.raises(ValueError):
+        client.fit([[0.0, float("nan")], [1.0, 1.0]])
+
+
+def test_failed_jobs_say_why(client: piad.Client) -> None:
+    points = [[i, math.sin(i)] for i in range(900)]
+    method = {"kind": "extended", "start": "data"}
+    job = client.create(points, parameters="uniform", basis="bernstein", method=method)
+    assert job.wait().state == "failed"
+    with pytest.raises(piad.JobFailed) as failed:
+        job.result()
+    assert failed.value.problem is not None
+    assert failed.value.problem.type == "/problems/overflow"
+
+
+def test_keys_make_one_job(client: piad.Client) -> None:
+    first, second = (client.create(CURVE, idempotency_key="one-key") for _ in range(2))
+    assert first.id == second.id
+    assert client.create(CURVE).id != first.id
+    with pytest.raises(piad.ApiError) as refused:
+        client.create(CURVE, degree=2, idempotency_key="one-key")
+    assert refused.value.problem.type == "/problems/key-taken"

@@ -1,0 +1,57 @@
+"""The client where only httpx is installed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from conftest import Server
+
+PROGRAM = """
+import sys
+
+for name in ("numpy", "scipy", "geomdl", "rhino3dm", "OCP"):
+    sys.modules[name] = None  # importing it is an ImportError
+
+from shapes import FITS
+
+import piad
+
+
+def close(points, expected):
+    if isinstance(points, list):
+        return len(points) == len(expected) and all(map(close, points, expected))
+    return abs(points - expected) <= 1e-11
+
+
+with piad.Client(sys.argv[1]) as client:
+    for name, arguments in FITS.items():
+        job = client.create(**arguments)
+        for encoding in (None, "base64"):
+            level = list(job.iterations(encoding=encoding))[-1]
+            assert isinstance(level.control_points, list)
+            count = 9 if job.status.kind == "curve" else (5, 4)
+            samples = job.samples(count)
+            assert close(level.geometry.evaluate(*samples.parameters), samples.points), name
+        geometry = job.result().geometry
+        assert close(geometry.as_bspline().evaluate(*samples.parameters), samples.points), name
+    local = client.create(FITS["curve"]["points"], method={"kind": "local", "indices": [2]})
+    pairs = zip(local.iterations(changed=True), local.iterations())
+    assert all(a.control_points == b.control_points for a, b in pairs)
+    curve = local.result().curve
+    assert isinstance(curve.evaluate(0.5), list)
+    for convert in (curve.to_scipy, curve.to_geomdl, curve.to_rhino, curve.to_occ):
+        try:
+            convert()
+        except piad.MissingPackage as error:
+            assert "pip install" in str(error)
+        else:
+            raise AssertionError(convert)
+"""
+
+
+def test_nothing_but_httpx_is_needed(server: Server) -> None:
+    command = [sys.executable, "-c", PROGRAM, server.url]
+    done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
