@@ -94,7 +94,7 @@ pub struct Config {
     pub retain_age: Duration,
 
     /// Seconds between the comments that keep a quiet event stream open.
-    #[arg(long, env = "PIAD_HEARTBEAT", default_value = "15", value_parser = seconds)]
+    #[arg(long, env = "PIAD_HEARTBEAT", default_value = "15", value_parser = some_seconds)]
     pub heartbeat: Duration,
 
     /// Seconds without a byte after which a request body is given up.
@@ -193,6 +193,15 @@ fn duration(text: &str) -> Result<Duration, String> {
         .parse()
         .map_err(|_| "not a duration such as 36h or 90m".to_owned())?;
     Duration::try_from(duration).map_err(|_| "a duration is not negative".to_owned())
+}
+
+fn some_seconds(text: &str) -> Result<Duration, String> {
+    match seconds(text)? {
+        seconds if seconds < Duration::from_millis(10) => {
+            Err("must be at least 0.01 seconds".to_owned())
+        }
+        seconds => Ok(seconds),
+    }
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {

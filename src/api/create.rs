@@ -49,11 +49,12 @@ pub async fn edit(
     Path(id): Path<String>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let parent = jobs::find(&app, &id).await?;
     let mut posted = Posted::read(&app, request).await?;
+    // Also when the parent is gone by now.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
+    let parent = jobs::find(&app, &id).await?;
     let (language, body) = posted.take_body();
     let order = match language {
         Language::Json => {

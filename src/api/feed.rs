@@ -82,7 +82,7 @@ impl Feed {
     pub fn new(app: &App, job: Arc<Job>, options: StreamOptions, seen: Option<usize>) -> Self {
         let mut cursor = Cursor::new(Arc::clone(&job), 0);
         if options.latest {
-            cursor.only_latest();
+            cursor.only_latest(options.every);
         }
         let first = match seen {
             None => 0,

@@ -29,7 +29,7 @@ pub struct Cursor {
     run: Option<Attached>,
     status: watch::Receiver<Status>,
     /// Frames that are not the newest are left out.
-    latest: bool,
+    latest: Option<usize>,
     /// The job was not over when reading began: if it is cancelled, reading ends at once.
     live: bool,
 }
@@ -44,14 +44,15 @@ impl Cursor {
             next,
             run: None,
             status,
-            latest: false,
+            latest: None,
             live,
         }
     }
 
-    /// From now on only the newest frame is of interest.
-    pub fn only_latest(&mut self) {
-        self.latest = true;
+    /// From now on only the newest frame is of interest, of those whose level is a multiple of
+    /// `every`; in the end it is the last.
+    pub fn only_latest(&mut self, every: usize) {
+        self.latest = Some(every);
     }
 
     /// The next frame to read will be `index`.
@@ -70,11 +71,14 @@ impl Cursor {
         loop {
             let status = self.status.borrow_and_update().clone();
             let job_ended = status.state.is_final();
-            if self.latest {
+            if let Some(every) = self.latest {
                 let newest = self.job.status().levels;
-                self.next = self
-                    .next
-                    .max(newest.map_or(0, |levels| levels.last.iteration));
+                let newest = newest.map_or(0, |levels| levels.last.iteration);
+                let newest = match job_ended {
+                    true => newest,
+                    false => newest.next_multiple_of(every),
+                };
+                self.next = self.next.max(newest);
             }
             if job_ended {
                 let given_up = self.live && status.state == State::Cancelled;
@@ -101,7 +105,7 @@ impl Cursor {
                 }
                 Attempt::TryAgain => {}
                 // Where only the newest frame counts, there is a newer one by now.
-                Attempt::Leave if self.latest && !job_ended => {}
+                Attempt::Leave if self.latest.is_some() && !job_ended => {}
                 Attempt::Leave => self.run = None,
             }
         }

@@ -28,6 +28,9 @@ use crate::fit::system::System;
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
+/// How long a job that was running in a crash runs alone.
+const SUSPICION: Duration = Duration::from_millis(500);
+
 /// How often, at least, jobs are looked for that have become too old.
 const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 
@@ -134,7 +137,8 @@ impl Jobs {
     /// from now on.
     pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
         let mut unfinished = self.store.unfinished().await?;
-        unfinished.sort_by_key(|record| record.crashes);
+        // The quickest first: they come to their ends soon.
+        unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
         if !unfinished.is_empty() {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }
@@ -222,7 +226,7 @@ impl Jobs {
             Some(memory) => {
                 let start = Start {
                     _memory: memory,
-                    _alone: None,
+                    alone: None,
                     run: job.begin(problem, like),
                 };
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
@@ -438,13 +442,20 @@ impl Jobs {
         job.status.send_replace(status);
         Ok(Some(Start {
             _memory: memory,
-            _alone: alone,
+            alone,
             run,
         }))
     }
 
     async fn run(&self, job: &Arc<Job>, start: Start) -> (Ending, Option<Arc<Frame>>) {
         let run = &start.run;
+        if let Some(alone) = start.alone {
+            // What brings the process down does so soon, or it is not to be told from the others.
+            tokio::spawn(async move {
+                sleep(SUSPICION).await;
+                drop(alone);
+            });
+        }
         if self.suspended.load(Ordering::Acquire) {
             run.stop();
         }
@@ -472,7 +483,7 @@ struct Start {
     /// The memory that it takes.
     _memory: OwnedSemaphorePermit,
     /// The right to be the only one that was running in a crash.
-    _alone: Option<OwnedSemaphorePermit>,
+    alone: Option<OwnedSemaphorePermit>,
 }
 
 /// What the end of its run means for a job.

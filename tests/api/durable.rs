@@ -254,8 +254,8 @@ async fn only_one_server_uses_a_data_directory() {
     assert!(message.contains("in use by another process"), "{message}");
 }
 
-#[test]
-fn unknown_files_and_versions_are_clear_errors() {
+#[tokio::test(flavor = "multi_thread")]
+async fn unknown_files_and_versions_are_clear_errors() {
     let refused = |data: &Path, reason: &str| {
         let output = Program::refused(data);
         assert_eq!(output.status.code(), Some(1));
@@ -279,6 +279,14 @@ fn unknown_files_and_versions_are_clear_errors() {
     transaction.commit().unwrap();
     drop(database);
     refused(data.path(), "has version 99 of the format");
+
+    // A store whose end is missing.
+    std::fs::remove_file(&file).unwrap();
+    drop(Program::start(data.path()));
+    let length = std::fs::metadata(&file).unwrap().len();
+    let cut = std::fs::OpenOptions::new().write(true).open(&file).unwrap();
+    cut.set_len(length - 4096).unwrap();
+    refused(data.path(), "cannot be opened");
 
     let not_a_directory = data.path().join("piad.redb");
     refused(&not_a_directory, "cannot be used");
@@ -324,6 +332,25 @@ async fn a_key_makes_one_job() {
     assert_eq!(status, 400);
     let (status, _) = problem(post(&program, &"k".repeat(256), &small).await).await;
     assert_eq!(status, 400);
+    // An edit is replayed when its parent is gone.
+    let edits = format!("{}/edits", path(&other));
+    let edit = async || {
+        let request = program.post(&edits).header("idempotency-key", "edit");
+        let body = json!({"stop": {"max_iterations": 3}});
+        request
+            .json(&body)
+            .send()
+            .await
+            .unwrap()
+            .json::<Value>()
+            .await
+            .unwrap()
+    };
+    let edited = edit().await;
+    let url = format!("http://{}{}", program.address, path(&other));
+    program.client.delete(url).send().await.unwrap();
+    assert_eq!(edit().await["id"], edited["id"]);
+
     // A job that is deleted gives its key back.
     let url = format!("http://{}{}", program.address, path(&first));
     program.client.delete(url).send().await.unwrap();

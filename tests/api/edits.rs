@@ -266,6 +266,7 @@ async fn what_is_wrong_with_an_edit_is_said() {
     for (parent, body, pointer, reason) in [
         (&curve, json!({}), "", "changes something"),
         (&curve, json!({"name": "only"}), "", "changes something"),
+        (&curve, json!({"points": []}), "", "changes something"),
         (
             &curve,
             json!({"points": [{"index": 6, "point": [0, 0]}]}),

@@ -77,6 +77,7 @@ fn wrong_settings_are_refused() {
         vec!["--workers", "0"],
         vec!["--max-body", "lots"],
         vec!["--grace", "-1"],
+        vec!["--heartbeat", "0"],
         vec!["--log", "="],
         vec!["--retain-age", "long"],
         vec!["--data-dir", ""],

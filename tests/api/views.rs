@@ -74,6 +74,24 @@ async fn every_so_many_iterations_and_the_last() {
 }
 
 #[tokio::test]
+async fn the_latest_pace_of_every_tenth() {
+    let server = Server::start().await;
+    let job = server.create(&data::endless_job()).await;
+    let path = format!(
+        "{}/events?pace=latest&every=10&view=errors",
+        job["links"]["self"].as_str().unwrap()
+    );
+    let mut stream = events(server.get(&path).send().await.unwrap());
+    stream.next().await.unwrap();
+    for _ in 0..30 {
+        let iteration = stream.next().await.unwrap();
+        assert!(iteration.id.ends_with('0'), "{}", iteration.id);
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+    server.stop().await;
+}
+
+#[tokio::test]
 async fn the_latest_pace_skips_what_is_old() {
     let server = Server::start().await;
     let job = server.create(&data::endless_job()).await;

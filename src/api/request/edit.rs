@@ -94,7 +94,7 @@ impl EditRequest {
         config: &Config,
     ) -> Result<ValidJob, Problem> {
         check_name(self.name.as_deref())?;
-        if self.points.is_none()
+        if self.points.as_ref().is_none_or(Vec::is_empty)
             && self.weights.is_none()
             && self.rational.is_none()
             && self.method.is_none()

@@ -1,6 +1,7 @@
 //! What stands in the file.
 
 use std::io::{self, ErrorKind};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -92,7 +93,7 @@ impl File {
             reason,
         })?;
         let path = directory.join(name);
-        let database = open(&path)?;
+        let database = open(&path, true)?;
         let broken = |reason| OpenError::Broken {
             path: path.clone(),
             reason,
@@ -116,7 +117,8 @@ impl File {
         let mut database = self.database.write();
         // The lock on the file goes with the old one.
         drop(database.take());
-        let opened = open(&self.path).map_err(|error| StoreError::Failed(error.to_string()))?;
+        let opened =
+            open(&self.path, false).map_err(|error| StoreError::Failed(error.to_string()))?;
         *database = Some(opened);
         Ok(())
     }
@@ -219,10 +221,21 @@ pub(super) fn damaged(reason: impl ToString) -> StoreError {
     StoreError::Failed(format!("a record cannot be read: {}", reason.to_string()))
 }
 
-fn open(path: &Path) -> Result<Database, OpenError> {
+/// Opens the file; makes it if it `may_be_new`: one that was there before must not be replaced by
+/// an empty one.
+fn open(path: &Path, may_be_new: bool) -> Result<Database, OpenError> {
     let mut builder = Database::builder();
     builder.set_cache_size(CACHE);
-    builder.create(path).map_err(|error| match error {
+    // A file that was cut off can make redb panic.
+    let opened = catch_unwind(AssertUnwindSafe(|| match may_be_new {
+        true => builder.create(path),
+        false => builder.open(path),
+    }));
+    let opened = opened.unwrap_or_else(|_| {
+        let damaged = StorageError::Corrupted("it is shorter than it says".to_owned());
+        Err(DatabaseError::Storage(damaged))
+    });
+    opened.map_err(|error| match error {
         DatabaseError::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),
         error => OpenError::Broken {
             path: path.to_owned(),

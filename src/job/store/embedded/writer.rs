@@ -20,7 +20,7 @@ use super::tables::{self, File, HEADERS, INPUTS, KEYS, OpenError, RESULTS, damag
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
-use crate::job::state::Status;
+use crate::job::state::{State, Status};
 
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;
@@ -138,8 +138,9 @@ impl Pen {
                 points += write.change.points();
                 writes.push(write);
             }
+            let count = writes.len();
             if let Err(error) = self.commit(&mut writes) {
-                warn!(%error, writes = writes.len(), "a commit failed");
+                warn!(%error, writes = count, "a commit failed");
                 // One that cannot be done must not take the others with it.
                 for write in writes.drain(..) {
                     let outcome = self.commit(&mut vec![write]);
@@ -258,7 +259,13 @@ impl Pen {
                 made.map_or(Outcome::Done, Outcome::Made)
             }
             Change::Update { id, status } => {
-                tables.update(*id, |header| header.set_status(status))?;
+                tables.update(*id, |header| {
+                    header.set_status(status);
+                    // Whoever puts it back into the queue is alive: that was no crash.
+                    if status.state == State::Queued {
+                        header.crashes = 0;
+                    }
+                })?;
                 Outcome::Done
             }
             Change::Finish { id, status, result } => {
