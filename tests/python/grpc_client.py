@@ -39,6 +39,9 @@ def generate():
     include = pathlib.Path(protoc.__file__).parent / "_proto"
     assert protoc.main([*arguments, f"-I{include}", "piad/v1/fitting.proto"]) == 0
     sys.path.insert(0, out)
+    # A package of its own: the Python client, which may be installed, is also called piad.
+    for package in ("piad", "piad/v1"):
+        (pathlib.Path(out) / package / "__init__.py").touch()
     from piad.v1 import fitting_pb2, fitting_pb2_grpc
 
     return fitting_pb2, fitting_pb2_grpc
