@@ -1,4 +1,4 @@
-.PHONY: run test lint tools fmt files interop python
+.PHONY: run test bench lint tools fmt files interop python
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -26,6 +26,19 @@ interop: $(VENV)/installed
 python: $(VENV)/installed
 	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
 	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
+
+# Kernels, HTTP and other programs, measured side by side: about half an hour on a quiet machine.
+bench: $(VENV)/benches
+	cargo bench --locked --bench kernels
+	$(PYTHON) benches/http/compare.py target/release/piad
+	$(PYTHON) benches/scipy/compare.py target/release/piad
+
+$(VENV)/benches: benches/requirements.txt
+	@python3 -m venv $(VENV) && command -v wrk >/dev/null || \
+	  { apt-get update && apt-get install -y --no-install-recommends python3-venv wrk; }
+	python3 -m venv $(VENV)
+	$(PYTHON) -m pip install --quiet -r benches/requirements.txt
+	touch $@
 
 lint: tools
 	cargo fmt --check

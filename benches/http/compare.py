@@ -3,8 +3,9 @@
     compare.py PROGRAM [--quick]        # PROGRAM is target/release/piad
 
 Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second.
-Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, and peak memory.
-Needs wrk, and the packages of requirements.txt.
+Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, and peak memory; the
+peak memory with several clients; and a small job beside a large one.
+Needs wrk, and the packages of ../requirements.txt.
 """
 
 import argparse
@@ -18,7 +19,10 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+import urllib.request
+from concurrent.futures import ThreadPoolExecutor
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PIAD, FASTAPI = 18480, 18490
@@ -60,17 +64,28 @@ def servers(program: str) -> dict[str, tuple[list[str], int, str]]:
     return {"piad": (piad, PIAD, "/v1/jobs"), "fastapi": (fastapi, FASTAPI, "/fit")}
 
 
-def wrk(port: int, path: str, connections: int, seconds: int) -> float:
-    """Jobs per second."""
+def wrk(port: int, path: str, connections: int, seconds: int) -> str:
+    """Posts jobs of 100 points, reads their events, and tells how that went."""
     with tempfile.NamedTemporaryFile("w", suffix=".lua", delete=False) as script:
         script.write('wrk.method = "POST"\nwrk.headers["Content-Type"] = "application/json"\n')
         script.write('wrk.headers["Accept"] = "text/event-stream"\n')
         script.write(f"wrk.body = [==[{job(100).decode()}]==]\n")
-    command = ["wrk", "-t1", f"-c{connections}", f"-d{seconds}s", "-s", script.name, f"http://127.0.0.1:{port}{path}"]
+    command = ["wrk", "-t1", "--latency", f"-c{connections}", f"-d{seconds}s", "--timeout", "60s", "-s", script.name, f"http://127.0.0.1:{port}{path}"]
     output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     os.unlink(script.name)
     assert "Non-2xx" not in output, output
+    return output
+
+
+def rate(output: str) -> float:
+    """Jobs per second."""
     return float(re.search(r"Requests/sec:\s+([\d.]+)", output).group(1))
+
+
+def latency(output: str, percentile: int) -> float:
+    """Milliseconds from the request to the end of the stream."""
+    number, unit = re.search(rf"{percentile}%\s+([\d.]+)(us|ms|s)", output).groups()
+    return float(number) * {"us": 1e-3, "ms": 1.0, "s": 1e3}[unit]
 
 
 def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
@@ -79,6 +94,19 @@ def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
     connection = socket.create_connection(("127.0.0.1", port))
     begin = time.perf_counter()
     connection.sendall(head.encode() + body)
+    first, total = drain(connection, begin)
+    return first, time.perf_counter() - begin, total
+
+
+def read_events(port: int, path: str) -> int:
+    """Reads all events of a job; the number of bytes."""
+    connection = socket.create_connection(("127.0.0.1", port))
+    connection.sendall(f"GET {path} HTTP/1.0\r\nHost: x\r\nAccept: text/event-stream\r\n\r\n".encode())
+    return drain(connection, time.perf_counter())[1]
+
+
+def drain(connection: socket.socket, begin: float) -> tuple[float, int]:
+    """Seconds until the first iteration, and bytes."""
     buffer = bytearray(1 << 20)
     total, first, seen = 0, 0.0, b""
     while count := connection.recv_into(buffer):
@@ -87,7 +115,7 @@ def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
             if b"event: iteration" in seen:
                 first = time.perf_counter() - begin
         total += count
-    return first, time.perf_counter() - begin, total
+    return first, total
 
 
 def peak(process: subprocess.Popen) -> int:
@@ -96,23 +124,27 @@ def peak(process: subprocess.Popen) -> int:
 
 
 def small(program: str, seconds: int) -> None:
-    print(f"\n100 points, {ITERATIONS} iterations streamed as JSON")
-    print(f"{'connections':>12} {'server':>8} {'jobs/s':>9} {'events/s':>10} {'ratio':>6}")
+    print(f"\n100 points, {ITERATIONS} iterations streamed\n")
+    print("| connections | server | jobs/s | events/s | ratio |\n|---|---|---|---|---|")
     for connections in (1, 16, 256):
         rates = {}
-        for name, (command, port, path) in servers(program).items():
+        for name, query in [("fastapi", ""), ("piad", ""), ("piad", "?encoding=base64"), ("piad", "?view=errors")]:
+            command, port, path = servers(program)[name]
+            name, path = f"{name}{query}", f"{path}{query}"
             process = start(command, port)
-            wrk(port, path, connections, 1)
-            rates[name] = statistics.median(wrk(port, path, connections, seconds) for _ in range(3))
+            wrk(port, path, min(connections, 16), 1)
+            # A server with many connections needs its time to answer all of them.
+            time_each = max(seconds, connections // 16)
+            rates[name] = statistics.median(rate(wrk(port, path, connections, time_each)) for _ in range(3))
             stop(process)
         for name, rate in rates.items():
             ratio = rate / rates["fastapi"]
-            print(f"{connections:>12} {name:>8} {rate:>9.0f} {rate * EVENTS:>10.0f} {ratio:>6.1f}")
+            print(f"| {connections} | {name} | {rate:.0f} | {rate * EVENTS:.0f} | {ratio:.1f}× |", flush=True)
 
 
 def large(program: str, counts: list[int]) -> None:
-    print(f"\none client, {ITERATIONS} iterations: seconds to the first and to the last of them, bytes, peak memory")
-    print(f"{'points':>9} {'server':>8} {'encoding':>12} {'first':>7} {'total':>7} {'MB':>6} {'ratio':>6} {'B/point':>8}")
+    print(f"\none client, {ITERATIONS} iterations: seconds to the first and to the last of them, peak memory\n")
+    print("| points | server | encoding | first, s | all, s | MB | ratio | peak, bytes per point |\n|---|---|---|---|---|---|---|---|")
     for count in counts:
         body = job(count)
         base = None
@@ -122,10 +154,56 @@ def large(program: str, counts: list[int]) -> None:
             runs = [read_all(port, path + query, body) for _ in range(1 if count > 100_000 else 3)]
             first, total, size = sorted(runs, key=lambda run: run[1])[len(runs) // 2]
             base = base or total
-            memory = f"{peak(process) / count:>8.0f}" if name == "piad" else f"{'':>8}"
+            memory = f"{peak(process) / count:.0f}" if name == "piad" else ""
             stop(process)
-            form = query.partition("=")[2] or "json"
-            print(f"{count:>9} {name:>8} {form:>12} {first:>7.3f} {total:>7.3f} {size / 1e6:>6.0f} {base / total:>6.1f} {memory}", flush=True)
+            form = query.partition("?")[2] or "json"
+            print(f"| {count} | {name} | {form} | {first:.3f} | {total:.3f} | {size / 1e6:.0f} | {base / total:.1f}× | {memory} |", flush=True)
+
+
+def readers(program: str, count: int) -> None:
+    """Peak memory of one job that several clients read at the same time, each at its own pace."""
+    print(f"\n{count} points, {ITERATIONS} iterations as JSON, read by several clients\n")
+    print("| clients | all, s | peak, MB | of the points' own size |\n|---|---|---|---|")
+    body = job(count)
+    for clients in (1, 4, 16):
+        command, port, path = servers(program)["piad"]
+        process = start(command, port)
+        begin = time.perf_counter()
+        request = urllib.request.Request(f"http://127.0.0.1:{port}{path}", body, {"Content-Type": "application/json"})
+        with urllib.request.urlopen(request) as answer:
+            events = json.load(answer)["links"]["events"]
+        with ThreadPoolExecutor(clients) as pool:
+            sizes = list(pool.map(lambda _: read_events(port, events), range(clients)))
+        assert len(set(sizes)) == 1, sizes
+        memory = peak(process)
+        stop(process)
+        print(f"| {clients} | {time.perf_counter() - begin:.1f} | {memory / 1e6:.0f} | {memory / (24 * count):.1f}× |", flush=True)
+
+
+def beside(program: str, count: int, seconds: int) -> None:
+    """A job of 100 points alone, and beside a large one that is being streamed."""
+    command, port, path = servers(program)["piad"]
+    process = start(command, port)
+    wrk(port, path, 1, 1)
+    alone = wrk(port, path, 1, seconds)
+    body, over = job(count), threading.Event()
+
+    def keep_busy() -> None:
+        while not over.is_set():
+            read_all(port, path, body)
+
+    large = threading.Thread(target=keep_busy)
+    large.start()
+    time.sleep(1)
+    together = wrk(port, path, 1, seconds)
+    over.set()
+    large.join()
+    stop(process)
+    print(f"\n100 points, {ITERATIONS} iterations, beside a job of {count} points: ms until all is read\n")
+    print("| | alone | beside | ratio |\n|---|---|---|---|")
+    for percentile in (50, 99):
+        one, other = latency(alone, percentile), latency(together, percentile)
+        print(f"| {percentile} % | {one:.2f} | {other:.2f} | {other / one:.1f}× |", flush=True)
 
 
 def main() -> None:
@@ -135,6 +213,8 @@ def main() -> None:
     given = parser.parse_args()
     small(given.program, 2 if given.quick else 5)
     large(given.program, [10_000, 100_000] if given.quick else [10_000, 100_000, 1_000_000])
+    readers(given.program, 100_000 if given.quick else 1_000_000)
+    beside(given.program, 100_000 if given.quick else 1_000_000, 3 if given.quick else 10)
 
 
 if __name__ == "__main__":

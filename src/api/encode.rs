@@ -3,13 +3,12 @@
 
 use std::sync::Arc;
 
-use bytes::Bytes;
-
 use super::options::form::{Digits, Form, View};
 use super::{rpc, view};
 use crate::fit::direction::Direction;
 use crate::fit::problem::Problem;
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
 use crate::job::state::Status;
@@ -22,7 +21,7 @@ const SMALL: usize = 2000;
 const OPERATIONS_PER_NUMBER: usize = 50;
 
 /// The data of the `job` event, made once for each job.
-pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Bytes, StoreError> {
+pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
     let in_protobuf = form.is_protobuf();
     let name = if in_protobuf { "protobuf" } else { "json" };
     job.description(name, || async {
@@ -34,21 +33,21 @@ pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Bytes, StoreErro
             false => view::description(&described, &problem, levels),
             true => rpc::view::description(&described, &problem, levels),
         };
-        Ok(off_network(job, numbers, describe).await)
+        off_network(job, numbers, describe).await
     })
     .await
 }
 
 /// The data of the `end` event.
-pub fn end(job: &Job, status: &Status, form: &Form) -> Bytes {
+pub fn end(job: &Job, status: &Status, form: &Form) -> Content {
     match form.is_protobuf() {
-        false => view::end(job, status),
+        false => view::end(job, status).into(),
         true => rpc::view::end(job, status),
     }
 }
 
 /// The data of an `iteration` event, made once for each frame and form.
-pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Bytes, StoreError> {
+pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Content, StoreError> {
     let is_last = || frame.is_last || job.has_ended_at(frame.level.iteration);
     let in_full = form.digits == Digits::Auto && is_last();
     let form = if in_full {
@@ -68,7 +67,7 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<By
         };
         off_network(job, numbers, encode)
     };
-    Ok(encoded.get_or_init(encode).await.clone())
+    encoded.get_or_try_init(encode).await.cloned()
 }
 
 /// About how many numbers are written, or computed.
@@ -90,12 +89,11 @@ fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
 pub async fn off_network(
     job: &Job,
     numbers: usize,
-    encode: impl FnOnce() -> Bytes + Send + 'static,
-) -> Bytes {
+    encode: impl FnOnce() -> Content + Send + 'static,
+) -> Result<Content, StoreError> {
     if numbers <= SMALL {
-        return encode();
+        return Ok(encode());
     }
     let lane = Lane::of(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
-    let encoded = job.resources().scheduler.compute(lane, encode).await;
-    encoded.unwrap_or_else(|_| Bytes::from_static(b"null"))
+    Ok(job.resources().scheduler.compute(lane, encode).await?)
 }

@@ -3,16 +3,18 @@
 //!
 //! The data of an event are shared by all streams; only what stands around them differs.
 
-use std::collections::VecDeque;
-use std::convert::Infallible;
+use std::fmt::Write;
+use std::future::poll_fn;
 use std::sync::Arc;
+use std::task::Poll;
 
 use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
-use bytes::{BufMut, Bytes, BytesMut};
-use futures_util::stream;
+use bytes::{Buf, BufMut, BytesMut};
+use futures_util::{Stream, StreamExt, stream};
+use prost::Message;
 use prost::encoding::encode_varint;
 use serde_json::json;
 use uuid::Uuid;
@@ -24,15 +26,14 @@ use super::options::object::StreamObject;
 use super::options::{StreamOptions, StreamParameters};
 use super::problem::Problem;
 use super::rpc::encoded::Encoded;
+use super::sending::Outgoing;
 use super::{App, jobs};
 use crate::job::Job;
+use crate::job::content::Content;
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
 const END: &str = "end";
-
-/// Events up to this size are sent in one piece.
-const ONE_PIECE: usize = 16 * 1024;
 
 /// `GET /v1/jobs/{id}/events`
 pub async fn get(
@@ -100,18 +101,22 @@ pub fn stream(
     options: StreamOptions,
     seen: Option<usize>,
 ) -> Response {
-    let feed = Feed::new(app, job, options, seen);
-    let mut pending = VecDeque::new();
+    let mut outgoing = Outgoing::new(Arc::clone(&job));
     // Proxies hold the answer back until there is something to pass on.
     if framing == Framing::Sse {
-        pending.push_back(Bytes::from_static(b": piad\nretry: 2000\n\n"));
+        outgoing.text().put_slice(b": piad\nretry: 2000\n\n");
     }
-    let body = stream::unfold((feed, pending), move |(mut feed, mut pending)| async move {
-        while pending.is_empty() {
-            write(framing, feed.next().await?, &mut pending);
+    let events = stream::unfold(Feed::new(app, job, options, seen), |mut feed| async {
+        let event = feed.next().await?;
+        Some((event, feed))
+    });
+    let state = (Box::pin(events.fuse()), outgoing);
+    let body = stream::unfold(state, move |(mut events, mut outgoing)| async move {
+        if outgoing.is_empty() {
+            gather(framing, &mut events, &mut outgoing).await;
         }
-        let piece = pending.pop_front()?;
-        Some((Ok::<_, Infallible>(piece), (feed, pending)))
+        let bytes = outgoing.next().await?;
+        Some((bytes, (events, outgoing)))
     });
     let mut response = Response::new(Body::from_stream(body));
     let headers = response.headers_mut();
@@ -128,85 +133,118 @@ pub fn stream(
     response
 }
 
-/// Writes an event in as few pieces as its size makes sensible.
-fn write(framing: Framing, event: Event, pieces: &mut VecDeque<Bytes>) {
+/// Waits for an event, and takes those that have happened with it, unless they are large: many small
+/// ones go out in one write.
+async fn gather(
+    framing: Framing,
+    events: &mut (impl Stream<Item = Event> + Unpin),
+    outgoing: &mut Outgoing,
+) {
+    poll_fn(|context| {
+        loop {
+            match events.poll_next_unpin(context) {
+                Poll::Ready(Some(event)) => write(framing, event, outgoing),
+                Poll::Pending if outgoing.is_empty() => return Poll::Pending,
+                Poll::Pending | Poll::Ready(None) => return Poll::Ready(()),
+            }
+            if outgoing.is_enough() {
+                return Poll::Ready(());
+            }
+        }
+    })
+    .await;
+}
+
+fn write(framing: Framing, event: Event, outgoing: &mut Outgoing) {
     match framing {
-        Framing::Sse => write_sse(event, pieces),
-        Framing::Ndjson => write_line(event, pieces),
-        Framing::Protobuf => write_message(event, pieces),
+        Framing::Sse => write_sse(event, outgoing),
+        Framing::Ndjson => write_line(event, outgoing),
+        Framing::Protobuf => write_message(event, outgoing),
     }
 }
 
-fn write_sse(event: Event, pieces: &mut VecDeque<Bytes>) {
-    let (head, data, milestone) = match event {
-        Event::Job(data) => ("event: job\n".to_owned(), data, None),
-        Event::Iteration { k, milestone, data } => {
-            (format!("event: iteration\nid: {k}\n"), data, milestone)
+fn write_sse(event: Event, outgoing: &mut Outgoing) {
+    let text = outgoing.text();
+    let (data, milestone) = match event {
+        Event::Job(data) => {
+            text.put_slice(b"event: job\n");
+            (data, None)
         }
-        Event::End(data) => (format!("event: end\nid: {END}\n"), data, None),
-        Event::Quiet => return pieces.push_back(Bytes::from_static(b": still here\n\n")),
+        Event::Iteration { k, milestone, data } => {
+            put(text, format_args!("event: iteration\nid: {k}\n"));
+            (data, milestone)
+        }
+        Event::End(data) => {
+            put(text, format_args!("event: end\nid: {END}\n"));
+            (data, None)
+        }
+        Event::Quiet => return text.put_slice(b": still here\n\n"),
         Event::Stopping => {
             // Clients come back one after the other, to whoever serves them then.
             let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
-            let comment = format!(": the server is stopping\nretry: {retry}\n\n");
-            return pieces.push_back(comment.into());
+            return put(
+                text,
+                format_args!(": the server is stopping\nretry: {retry}\n\n"),
+            );
         }
     };
-    let (start, data) = with_milestone(milestone, data);
-    push(format!("{head}data: {start}"), data, "\n\n", pieces);
+    text.put_slice(b"data: ");
+    push_json(data, milestone, outgoing);
+    outgoing.text().put_slice(b"\n\n");
 }
 
 /// A JSON object a line; there are no comments.
-fn write_line(event: Event, pieces: &mut VecDeque<Bytes>) {
-    let (head, data, milestone) = match event {
-        Event::Job(data) => (r#"{"event":"job","data":"#.to_owned(), data, None),
+fn write_line(event: Event, outgoing: &mut Outgoing) {
+    let text = outgoing.text();
+    let (data, milestone) = match event {
+        Event::Job(data) => {
+            text.put_slice(br#"{"event":"job","data":"#);
+            (data, None)
+        }
         Event::Iteration { k, milestone, data } => {
-            let head = format!(r#"{{"event":"iteration","id":{k},"data":"#);
-            (head, data, milestone)
+            put(
+                text,
+                format_args!(r#"{{"event":"iteration","id":{k},"data":"#),
+            );
+            (data, milestone)
         }
         Event::End(data) => {
-            let head = format!(r#"{{"event":"end","id":"{END}","data":"#);
-            (head, data, None)
+            put(
+                text,
+                format_args!(r#"{{"event":"end","id":"{END}","data":"#),
+            );
+            (data, None)
         }
         Event::Quiet | Event::Stopping => return,
     };
-    let (start, data) = with_milestone(milestone, data);
-    push(format!("{head}{start}"), data, "}\n", pieces);
+    push_json(data, milestone, outgoing);
+    outgoing.text().put_slice(b"}\n");
 }
 
 /// A `WatchJobResponse` after its length; there are no comments.
-fn write_message(event: Event, pieces: &mut VecDeque<Bytes>) {
-    let Some(message) = Encoded::event(event) else {
-        return;
-    };
-    let (head, body) = message.parts();
-    let mut before = BytesMut::with_capacity(10 + head.len());
-    encode_varint((head.len() + body.len()) as u64, &mut before);
-    before.put(head);
-    push(before, body, "", pieces);
-}
-
-/// A milestone becomes the first field of the data, which stay as all readers share them.
-fn with_milestone(milestone: Option<f64>, data: Bytes) -> (String, Bytes) {
-    match milestone {
-        Some(milestone) if data.starts_with(b"{") => {
-            let start = format!("{{\"milestone\":{},", json!(milestone));
-            (start, data.slice(1..))
-        }
-        _ => (String::new(), data),
+fn write_message(event: Event, outgoing: &mut Outgoing) {
+    if let Some(message) = Encoded::event(event) {
+        encode_varint(message.encoded_len() as u64, outgoing.text());
+        let (head, body) = message.parts();
+        outgoing.text().put(head);
+        outgoing.push(body);
     }
 }
 
-/// Large data are passed on as they are, small ones in one piece with what stands around them.
-fn push(before: impl Into<Bytes>, data: Bytes, after: &'static str, pieces: &mut VecDeque<Bytes>) {
-    let before: Bytes = before.into();
-    let after = Bytes::from_static(after.as_bytes());
-    if data.len() > ONE_PIECE {
-        let all = [before, data, after].into_iter();
-        pieces.extend(all.filter(|piece| !piece.is_empty()));
-    } else {
-        let mut whole = BytesMut::with_capacity(before.len() + data.len() + after.len());
-        whole.extend([before, data, after]);
-        pieces.push_back(whole.freeze());
+/// Pushes the data, which all readers share, with a milestone as their first field.
+fn push_json(mut data: Content, milestone: Option<f64>, outgoing: &mut Outgoing) {
+    if let Some(milestone) = milestone.filter(|_| data.head.starts_with(b"{")) {
+        let milestone = json!(milestone);
+        put(
+            outgoing.text(),
+            format_args!("{{\"milestone\":{milestone},"),
+        );
+        data.head.advance(1);
     }
+    outgoing.push(data);
+}
+
+/// Memory takes whatever is written to it.
+fn put(text: &mut BytesMut, arguments: std::fmt::Arguments) {
+    let _ = text.write_fmt(arguments);
 }

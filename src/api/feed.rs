@@ -6,7 +6,6 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use bytes::Bytes;
 use tokio::sync::watch;
 use tokio::time::{Duration, Instant, sleep_until};
 use tracing::error;
@@ -15,6 +14,7 @@ use super::milestones::Milestones;
 use super::options::StreamOptions;
 use super::{App, encode};
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::state::Status;
@@ -25,7 +25,7 @@ use crate::job::store::StoreError;
 #[derive(Clone, Debug)]
 pub enum Event {
     /// What does not change from iteration to iteration.
-    Job(Bytes),
+    Job(Content),
     /// An iteration.
     Iteration {
         /// Its number.
@@ -33,10 +33,10 @@ pub enum Event {
         /// The smallest milestone that it is the first to reach.
         milestone: Option<f64>,
         /// Its errors and geometry.
-        data: Bytes,
+        data: Content,
     },
     /// The end of the job.
-    End(Bytes),
+    End(Content),
     /// Nothing has happened for a while.
     Quiet,
     /// The server stops; nothing follows.

@@ -12,12 +12,14 @@ use super::negotiate::{self, Language};
 use super::options::form::{Digits, Encoding, Form, View};
 use super::options::{StreamParameters, ViewParameters};
 use super::problem::{Kind, Problem};
+use super::sending::answer;
 use super::{App, encode, jobs, no_store, rpc, view};
 use crate::export::Format;
 use crate::fit::iteration::{Iteration, Level};
 use crate::fit::limit::{MOST_ADJUSTED, NoLimit, local_limit};
 use crate::fit::points::{Grid, Points};
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
@@ -37,7 +39,10 @@ pub async fn iteration(
     };
     let frame = frame(&job, k).await?;
     match wanted {
-        Wanted::Form(form) => Ok(response(&form, encode::frame(&job, &frame, &form).await?)),
+        Wanted::Form(form) => {
+            let content = encode::frame(&job, &frame, &form).await?;
+            Ok(answer(&job, content, media_type(&form)))
+        }
         Wanted::File(format, samples) => {
             let points = Arc::clone(&frame.control_points);
             export::file(&job, frame.level.iteration, points, format, samples).await
@@ -75,22 +80,19 @@ pub async fn input(
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
     let job = jobs::find(&app, &id).await?;
-    let bytes = input_bytes(&job, language).await?;
-    Ok(match language {
-        Language::Json => json_response(bytes),
-        Language::Protobuf => jobs::message(bytes),
-    })
+    let content = input_content(&job, language).await?;
+    Ok(answer(&job, content, language.media_type()))
 }
 
 /// The job as it was accepted, as JSON or as the bytes of a message.
-pub async fn input_bytes(job: &Arc<Job>, language: Language) -> Result<Bytes, Problem> {
+pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content, Problem> {
     let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = problem.data().len() * problem.data().dimension();
     let write = move || match language {
-        Language::Json => view::input(owner.outline(), &problem),
-        Language::Protobuf => rpc::input::input(owner.outline(), &problem),
+        Language::Json => view::input(owner.outline(), &problem).into(),
+        Language::Protobuf => rpc::input::input(owner.outline(), &problem).into(),
     };
-    Ok(encode::off_network(job, numbers, write).await)
+    Ok(encode::off_network(job, numbers, write).await?)
 }
 
 /// `GET /v1/jobs/{id}/result`
@@ -106,7 +108,10 @@ pub async fn result(
             let detail = "a result has all digits; rounded ones are for iterations";
             Err(Problem::at_parameter("digits", detail))
         }
-        Wanted::Form(form) => Ok(response(&form, result_bytes(&job, form.clone()).await?)),
+        Wanted::Form(form) => {
+            let content = result_content(&job, form.clone()).await?;
+            Ok(answer(&job, content, media_type(&form)))
+        }
         Wanted::File(format, samples) => {
             let (_, level, points) = end(&job).await?;
             export::file(&job, level.iteration, points, format, samples).await
@@ -127,7 +132,7 @@ async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Problem> {
 }
 
 /// The final geometry in a form, as JSON or as the bytes of a message.
-pub async fn result_bytes(job: &Arc<Job>, form: Form) -> Result<Bytes, Problem> {
+pub async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Problem> {
     let (status, level, points) = end(job).await?;
     if form.view != View::ControlPoints && !form.is_protobuf() {
         let frame = Arc::new(Frame::last(level, points));
@@ -139,7 +144,7 @@ pub async fn result_bytes(job: &Arc<Job>, form: Form) -> Result<Bytes, Problem> 
         false => view::level::result(&owner, &problem, &status, &level, &points, &form),
         true => rpc::geometry::result(&owner, &problem, &status, &level, &points, form.view),
     };
-    Ok(encode::off_network(job, numbers, write).await)
+    Ok(encode::off_network(job, numbers, write).await?)
 }
 
 /// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
@@ -222,10 +227,10 @@ fn level_number(text: &str) -> Result<usize, Problem> {
     })
 }
 
-fn response(form: &Form, bytes: Bytes) -> Response {
+fn media_type(form: &Form) -> &'static str {
     match form.is_protobuf() {
-        false => json_response(bytes),
-        true => jobs::message(bytes),
+        false => Language::Json.media_type(),
+        true => Language::Protobuf.media_type(),
     }
 }
 

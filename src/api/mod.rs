@@ -34,6 +34,7 @@ pub mod per_direction;
 pub mod problem;
 pub mod request;
 pub mod rpc;
+pub mod sending;
 pub mod strict;
 pub mod view;
 

@@ -45,6 +45,16 @@ pub enum Language {
     Protobuf,
 }
 
+impl Language {
+    /// What it is called in headers.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Json => JSON,
+            Self::Protobuf => PROTOBUF,
+        }
+    }
+}
+
 /// How a job is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {

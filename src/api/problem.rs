@@ -446,7 +446,7 @@ impl From<StoreError> for Problem {
         let detail = error.to_string();
         match error {
             StoreError::Full(_) => Self::new(Kind::StoreFull, detail).retry_after(60),
-            StoreError::Failed(_) => Self::new(Kind::Internal, detail),
+            StoreError::Failed(_) | StoreError::Broken(_) => Self::new(Kind::Internal, detail),
         }
     }
 }

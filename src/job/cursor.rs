@@ -1,14 +1,19 @@
 //! A reader of a job, frame by frame, at its own pace.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use tokio::sync::watch;
+use tokio::time::sleep;
 
 use super::Job;
 use super::frame::Frame;
 use super::run::{Attached, Read};
 use super::state::{State, Status};
 use super::store::StoreError;
+
+/// How long a reader waits for others of the same run that would lose their next frame.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// What a reader gets next.
 #[derive(Debug)]
@@ -153,6 +158,7 @@ async fn attempt(
             tokio::select! {
                 () = advanced => {}
                 () = changed(status) => {}
+                () = sleep(PATIENCE) => run.insist(index),
             }
         }
     }

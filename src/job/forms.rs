@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use bytes::Bytes;
 use parking_lot::Mutex;
 use tokio::sync::OnceCell;
+
+use super::content::Content;
 
 /// What was made of something, by the name of the form.
 #[derive(Debug, Default)]
 pub struct Forms(Mutex<Vec<(Arc<str>, Place)>>);
 
-/// The place for the bytes of a form, which its first reader fills.
-pub type Place = Arc<OnceCell<Bytes>>;
+/// The place for the content of a form, which its first reader fills.
+pub type Place = Arc<OnceCell<Content>>;
 
 impl Forms {
     /// The place for this form.

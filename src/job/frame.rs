@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use bytes::Bytes;
-use tokio::sync::OnceCell;
-
-use super::forms::Forms;
+use super::forms::{Forms, Place};
 use crate::fit::iteration::{Iteration, Level};
 use crate::fit::points::Points;
 
@@ -57,7 +54,7 @@ impl Frame {
     }
 
     /// The place for a form of the frame on the wire: made by its first reader and shared by the others.
-    pub fn encoded(&self, form: &Arc<str>) -> Arc<OnceCell<Bytes>> {
+    pub fn encoded(&self, form: &Arc<str>) -> Place {
         self.encoded.of(form)
     }
 }

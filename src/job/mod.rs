@@ -2,7 +2,8 @@
 //!
 //! - [`outline`]: a job without its points;
 //! - [`state`]: the state machine of a job;
-//! - [`frame`]: the geometry of one level, shared by everyone who reads it; [`forms`]: its bytes;
+//! - [`frame`]: the geometry of one level, shared by everyone who reads it;
+//! - [`forms`], [`content`]: what is sent of it, made once in each form;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
@@ -13,6 +14,7 @@
 //! An iterate is a pure function of the problem and its level. So frames are never stored: what is
 //! no longer at hand is computed again, by a run that starts over.
 
+pub mod content;
 pub mod counters;
 pub mod cursor;
 pub mod forms;
@@ -28,7 +30,6 @@ pub mod store;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 
-use bytes::Bytes;
 use parking_lot::Mutex;
 use tokio::sync::{Notify, OnceCell, watch};
 use uuid::Uuid;
@@ -36,6 +37,7 @@ use uuid::Uuid;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
+use content::Content;
 use counters::Counters;
 use forms::Forms;
 use outline::Outline;
@@ -184,11 +186,11 @@ impl Job {
     }
 
     /// The description of the job in this form, made once by `encode`.
-    pub async fn description<E, F: Future<Output = Result<Bytes, E>>>(
+    pub async fn description<E, F: Future<Output = Result<Content, E>>>(
         &self,
         form: &'static str,
         encode: impl FnOnce() -> F,
-    ) -> Result<Bytes, E> {
+    ) -> Result<Content, E> {
         let place = self.descriptions.of(&form.into());
         place.get_or_try_init(encode).await.cloned()
     }

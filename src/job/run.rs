@@ -1,6 +1,6 @@
 //! An iteration that several readers share and that advances as far as somebody wants it to.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::Instant;
@@ -15,6 +15,7 @@ use super::scheduler::{Lane, Turn, Work};
 use super::state::Levels;
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::problem::Problem;
+use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
 
 /// How many levels a run may be ahead of its readers.
@@ -118,9 +119,10 @@ struct RunState {
     scheduled: bool,
     /// Frames of consecutive levels, the newest at the back.
     ring: VecDeque<Arc<Frame>>,
-    readers: usize,
-    /// No reader wants frames before this level.
-    keep_from: usize,
+    /// The frame that each reader wants next.
+    readers: BTreeMap<u64, usize>,
+    /// The number of the next reader.
+    next_reader: u64,
     ending: Option<Ending>,
     /// The frame of the last level.
     last: Option<Arc<Frame>>,
@@ -205,9 +207,23 @@ impl Run {
         if matches!(state.read(next), Read::Gone) {
             return None;
         }
-        state.add_reader(next);
+        let reader = state.add_reader(next);
         drop(state);
-        Some(Attached(Arc::clone(self)))
+        let run = Arc::clone(self);
+        Some(Attached { run, reader })
+    }
+
+    /// Takes a step, or several at once where nobody sees what is between.
+    fn advance(&self, iteration: &mut Iteration) {
+        let state = self.state.lock();
+        let wanted = state.wanted.unwrap_or(0);
+        let left = wanted.saturating_sub(iteration.level().iteration);
+        let unseen = state.readers.is_empty() && !self.keeps_unread;
+        drop(state);
+        let count = if unseen { left.clamp(1, LEVELS) } else { 1 };
+        iteration.steps(count, &mut |_| {
+            self.resources.counters.iterations.inc();
+        });
     }
 
     /// A level is reached: keeps its frame if it can be of use.
@@ -265,16 +281,15 @@ impl RunState {
         self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
     }
 
-    fn add_reader(&mut self, next: usize) {
-        self.keep_from = match self.readers {
-            0 => next,
-            _ => self.keep_from.min(next),
-        };
-        self.readers += 1;
+    fn add_reader(&mut self, next: usize) -> u64 {
+        let reader = self.next_reader;
+        self.next_reader += 1;
+        self.readers.insert(reader, next);
+        reader
     }
 
     fn is_read(&self, level: usize) -> bool {
-        self.readers > 0 && level >= self.keep_from
+        self.readers.values().any(|&next| next <= level)
     }
 
     fn reached(&mut self, level: Level, system: &Arc<System>) {
@@ -320,13 +335,15 @@ impl Work for Run {
                 return Turn::Done;
             }
             let iteration = match current.take() {
-                None => Iteration::start(self.system.get()),
+                None => {
+                    self.resources.counters.iterations.inc();
+                    Iteration::start(self.system.get())
+                }
                 Some(mut iteration) => {
-                    iteration.step();
+                    self.advance(&mut iteration);
                     iteration
                 }
             };
-            self.resources.counters.iterations.inc();
             self.publish(&iteration);
             let mut state = self.state.lock();
             if state.ending.is_some() {
@@ -351,34 +368,73 @@ impl Work for Run {
 
 /// A reader's hold on a run: while there is one, the run keeps its recent frames.
 #[derive(Debug)]
-pub struct Attached(Arc<Run>);
+pub struct Attached {
+    run: Arc<Run>,
+    reader: u64,
+}
 
 impl Attached {
     /// The first reader of a run, from frame `next` on.
     pub fn to_new(run: Arc<Run>, next: usize) -> Self {
-        run.state.lock().add_reader(next);
-        Self(run)
+        let reader = run.state.lock().add_reader(next);
+        Self { run, reader }
     }
 
-    /// What the run has to say about frame `index`.
+    /// What the run has to say about frame `index`, which is the next one that the reader wants.
     pub fn read(&self, index: usize) -> Read {
-        self.0.state.lock().read(index)
+        let mut state = self.run.state.lock();
+        state.readers.insert(self.reader, index);
+        state.read(index)
     }
 
-    /// Lets the run advance to frame `index`, and a little further where frames are small.
+    /// Lets the run advance to frame `index`, and a little further where frames are small; unless
+    /// another reader would lose its next frame by that. Readers of large frames that go together
+    /// share one run, and one that is a moment slower does not need a run of its own.
     pub fn want(&self, index: usize) {
-        self.0
-            .want(index + LOOK_AHEAD.min((self.0.capacity - 1) / 2));
+        let lost = self.lost_before(index);
+        let others_are_ready = {
+            let state = self.run.state.lock();
+            state.readers.values().all(|&next| next >= lost)
+        };
+        if others_are_ready {
+            self.advance(index);
+        }
+    }
+
+    /// Lets the run advance to frame `index`, whatever others lose by it: they have had their time.
+    pub fn insist(&self, index: usize) {
+        let lost = self.lost_before(index);
+        let mut state = self.run.state.lock();
+        for next in state.readers.values_mut().filter(|next| **next < lost) {
+            *next = usize::MAX;
+        }
+        drop(state);
+        self.advance(index);
+    }
+
+    fn advance(&self, index: usize) {
+        self.run.want(self.ahead_of(index));
+    }
+
+    fn ahead_of(&self, index: usize) -> usize {
+        index.saturating_add(LOOK_AHEAD.min((self.run.capacity - 1) / 2))
+    }
+
+    /// Frames before this one go out of the ring if the run advances as wanted.
+    fn lost_before(&self, index: usize) -> usize {
+        (self.ahead_of(index).saturating_add(1)).saturating_sub(self.run.capacity)
     }
 
     /// Completes at the next change of the run after this call.
     pub fn changed(&self) -> Notified<'_> {
-        self.0.changed.notified()
+        self.run.changed.notified()
     }
 }
 
 impl Drop for Attached {
     fn drop(&mut self) {
-        self.0.state.lock().readers -= 1;
+        self.run.state.lock().readers.remove(&self.reader);
+        // Others may have waited for this one.
+        self.run.changed.notify_waiters();
     }
 }

@@ -8,18 +8,21 @@ use prost::encoding::{DecodeContext, WireType, double, encode_key, encode_varint
 use prost::{DecodeError, Message};
 
 use crate::api::feed::Event;
+use crate::job::content::Content;
 
 /// A message with one field that is a message, whose bytes are shared.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug)]
 pub struct Encoded {
     /// Everything that comes before the shared bytes.
     head: Bytes,
-    body: Bytes,
+    body: Content,
+    /// The bytes of the body.
+    length: usize,
 }
 
 impl Encoded {
     /// The response whose field 1 is the message with these bytes.
-    pub fn response(message: Bytes) -> Self {
+    pub fn response(message: Content) -> Self {
         Self::with_field(1, None, message)
     }
 
@@ -35,21 +38,30 @@ impl Encoded {
         }
     }
 
-    fn with_field(tag: u32, milestone: Option<f64>, body: Bytes) -> Self {
+    fn with_field(tag: u32, milestone: Option<f64>, content: Content) -> Self {
+        let (body, length) = match content.length() {
+            Some(length) => (content, length),
+            None => {
+                let whole = content.whole();
+                let length = whole.len();
+                (whole.into(), length)
+            }
+        };
         let mut head = BytesMut::with_capacity(24);
         if let Some(milestone) = milestone {
             double::encode(4, &milestone, &mut head);
         }
         encode_key(tag, WireType::LengthDelimited, &mut head);
-        encode_varint(body.len() as u64, &mut head);
+        encode_varint(length as u64, &mut head);
         Self {
             head: head.freeze(),
             body,
+            length,
         }
     }
 
-    /// The bytes of the message, in two pieces of which the second is shared.
-    pub fn parts(self) -> (Bytes, Bytes) {
+    /// The message in two parts, of which the second is shared.
+    pub fn parts(self) -> (Bytes, Content) {
         (self.head, self.body)
     }
 }
@@ -57,7 +69,10 @@ impl Encoded {
 impl Message for Encoded {
     fn encode_raw(&self, buffer: &mut impl BufMut) {
         buffer.put_slice(&self.head);
-        buffer.put_slice(&self.body);
+        buffer.put_slice(&self.body.head);
+        if let Some(rest) = &self.body.rest {
+            (0..rest.count()).for_each(|index| buffer.put(rest.make(index)));
+        }
     }
 
     /// The server does not read what it sends.
@@ -72,10 +87,14 @@ impl Message for Encoded {
     }
 
     fn encoded_len(&self) -> usize {
-        self.head.len() + self.body.len()
+        self.head.len() + self.length
     }
 
     fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            head: Bytes::new(),
+            body: Bytes::new().into(),
+            length: 0,
+        };
     }
 }

@@ -264,13 +264,13 @@ impl FittingService for Service {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let form = form(&job, message.view, message.samples_u, message.samples_v)?;
-        let bytes = geometry::result_bytes(&job, form).await?;
+        let bytes = geometry::result_content(&job, form).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
 
     async fn get_input(&self, request: Request<pb::GetInputRequest>) -> Answer<Encoded> {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
-        let bytes = geometry::input_bytes(&job, Language::Protobuf).await?;
+        let bytes = geometry::input_content(&job, Language::Protobuf).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
 

@@ -16,6 +16,7 @@ use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
 
@@ -180,7 +181,7 @@ pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDire
 }
 
 /// All that does not change from iteration to iteration, as the bytes of a `JobDescription`.
-pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Bytes {
+pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Content {
     let outline = job.outline();
     let forecast = levels.map(|levels| levels.forecast);
     let iterations = levels.and_then(|levels| {
@@ -205,11 +206,11 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Byte
         }),
         stop: Some(stop(outline)),
     };
-    message.encode_to_vec().into()
+    Bytes::from(message.encode_to_vec()).into()
 }
 
 /// The end of a job, as the bytes of a `JobEnd`.
-pub fn end(job: &Job, status: &Status) -> Bytes {
+pub fn end(job: &Job, status: &Status) -> Content {
     let level = status.levels.map(|levels| levels.last);
     let times = status.started.zip(status.finished);
     let message = pb::JobEnd {
@@ -220,5 +221,5 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
     };
-    message.encode_to_vec().into()
+    Bytes::from(message.encode_to_vec()).into()
 }

@@ -196,7 +196,9 @@ fn method(problem: &Problem) -> Value {
         Method::Weighted { omega } => set("omega", omega.map_or(json!("auto"), Value::from)),
         Method::Local { row_by_row } => {
             if let Some(selected) = problem.selected() {
-                let indices = selected.iter().map(|&index| point_index(index, problem));
+                let indices = selected
+                    .iter()
+                    .map(|&index| json!(point_index(index, problem)));
                 set("indices", indices.collect());
             }
             set("row_by_row", json!(row_by_row));

@@ -1,19 +1,25 @@
 //! The JSON of a level: its errors, and its geometry in one of several forms.
 
-use bytes::Bytes;
+use std::sync::Arc;
+
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::decimal::Rounding;
-use super::document::{Document, Numbers};
-use super::{error, kind, per_direction, point_index, rational};
-use crate::api::options::form::{Digits, Encoding, Form, View};
+use super::document::Document;
+use super::source::{Along, Net, NetWeights};
+use super::writer::Digits;
+use super::{Distances, error, kind, per_direction, point_index, rational};
+use crate::api::options::form::{self, Encoding, Form, View};
+use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
+use crate::fit::invalid::Axis;
 use crate::fit::iteration::Level;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::Problem;
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
 
@@ -21,7 +27,7 @@ use crate::job::state::Status;
 #[derive(Serialize)]
 struct Head {
     iteration: usize,
-    error: Value,
+    error: Distances,
     #[serde(skip_serializing_if = "Option::is_none")]
     rate: Option<f64>,
     moved: usize,
@@ -30,34 +36,36 @@ struct Head {
 }
 
 /// The data of an `iteration` event.
-pub fn level(problem: &Problem, frame: &Frame, form: &Form) -> Bytes {
+pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
     let level = &frame.level;
     let head = Head {
         iteration: level.iteration,
-        error: error(&level.error, problem),
+        error: error(&level.error, &**problem),
         rate: level.rate,
         moved: level.moved,
         bad_weight: bad_weight(level, problem),
     };
-    let geometry = Geometry::new(problem, &frame.control_points);
-    let begin = |count| Document::new(&head, numbers(form, level), count);
+    let begin = |count| Document::new(&head, digits(form, level), count);
     let document = match form.view {
         View::Errors => begin(0),
         View::ControlPoints => {
-            let mut document = begin(net_size(problem));
-            document.arrays(&net_shape(problem), |document| {
-                write_net(document, problem, geometry);
+            let shape = net_shape(problem);
+            let mut document = begin(shape.iter().product());
+            document.arrays(&shape, |document| {
+                write_net(document, problem, &frame.control_points);
             });
             document
         }
         View::Changed => {
             let moved = frame.moved.as_deref().unwrap_or_default();
             let mut document = begin(moved.len() * (problem.dimension() + 1));
+            let geometry = Geometry::new(problem, &frame.control_points);
             write_changed(&mut document, problem, geometry, moved);
             document
         }
         View::Samples(grid) => {
             let mut document = begin(grid.count() * problem.dimension());
+            let geometry = Geometry::new(problem, &frame.control_points);
             write_samples(&mut document, problem, geometry, grid);
             document
         }
@@ -65,14 +73,14 @@ pub fn level(problem: &Problem, frame: &Frame, form: &Form) -> Bytes {
     document.finish()
 }
 
-fn numbers(form: &Form, level: &Level) -> Numbers {
+fn digits(form: &Form, level: &Level) -> Digits {
     match (form.encoding, form.digits) {
-        (Encoding::Base64, _) => Numbers::Binary64,
-        (Encoding::Base64F32, _) => Numbers::Binary32,
+        (Encoding::Base64, _) => Digits::Base64,
+        (Encoding::Base64F32, _) => Digits::Base64F32,
         // Messages are not written here.
-        (Encoding::Json | Encoding::Protobuf, Digits::Full) => Numbers::Decimal(None),
-        (Encoding::Json | Encoding::Protobuf, Digits::Auto) => {
-            Numbers::Decimal(Rounding::for_error(level.error.max))
+        (Encoding::Json | Encoding::Protobuf, form::Digits::Full) => Digits::Decimal(None),
+        (Encoding::Json | Encoding::Protobuf, form::Digits::Auto) => {
+            Digits::Decimal(Rounding::for_error(level.error.max))
         }
     }
 }
@@ -93,19 +101,16 @@ fn net_shape(problem: &Problem) -> Vec<usize> {
     functions.chain([problem.dimension()]).collect()
 }
 
-fn net_size(problem: &Problem) -> usize {
-    net_shape(problem).iter().product()
-}
-
 /// The complete control net of a level, with the weights of homogeneous fits.
-fn write_net(document: &mut Document, problem: &Problem, geometry: Geometry<'_>) {
+fn write_net(document: &mut Document, problem: &Arc<Problem>, control_points: &Arc<Points>) {
     let shape = net_shape(problem);
-    let net = || (0..geometry.rows()).flat_map(|row| geometry.row(row));
-    let places = net().flat_map(|index| geometry.place(index));
-    document.coordinates("control_points", &shape, places);
-    if geometry.is_homogeneous() {
-        let weights = net().filter_map(|index| geometry.weight(index));
-        document.array("weights", &shape[..shape.len() - 1], weights);
+    let net = || Net {
+        problem: Arc::clone(problem),
+        control_points: Arc::clone(control_points),
+    };
+    document.coordinates("control_points", &shape, net());
+    if problem.is_homogeneous() {
+        document.array("weights", &shape[..shape.len() - 1], NetWeights(net()));
     }
 }
 
@@ -150,58 +155,80 @@ fn write_samples(document: &mut Document, problem: &Problem, geometry: Geometry<
     let shape = [shape, vec![problem.dimension()]].concat();
     document.arrays(&shape, |document| {
         match &v {
-            None => write_line(document, "parameters", &u),
+            None => document.array("parameters", &[u.len()], u.clone()),
             Some(v) => document.object("parameters", |document| {
-                write_line(document, "u", &u);
-                write_line(document, "v", v);
+                document.array("u", &[u.len()], u.clone());
+                document.array("v", &[v.len()], v.clone());
             }),
         }
-        let coordinates = (0..points.len()).flat_map(|index| points.point(index));
-        document.coordinates("samples", &shape, coordinates);
+        document.coordinates("samples", &shape, points.clone());
     });
 }
 
-/// The weights that stay of a rational basis, end copies included.
-fn write_fixed_weights(document: &mut Document, problem: &Problem) {
-    let weights = |direction: &'_ Direction| direction.weights().unwrap_or_default().to_vec();
-    let u = weights(problem.u());
+/// Writes numbers of each direction: a list for a curve, `{"u": …, "v": …}` for a surface.
+pub fn write_along(
+    document: &mut Document,
+    name: &str,
+    problem: &Arc<Problem>,
+    numbers: fn(&Direction) -> &[f64],
+) {
+    let along = |axis| Along {
+        problem: Arc::clone(problem),
+        axis,
+        numbers,
+    };
+    let write = |document: &mut Document, name: &str, axis| {
+        let along = along(axis);
+        document.array(name, &[along.count()], along);
+    };
     match problem.v() {
-        None => write_line(document, "weights", &u),
-        Some(v) => document.object("weights", |document| {
-            write_line(document, "u", &u);
-            write_line(document, "v", &weights(v));
+        None => write(document, name, Axis::U),
+        Some(_) => document.object(name, |document| {
+            write(document, "u", Axis::U);
+            write(document, "v", Axis::V);
         }),
     }
 }
 
-fn write_line(document: &mut Document, name: &str, numbers: &[f64]) {
-    document.array(name, &[numbers.len()], numbers.iter().copied());
+/// Writes the knots of each direction, in full; null for bases that are no B-splines.
+pub fn write_knots(document: &mut Document, problem: &Arc<Problem>) {
+    let are_long = |direction: &Direction| matches!(direction.basis, Basis::BSpline { .. });
+    if problem.directions().all(are_long) {
+        write_along(document, "knots", problem, |direction| {
+            match &direction.basis {
+                Basis::BSpline { knots, .. } => knots,
+                Basis::Polynomial { .. } => &[],
+            }
+        });
+    } else {
+        let knots = per_direction(problem, |direction| direction.basis.knots());
+        document.field("knots", &knots);
+    }
 }
 
 /// The result: geometry that can be read without anything else.
 pub fn result(
     job: &Job,
-    problem: &Problem,
+    problem: &Arc<Problem>,
     status: &Status,
     level: &Level,
-    control_points: &Points,
+    control_points: &Arc<Points>,
     form: &Form,
-) -> Bytes {
+) -> Content {
     #[derive(Serialize)]
-    struct Head<'a, B, D, K> {
+    struct Head<'a, B, D> {
         id: uuid::Uuid,
         name: Option<&'a str>,
         kind: &'static str,
         state: &'static str,
         iteration: usize,
-        error: Value,
+        error: Distances,
         basis: B,
         degree: D,
         closed: Value,
         rational: Option<&'static str>,
         #[serde(skip_serializing_if = "Option::is_none")]
         bad_weight: Option<Value>,
-        knots: K,
     }
     let outline = job.outline();
     let head = Head {
@@ -210,19 +237,23 @@ pub fn result(
         kind: kind(outline),
         state: status.state.name(),
         iteration: level.iteration,
-        error: error(&level.error, problem),
+        error: error(&level.error, &**problem),
         basis: per_direction(problem, |direction| direction.basis.name()),
         degree: per_direction(problem, |direction| direction.basis.degree()),
         closed: json!(per_direction(problem, Direction::is_closed)),
         rational: rational(problem),
         bad_weight: bad_weight(level, problem),
-        knots: per_direction(problem, |direction| direction.basis.knots()),
     };
-    let mut document = Document::new(&head, numbers(form, level), net_size(problem));
-    document.arrays(&net_shape(problem), |document| {
-        write_net(document, problem, Geometry::new(problem, control_points));
+    let shape = net_shape(problem);
+    let mut document = Document::new(&head, digits(form, level), shape.iter().product());
+    document.decimal(|document| write_knots(document, problem));
+    document.arrays(&shape, |document| {
+        write_net(document, problem, control_points);
         if problem.directions().any(Direction::is_rational) {
-            write_fixed_weights(document, problem);
+            // Those of a rational basis stay; end copies included.
+            write_along(document, "weights", problem, |direction| {
+                direction.weights().unwrap_or_default()
+            });
         }
     });
     document.finish()

@@ -2,17 +2,25 @@
 //!
 //! - `input`: a job as it was asked for;
 //! - [`level`]: the geometry of a level;
-//! - [`document`]: objects with large arrays of numbers;
+//! - [`document`]: objects with large arrays of numbers, over [`source`] and [`writer`];
 //! - [`decimal`]: numbers with as many digits as they deserve.
 
 pub mod decimal;
 pub mod document;
 mod input;
 pub mod level;
+pub mod source;
+pub mod writer;
+
+use std::sync::Arc;
 
 use bytes::Bytes;
 use serde::Serialize;
 use serde_json::{Value, json};
+
+use document::Document;
+use level::{write_along, write_knots};
+use writer::Digits;
 
 pub use input::input;
 
@@ -24,6 +32,7 @@ use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Levels, Reason, Status};
 
@@ -66,28 +75,46 @@ impl From<&Outline> for Arrangement {
 
 /// The distances of a level from the data. On surfaces `at` is `[row, column]`. Distances that are
 /// infinite, of points whose weight is not positive, are null.
-pub fn error(error: &FitError, of: impl Into<Arrangement>) -> Value {
+#[derive(Serialize)]
+pub struct Distances {
+    max: f64,
+    rms: f64,
+    sum: f64,
+    at: PointIndex,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fixed_max: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    homogeneous: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient: Option<f64>,
+}
+
+/// The distances of a level from the data.
+pub fn error(error: &FitError, of: impl Into<Arrangement>) -> Distances {
     let of = of.into();
-    let at = point_index(error.at, of);
-    let mut value = json!({"max": error.max, "rms": error.rms, "sum": error.sum, "at": at});
-    let more = [
-        ("fixed_max", error.fixed_max.filter(|_| of.local)),
-        ("homogeneous", error.homogeneous),
-        ("gradient", error.gradient),
-    ];
-    for (name, number) in more {
-        if let Some(number) = number {
-            value[name] = json!(number);
-        }
+    Distances {
+        max: error.max,
+        rms: error.rms,
+        sum: error.sum,
+        at: point_index(error.at, of),
+        fixed_max: error.fixed_max.filter(|_| of.local),
+        homogeneous: error.homogeneous,
+        gradient: error.gradient,
     }
-    value
 }
 
 /// The index of a data point: on surfaces `[row, column]`.
-fn point_index(index: usize, of: impl Into<Arrangement>) -> Value {
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PointIndex {
+    OfCurve(usize),
+    OfSurface([usize; 2]),
+}
+
+fn point_index(index: usize, of: impl Into<Arrangement>) -> PointIndex {
     match of.into().columns {
-        None => json!(index),
-        Some(columns) => json!([index / columns, index % columns]),
+        None => PointIndex::OfCurve(index),
+        Some(columns) => PointIndex::OfSurface([index / columns, index % columns]),
     }
 }
 
@@ -213,9 +240,9 @@ enum OneOrTwo<T> {
 }
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
-pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Bytes {
+pub fn description(job: &Job, problem: &Arc<Problem>, levels: Option<Levels>) -> Content {
     #[derive(Serialize)]
-    struct Description<'a, D, B, K, P> {
+    struct Head<'a, B, D> {
         id: uuid::Uuid,
         name: Option<&'a str>,
         kind: &'static str,
@@ -230,12 +257,9 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Byte
         predicted: Value,
         stop: Value,
         links: Value,
-        weights: Value,
-        knots: K,
-        parameters: P,
     }
     let outline = job.outline();
-    to_bytes(&Description {
+    let head = Head {
         id: outline.id,
         name: outline.label.name.as_deref(),
         kind: kind(outline),
@@ -257,10 +281,22 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Byte
         }),
         stop: stop(outline),
         links: links(job),
-        weights: fixed_weights(problem),
-        knots: per_direction(problem, |direction| direction.basis.knots()),
-        parameters: per_direction(problem, |direction| direction.parameters.clone()),
-    })
+    };
+    let numbers = problem.directions().map(|it| 2 * it.parameters.len()).sum();
+    let mut document = Document::new(&head, Digits::Decimal(None), numbers);
+    if problem.directions().any(Direction::is_rational) {
+        // One for each control point of a direction, end copies included.
+        write_along(&mut document, "weights", problem, |direction| {
+            direction.weights().unwrap_or_default()
+        });
+    } else {
+        document.field("weights", &Value::Null);
+    }
+    write_knots(&mut document, problem);
+    write_along(&mut document, "parameters", problem, |direction| {
+        &direction.parameters
+    });
+    document.finish()
 }
 
 fn rational(problem: &Problem) -> Option<&'static str> {
@@ -270,17 +306,6 @@ fn rational(problem: &Problem) -> Option<&'static str> {
         Some("fixed")
     } else {
         None
-    }
-}
-
-/// Weights that stay: one for each control point of a direction, end copies included.
-fn fixed_weights(problem: &Problem) -> Value {
-    if problem.directions().any(Direction::is_rational) {
-        json!(per_direction(problem, |direction| direction
-            .weights()
-            .map(<[f64]>::to_vec)))
-    } else {
-        Value::Null
     }
 }
 
@@ -308,7 +333,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
 /// Where the difference vectors of the fixed points of a local fit end.
 pub fn limit(problem: &Problem, limit: &LocalLimit) -> Bytes {
     let indices = limit.fixed.iter();
-    let indices: Vec<Value> = indices.map(|&index| point_index(index, problem)).collect();
+    let indices: Vec<PointIndex> = indices.map(|&index| point_index(index, problem)).collect();
     let count = limit.differences.len();
     let largest = (0..count)
         .map(|i| limit.differences.point(i).fold(0.0, f64::hypot))

@@ -1,6 +1,6 @@
 //! Square matrices on their way into a factorization: cyclic ones are folded flat.
 
-use super::banded::Banded;
+use super::banded::{Banded, Diagonal};
 
 /// An order of rows and columns in which a cyclic band is an ordinary one of twice the width: the
 /// circle is folded flat, 0, n−1, 1, n−2, …
@@ -42,29 +42,50 @@ impl Band {
     pub(super) fn new(matrix: &Banded) -> Self {
         let n = matrix.rows();
         let (cyclic, fold) = (matrix.is_cyclic(), folded(n));
-        let place = |j: usize| if cyclic { fold(j) } else { j };
         let entries = || {
             matrix
                 .entries()
                 .filter(|&(.., value)| value != 0.0)
-                .map(|(i, j, value)| (place(i), place(j), value))
+                .map(|(i, j, value)| (fold(i), fold(j), value))
         };
-        let lower = entries()
-            .map(|(i, j, _)| i.saturating_sub(j))
-            .max()
-            .unwrap_or(0);
-        let right = entries()
-            .map(|(i, j, _)| j.saturating_sub(i))
-            .max()
-            .unwrap_or(0);
+        // How far to the right of the diagonal there is something, or to the left.
+        let filled = || {
+            matrix
+                .diagonals()
+                .filter(|it| it.values.iter().any(|&x| x != 0.0))
+        };
+        let reach = |sign: i64| match cyclic {
+            true => entries()
+                .map(|(i, j, _)| sign * (j as i64 - i as i64))
+                .max(),
+            false => filled().map(|it| sign * it.offset).max(),
+        };
+        let right = reach(1).unwrap_or(0).max(0) as usize;
+        let lower = reach(-1).unwrap_or(0).max(0) as usize;
         let mut band = Self {
             lower,
             upper: right + lower,
             rows: vec![0.0; n * (2 * lower + right + 1)],
             folded: cyclic,
         };
-        for (i, j, value) in entries() {
-            *band.at(i, j) += value;
+        if cyclic {
+            for (i, j, value) in entries() {
+                *band.at(i, j) += value;
+            }
+        } else {
+            let width = band.width();
+            for Diagonal {
+                offset,
+                start,
+                values,
+            } in filled()
+            {
+                let first = start * width + (offset + lower as i64) as usize;
+                let places = band.rows[first..].iter_mut().step_by(width);
+                places
+                    .zip(values)
+                    .for_each(|(place, value)| *place = *value);
+            }
         }
         band
     }

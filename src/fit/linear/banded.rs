@@ -28,6 +28,16 @@ struct Stretch {
     offset: i32,
 }
 
+/// Entries of consecutive rows, each in the column so far behind the diagonal.
+pub struct Diagonal<'a> {
+    /// The column of an entry is its row and so many; of cyclic matrices not reduced by the period.
+    pub offset: i64,
+    /// The first row.
+    pub start: usize,
+    /// The entries.
+    pub values: &'a [f64],
+}
+
 /// Where a row has entries that are not zero: columns `offset .. offset + length` behind the
 /// diagonal.
 #[derive(Clone, Copy)]
@@ -211,6 +221,17 @@ impl Banded {
                 (stretch.offset, start..end.min(rows.end))
             })
             .take_while(|(_, span)| !span.is_empty())
+    }
+
+    /// All entries, along the diagonals.
+    pub fn diagonals(&self) -> impl Iterator<Item = Diagonal<'_>> + '_ {
+        self.spans(0..self.rows).flat_map(move |(offset, span)| {
+            (0..self.width).map(move |k| Diagonal {
+                offset: i64::from(offset) + k as i64,
+                start: span.start,
+                values: &self.entries[k * self.rows..][span.clone()],
+            })
+        })
     }
 
     /// The entries of row `i`: columns and values.

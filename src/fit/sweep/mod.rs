@@ -54,8 +54,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// For a grid of so many points.
-    fn new(points: usize, is_curve: bool) -> Self {
+    /// The plan that suits a problem best.
+    pub fn of(system: &System) -> Self {
+        let problem = system.problem();
+        let (points, is_curve) = (problem.grid().count(), problem.v().is_none());
         let threads = || rayon::current_num_threads();
         let tiled = is_curve && points >= TILED;
         Self {
@@ -118,9 +120,7 @@ pub struct Pass<'a> {
 impl Sweep {
     /// Level 0, from given control points, and its error, if there are sweeps for this problem.
     pub fn start(system: &System, control_points: Points) -> Result<(Self, Measured), Points> {
-        let grid = system.problem().grid();
-        let plan = Plan::new(grid.count(), system.problem().v().is_none());
-        Self::with_plan(system, control_points, plan)
+        Self::with_plan(system, control_points, Plan::of(system))
     }
 
     /// The same with a plan of one's own. Gives the control points back if there are no sweeps.

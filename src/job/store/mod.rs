@@ -13,6 +13,7 @@ use thiserror::Error;
 use uuid::Uuid;
 
 use super::outline::Outline;
+use super::scheduler::Broken;
 use super::state::{Failure, State, Status};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
@@ -118,6 +119,9 @@ pub enum StoreError {
     /// Anything else.
     #[error("the store failed: {0}")]
     Failed(String),
+    /// Not the store, but what was to be made of its records.
+    #[error(transparent)]
+    Broken(#[from] Broken),
 }
 
 /// The acknowledgement of a write.

@@ -1,0 +1,144 @@
+//! The kernels, measured beside the least that they could cost.
+//!
+//! ```sh
+//! cargo bench --bench kernels              # about two minutes
+//! cargo bench --bench kernels -- --quick
+//! ```
+//!
+//! Every line tells medians of things measured in turn, in nanoseconds per point and iteration, and
+//! their ratio to a loop that moves the same numbers and computes nothing.
+
+#![expect(
+    clippy::print_stdout,
+    clippy::expect_used,
+    reason = "a bench prints, and stops where it cannot go on"
+)]
+
+mod problems;
+mod setup;
+mod timing;
+mod traffic;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use clap::Parser;
+use piad::fit::iteration::Iteration;
+use piad::fit::method::Method;
+use piad::fit::sweep::{Plan, Sweep};
+use piad::fit::system::System;
+use piad::fit::update;
+use timing::{Candidate, medians};
+use traffic::Traffic;
+
+/// Levels in one pass, where there are several.
+const LEVELS: usize = 4;
+
+#[derive(Parser)]
+struct Options {
+    /// Shorter measurements.
+    #[arg(long)]
+    quick: bool,
+    /// Given by `cargo bench`.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() {
+    let options = Options::parse();
+    let time = Duration::from_millis(if options.quick { 300 } else { 4000 });
+    let threads = rayon::current_num_threads();
+    for threads in if threads > 1 {
+        vec![1, threads]
+    } else {
+        vec![1]
+    } {
+        println!(
+            "\n{threads} thread(s): ns per point and iteration, and ratio to the traffic alone\n"
+        );
+        println!("| | traffic | sweep | ratio | plain loop | {LEVELS} levels in a pass | gain |");
+        println!("|---|---|---|---|---|---|---|");
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().expect("threads").install(|| sweeps(time));
+    }
+    setup::report(time);
+}
+
+fn sweeps(time: Duration) {
+    for count in [10_000, 100_000, 1_000_000] {
+        let name = format!("curve, {count} × 3");
+        line(&name, &problems::curve(count, Method::Global), time);
+    }
+    let chebyshev = problems::curve(1_000_000, Method::Chebyshev);
+    line("curve, 1000000 × 3, Chebyshev", &chebyshev, time);
+    for side in [100, 1000] {
+        let name = format!("surface, {side} × {side} × 3");
+        line(&name, &problems::surface(side, Method::Global), time);
+    }
+}
+
+/// Measures a sweep, several levels in a pass, the plain loop and the traffic.
+fn line(name: &str, system: &Arc<System>, time: Duration) {
+    let problem = system.problem();
+    let points = problem.grid().count();
+    let is_curve = problem.v().is_none();
+    let start = || update::start(system);
+    let usual = Plan::of(system);
+    let sweep = |levels| {
+        let plan = Plan { levels, ..usual };
+        Sweep::with_plan(system, start(), plan)
+            .expect("there are sweeps for this")
+            .0
+    };
+    let (mut one, mut several) = (sweep(1), sweep(LEVELS));
+    let mut plain = Iteration::start_plain(Arc::clone(system));
+    let dimension = problem.dimension();
+    let steps = if matches!(problem.method(), Method::Chebyshev) {
+        dimension
+    } else {
+        0
+    };
+    let entries = system.collocation().u.as_banded().map_or(0, |u| u.width());
+    let entries = if is_curve { entries } else { 0 };
+    let mut traffic = Traffic::new(
+        points,
+        2 * dimension + entries + steps,
+        dimension + steps,
+        usual.parts,
+    );
+    let mut candidates: Vec<Candidate> = vec![
+        ("traffic", Box::new(|| traffic.run())),
+        (
+            "sweep",
+            Box::new(|| {
+                one.step(system);
+            }),
+        ),
+        (
+            "plain",
+            Box::new(|| {
+                plain.step();
+            }),
+        ),
+    ];
+    if is_curve {
+        candidates.push(("several", Box::new(|| several.steps(system, LEVELS))));
+    }
+    let each = medians(&mut candidates, time);
+    let each: Vec<f64> = each
+        .iter()
+        .map(|seconds| seconds * 1e9 / points as f64)
+        .collect();
+    let (traffic, sweep, plain) = (each[0], each[1], each[2]);
+    print!(
+        "| {name} | {traffic:.2} | {sweep:.2} | {:.2} | {plain:.2} |",
+        sweep / traffic
+    );
+    match each.get(3) {
+        Some(several) => {
+            let several = several / LEVELS as f64;
+            println!(" {several:.2} | {:.2}× |", sweep / several);
+        }
+        None => println!(" | |"),
+    }
+}

@@ -1,0 +1,87 @@
+//! What a fit costs before its first level.
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Duration;
+
+use piad::fit::collocation::Tensor;
+use piad::fit::iteration::Iteration;
+use piad::fit::method::Method;
+use piad::fit::points::Grid;
+use piad::fit::problem::Problem;
+use piad::fit::spectrum;
+
+use super::problems;
+use super::timing::{Candidate, medians};
+
+/// Prints a table.
+pub(crate) fn report(time: Duration) {
+    println!("\nBefore the first level, in milliseconds, and the levels that follow\n");
+    println!("| curve | parameters, knots | collocation matrix | λ_min | level 0 | an iteration |");
+    println!("|---|---|---|---|---|---|");
+    for count in [100, 1000, 10_000, 100_000, 1_000_000] {
+        line(count, time);
+    }
+}
+
+fn line(count: usize, time: Duration) {
+    let system = problems::curve(count, Method::Global);
+    let problem = Arc::clone(system.problem());
+    let grid = Grid {
+        rows: count,
+        columns: 1,
+    };
+    let request = || problems::request(problem.data().clone(), grid, Method::Global);
+    let mut iteration = Iteration::start(Arc::clone(&system));
+    let mut candidates: Vec<Candidate> = vec![
+        (
+            "copy",
+            Box::new(|| {
+                black_box(request());
+            }),
+        ),
+        (
+            "problem",
+            Box::new(|| {
+                black_box(Problem::new(request()).expect("valid"));
+            }),
+        ),
+        (
+            "collocation",
+            Box::new(|| {
+                black_box(Tensor::new(&problem));
+            }),
+        ),
+        (
+            "spectrum",
+            Box::new(|| {
+                black_box(spectrum::least_eigenvalue(&system.collocation().u));
+            }),
+        ),
+        (
+            "level 0",
+            Box::new(|| {
+                black_box(Iteration::start(Arc::clone(&system)));
+            }),
+        ),
+        (
+            "iteration",
+            Box::new(|| {
+                black_box(iteration.step());
+            }),
+        ),
+    ];
+    let seconds = medians(&mut candidates, time);
+    let [copy, problem, collocation, spectrum, level, step] = seconds[..] else {
+        unreachable!("six were measured");
+    };
+    let ms = |seconds: f64| seconds * 1e3;
+    println!(
+        "| {count} | {:.3} | {:.3} | {:.3} | {:.3} | {:.4} |",
+        ms(problem - copy),
+        ms(collocation),
+        ms(spectrum),
+        ms(level),
+        ms(step)
+    );
+}

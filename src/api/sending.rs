@@ -1,0 +1,132 @@
+//! What goes out on a connection: small things together in one write, large ones piece by piece,
+//! the next of which is made while the one before is on its way.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::http::{HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+use bytes::{Bytes, BytesMut};
+use futures_util::stream;
+use tokio::task::JoinHandle;
+
+use super::no_store;
+use crate::job::Job;
+use crate::job::content::{Content, Pieces};
+use crate::job::scheduler::Broken;
+
+/// Contents up to this size are copied into one piece with what stands around them.
+const SMALL: usize = 16 * 1024;
+
+/// Pieces that are copied together are sent when they have this size.
+pub const ENOUGH: usize = 64 * 1024;
+
+/// Bytes in the order in which they are sent.
+pub struct Outgoing {
+    job: Arc<Job>,
+    chunks: VecDeque<Chunk>,
+    /// Small things that will be sent together, after the chunks.
+    together: BytesMut,
+    /// The piece after the one that was sent last.
+    ahead: Option<JoinHandle<Result<Bytes, Broken>>>,
+}
+
+enum Chunk {
+    Bytes(Bytes),
+    /// All pieces from one on.
+    Pieces(Arc<Pieces>, usize),
+}
+
+impl Outgoing {
+    /// Nothing yet, of a job whose compute pool makes the pieces.
+    pub fn new(job: Arc<Job>) -> Self {
+        Self {
+            job,
+            chunks: VecDeque::new(),
+            together: BytesMut::new(),
+            ahead: None,
+        }
+    }
+
+    /// Whether there is nothing to send.
+    pub fn is_empty(&self) -> bool {
+        self.chunks.is_empty() && self.together.is_empty()
+    }
+
+    /// Whether so much is to be sent that nothing more should be gathered.
+    pub fn is_enough(&self) -> bool {
+        !self.chunks.is_empty() || self.together.len() >= ENOUGH
+    }
+
+    /// Where something small can be written.
+    pub fn text(&mut self) -> &mut BytesMut {
+        &mut self.together
+    }
+
+    /// Adds what may be large.
+    pub fn push(&mut self, content: Content) {
+        self.push_bytes(content.head);
+        if let Some(rest) = content.rest {
+            self.cut();
+            self.chunks.push_back(Chunk::Pieces(rest, 0));
+        }
+    }
+
+    fn push_bytes(&mut self, bytes: Bytes) {
+        if bytes.len() <= SMALL {
+            self.together.extend_from_slice(&bytes);
+        } else {
+            self.cut();
+            self.chunks.push_back(Chunk::Bytes(bytes));
+        }
+    }
+
+    fn cut(&mut self) {
+        if !self.together.is_empty() {
+            let together = self.together.split().freeze();
+            self.chunks.push_back(Chunk::Bytes(together));
+        }
+    }
+
+    /// The next bytes to send, if there are any.
+    pub async fn next(&mut self) -> Option<Result<Bytes, Broken>> {
+        if self.chunks.is_empty() {
+            self.cut();
+        }
+        match self.chunks.pop_front()? {
+            Chunk::Bytes(bytes) => Some(Ok(bytes)),
+            Chunk::Pieces(pieces, index) => {
+                let piece = match self.ahead.take() {
+                    Some(ahead) => ahead.await.unwrap_or(Err(Broken)),
+                    None => pieces.piece(index, &self.job.resources().scheduler).await,
+                };
+                if index + 1 < pieces.count() {
+                    self.ahead = Some(self.make_ahead(&pieces, index + 1));
+                    self.chunks.push_front(Chunk::Pieces(pieces, index + 1));
+                }
+                Some(piece)
+            }
+        }
+    }
+
+    fn make_ahead(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
+        let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
+        tokio::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
+    }
+}
+
+/// A content as an answer.
+pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
+    let content_type = [(header::CONTENT_TYPE, HeaderValue::from_static(content_type))];
+    if content.rest.is_none() {
+        return no_store((content_type, content.head).into_response());
+    }
+    let mut outgoing = Outgoing::new(Arc::clone(job));
+    outgoing.push(content);
+    let body = stream::unfold(outgoing, |mut outgoing| async move {
+        let bytes = outgoing.next().await?;
+        Some((bytes, outgoing))
+    });
+    no_store((content_type, Body::from_stream(body)).into_response())
+}
