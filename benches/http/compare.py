@@ -137,9 +137,9 @@ def small(program: str, seconds: int) -> None:
             time_each = max(seconds, connections // 16)
             rates[name] = statistics.median(rate(wrk(port, path, connections, time_each)) for _ in range(3))
             stop(process)
-        for name, rate in rates.items():
-            ratio = rate / rates["fastapi"]
-            print(f"| {connections} | {name} | {rate:.0f} | {rate * EVENTS:.0f} | {ratio:.1f}× |", flush=True)
+        for name, jobs in rates.items():
+            ratio = jobs / rates["fastapi"]
+            print(f"| {connections} | {name} | {jobs:.0f} | {jobs * EVENTS:.0f} | {ratio:.1f}× |", flush=True)
 
 
 def large(program: str, counts: list[int]) -> None:
