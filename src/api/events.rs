@@ -8,7 +8,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use axum::body::Body;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::{BufMut, Bytes, BytesMut};
@@ -22,6 +22,7 @@ use super::negotiate::{self, Framing};
 use super::options::form::Encoding;
 use super::options::object::StreamObject;
 use super::options::{StreamOptions, StreamParameters};
+use super::path::Named;
 use super::problem::Problem;
 use super::rpc::encoded::Encoded;
 use super::{App, jobs};
@@ -37,7 +38,7 @@ const ONE_PIECE: usize = 16 * 1024;
 /// `GET /v1/jobs/{id}/events`
 pub async fn get(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {

@@ -3,6 +3,7 @@
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
 //! - [`strict`], [`numbers`], [`per_direction`]: JSON read to the letter, points and numbers straight into arrays,
 //!   one value for both directions or one for each;
+//! - [`path`]: the names in a path;
 //! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`order`]: new jobs and edits, in whatever language; [`create`]: posting them;
@@ -30,6 +31,7 @@ pub mod negotiate;
 pub mod numbers;
 pub mod options;
 pub mod order;
+pub mod path;
 pub mod per_direction;
 pub mod problem;
 pub mod request;
