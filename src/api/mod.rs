@@ -14,6 +14,7 @@
 //! - [`options`]: query parameters that say what to show, and the defaults that jobs set;
 //! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
 //! - [`rpc`]: the same in protobuf messages, and as a gRPC service;
+//! - [`schema`]: what JSON clients may send;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457).
 
@@ -36,6 +37,7 @@ pub mod per_direction;
 pub mod problem;
 pub mod request;
 pub mod rpc;
+pub mod schema;
 pub mod strict;
 pub mod view;
 
