@@ -65,6 +65,10 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for DirectionVisitor<T> {
         T::deserialize(number.into_deserializer()).map(PerDirection::Both)
     }
 
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Self::Value, E> {
+        T::deserialize(number.into_deserializer()).map(PerDirection::Both)
+    }
+
     fn visit_bool<E: Error>(self, value: bool) -> Result<Self::Value, E> {
         T::deserialize(value.into_deserializer()).map(PerDirection::Both)
     }

@@ -83,6 +83,21 @@ impl Visitor<'_> for CountVisitor {
             .map(Count)
             .map_err(|_| E::invalid_value(Unexpected::Unsigned(value), &self))
     }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Count, E> {
+        match whole(value) {
+            Some(count) => self.visit_u64(count),
+            None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+        }
+    }
+}
+
+/// The whole number that a number is: 3.0 and 3e0 are 3, in JSON schemas too.
+pub fn whole(value: f64) -> Option<u64> {
+    /// Up to here every whole number is a number of its own.
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let is_whole = (0.0..=EXACT).contains(&value) && value.fract() == 0.0;
+    is_whole.then_some(value as u64)
 }
 
 /// What is read to the letter has the schema of what it holds.

@@ -1,5 +1,7 @@
 //! What the server really answers is what its description says.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use crate::data;
@@ -112,21 +114,20 @@ async fn events() {
 async fn server_sent_events() {
     let server = Server::start().await;
     let description = Description::of(&server).await;
-    let schemas = &description.component("schemas", "EventStream")["x-event-data"];
-    let name = |event: &str| {
-        schemas[event]["$ref"]
-            .as_str()
-            .unwrap()
-            .rsplit('/')
-            .next()
-            .unwrap()
-    };
-    let story = server.stream(&jobs()[0]).await;
-    description.check(name("job"), &story.job);
-    for data in &story.iterations {
-        description.check(name("iteration"), data);
+    let mut schemas = BTreeMap::new();
+    let event = description.component("schemas", "ServerSentEvent");
+    for event in event["oneOf"].as_array().unwrap() {
+        let fields = &event["properties"];
+        let schema = fields["data"]["contentSchema"]["$ref"].as_str().unwrap();
+        let name = fields["event"]["const"].as_str().unwrap();
+        schemas.insert(name, schema.rsplit('/').next().unwrap());
     }
-    description.check(name("end"), &story.end);
+    let story = server.stream(&jobs()[0]).await;
+    description.check(schemas["job"], &story.job);
+    for data in &story.iterations {
+        description.check(schemas["iteration"], data);
+    }
+    description.check(schemas["end"], &story.end);
 }
 
 #[tokio::test]

@@ -12,7 +12,7 @@ use super::{DISCONNECTS, MOST_MILESTONES, PACES, StreamParameters};
 use crate::api::numbers::Number;
 use crate::api::problem::{Kind, Problem};
 use crate::api::schema::{names, schema_of};
-use crate::api::strict::Count;
+use crate::api::strict::{Count, whole};
 use crate::fit::problem as fit;
 use crate::job::outline::Label;
 
@@ -131,6 +131,13 @@ impl Visitor<'_> for SampleCountVisitor {
 
     fn visit_u64<E: Error>(self, count: u64) -> Result<SampleCount, E> {
         Ok(SampleCount(count.to_string()))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<SampleCount, E> {
+        match whole(value) {
+            Some(count) => self.visit_u64(count),
+            None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+        }
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<SampleCount, E> {

@@ -18,7 +18,7 @@ use crate::api::options::object::StreamObject;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
 use crate::api::schema::numbers::{NewWeights, Point};
-use crate::api::strict::{Name, Object};
+use crate::api::strict::{Name, Object, whole};
 use crate::config::Config;
 use crate::fit::invalid::{Invalid, Place};
 use crate::fit::points::Points;
@@ -74,6 +74,13 @@ impl<'de> Deserialize<'de> for IterationRequest {
                 // Too large for this machine is beyond every job.
                 let value = usize::try_from(value).unwrap_or(usize::MAX);
                 Ok(IterationRequest(Some(value)))
+            }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<IterationRequest, E> {
+                match whole(value) {
+                    Some(k) => self.visit_u64(k),
+                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+                }
             }
         }
         deserializer.deserialize_any(IterationVisitor)

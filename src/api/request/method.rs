@@ -4,13 +4,13 @@ use std::fmt;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
 use super::{invalid, schema};
 use crate::api::numbers::Number;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
-use crate::api::strict::{Count, Name};
+use crate::api::strict::{Count, Name, whole};
 use crate::fit::method::{LeastSquares, Method, Start, Variant};
 use crate::fit::points::Grid;
 
@@ -241,7 +241,7 @@ impl<'de> Deserialize<'de> for Omega {
             fn visit_str<E: Error>(self, text: &str) -> Result<Omega, E> {
                 match text {
                     "auto" => Ok(Omega::Auto),
-                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
+                    _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
                 }
             }
 
@@ -310,12 +310,19 @@ impl<'de> Deserialize<'de> for Index {
                 Ok(Index::Single(usize::try_from(value).unwrap_or(usize::MAX)))
             }
 
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Index, E> {
+                match whole(value) {
+                    Some(index) => self.visit_u64(index),
+                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+                }
+            }
+
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Index, A::Error> {
                 let row = list.next_element()?;
                 let column = list.next_element()?;
-                let more: Option<usize> = list.next_element()?;
+                let more: Option<Count> = list.next_element()?;
                 match (row, column, more) {
-                    (Some(row), Some(column), None) => Ok(Index::Pair(row, column)),
+                    (Some(Count(row)), Some(Count(column)), None) => Ok(Index::Pair(row, column)),
                     _ => Err(A::Error::custom(
                         "an index of a surface has two numbers, [row, column]",
                     )),

@@ -12,8 +12,7 @@ pub(super) fn schemas() -> Vec<Named> {
         ("Prediction", prediction()),
         ("EndEvent", end()),
         ("EndLinks", end_links()),
-        ("EventStream", stream()),
-        ("EventLines", lines()),
+        ("ServerSentEvent", server_sent_event()),
         ("EventLine", line()),
     ]
 }
@@ -159,38 +158,47 @@ fn end_links() -> Value {
     )
 }
 
-/// Server-sent events are no JSON, so what is in them is told by an extension.
-fn stream() -> Value {
+/// One of the events of a stream: its fields, with data that are one line of JSON.
+fn server_sent_event() -> Value {
+    let data = |schema: &str| {
+        json!({
+            "description": "What is to be said of it, as JSON.",
+            "type": "string",
+            "contentMediaType": "application/json",
+            "contentSchema": reference("schemas", schema),
+        })
+    };
+    let number = json!({"description": "The number of the iteration.", "type": "string", "pattern": "^[0-9]+$"});
     json!({
-        "description": "Server-sent events: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. The data of each is one line of JSON, of which x-event-data has the schemas. Comments keep quiet streams open.",
-        "type": "string",
-        "x-event-data": {
-            "job": reference("schemas", "JobEvent"),
-            "iteration": reference("schemas", "Iteration"),
-            "end": reference("schemas", "EndEvent"),
-        },
-        "examples": ["event: job\ndata: {\"id\":\"019a…\",…}\n\nevent: iteration\nid: 0\ndata: {\"iteration\":0,…}\n\nevent: end\nid: end\ndata: {\"state\":\"converged\",…}\n\n"],
+        "description": "Server-sent events, each with these fields: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. Comments keep quiet streams open.",
+        "oneOf": alternatives(&data, number),
+        "examples": [{"event": "iteration", "id": "1", "data": "{\"iteration\":1,\"error\":{…},\"moved\":4,\"control_points\":[…]}"}],
     })
 }
 
-fn lines() -> Value {
-    json!({
-        "description": "The same events, one JSON object a line, of which x-line has the schema. There are no comments.",
-        "type": "string",
-        "x-line": reference("schemas", "EventLine"),
-        "examples": ["{\"event\":\"job\",\"data\":{…}}\n{\"event\":\"iteration\",\"id\":0,\"data\":{…}}\n{\"event\":\"end\",\"id\":\"end\",\"data\":{…}}\n"],
-    })
-}
-
+/// One of the lines of a stream.
 fn line() -> Value {
-    let event = |title: &str, name: &str, id: Option<Value>, data: &str| {
+    json!({
+        "description": "The same events, each as a line of JSON. There are no comments.",
+        "oneOf": alternatives(&|schema| a(schema, "What is to be said of it."), count("The number of the iteration.")),
+        "examples": [{
+            "event": "iteration",
+            "id": 1,
+            "data": {"iteration": 1, "error": error_example(), "moved": 4, "control_points": [[0, 0], [1, 2], [3, 1], [4, 3]]},
+        }],
+    })
+}
+
+/// The three events, with `data` of a schema and `number` as the id of an iteration.
+fn alternatives(data: &dyn Fn(&str) -> Value, number: Value) -> [Value; 3] {
+    let end = json!({"description": "The id of the event.", "type": "string", "const": "end"});
+    let event = |name: &str, id: Option<Value>, schema: &str| {
         let mut event = json!({
-            "title": title,
             "description": format!("The `{name}` event."),
             "type": "object",
             "properties": {
                 "event": {"description": "What has happened.", "type": "string", "const": name},
-                "data": a(data, "What is to be said of it."),
+                "data": data(schema),
             },
             "required": ["event", "data"],
         });
@@ -200,18 +208,9 @@ fn line() -> Value {
         }
         event
     };
-    let end = json!({"description": "The id of the event.", "type": "string", "const": "end"});
-    json!({
-        "description": "An event as a line of JSON.",
-        "oneOf": [
-            event("JobLine", "job", None, "JobEvent"),
-            event("IterationLine", "iteration", Some(count("The number of the iteration.")), "Iteration"),
-            event("EndLine", "end", Some(end), "EndEvent"),
-        ],
-        "examples": [{
-            "event": "iteration",
-            "id": 1,
-            "data": {"iteration": 1, "error": error_example(), "moved": 4, "control_points": [[0, 0], [1, 2], [3, 1], [4, 3]]},
-        }],
-    })
+    [
+        event("job", None, "JobEvent"),
+        event("iteration", Some(number), "Iteration"),
+        event("end", Some(end), "EndEvent"),
+    ]
 }

@@ -30,7 +30,7 @@ fn created(operation: Operation) -> Operation {
     operation
         .answer(
             200,
-            "With an Accept header that asks for events: the event stream of the new job. It ends with the job.",
+            "With an Accept header that asks for events: the event stream of the new job, of which the schemas describe one event. It ends with the job.",
             &events(),
             &["Location", "Idempotency-Replayed"],
         )
@@ -211,7 +211,7 @@ pub fn watch() -> Operation {
     .parameters(&[&["id", "Last-Event-ID", "last_event_id"], STREAM.as_slice()].concat())
     .answer(
         200,
-        "The event stream. It ends with the job.",
+        "The event stream, of which the schemas describe one event. It ends with the job.",
         &events(),
         &["Piad-Resumed-After"],
     )

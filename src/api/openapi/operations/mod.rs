@@ -17,12 +17,13 @@ fn job() -> [Content; 2] {
     [json_of("Job"), message_of("Job")]
 }
 
-/// An event stream in its three framings.
+/// An event stream in its three framings. The schemas are those of single events, as in later
+/// versions of OpenAPI, for this one has no word for streams.
 fn events() -> [Content; 3] {
     let reference = |name: &str| json!({"schema": super::operation::reference("schemas", name)});
     [
-        (SSE, reference("EventStream")),
-        (NDJSON, reference("EventLines")),
+        (SSE, reference("ServerSentEvent")),
+        (NDJSON, reference("EventLine")),
         (
             PROTOBUF,
             json!({"schema": {
