@@ -11,9 +11,10 @@ import subprocess
 import sys
 import tempfile
 
-from over_http import ROOT, fetch, server
+from over_http import fetch, server
 
-CONFIG = os.path.join(ROOT, "tests", "python", "schemathesis.toml")
+HERE = os.path.dirname(os.path.abspath(__file__))
+CONFIG = os.path.join(HERE, "schemathesis.toml")
 
 # A job that has all that jobs may have: a result, a limit, a stream of its own.
 JOB = {
@@ -27,8 +28,10 @@ def main(program: str) -> int:
     with server(program, "--max-iterations", "1000", "--heartbeat", "1") as base:
         job = json.loads(fetch(f"{base}/v1/jobs", json.dumps(JOB).encode()))
         command = [sys.executable, "-m", "schemathesis.cli", "--config-file", CONFIG, "run", f"{base}/openapi.json"]
+        # For contract_hooks.py.
+        environment = {**os.environ, "PIAD_JOB": job["id"], "PYTHONPATH": HERE}
         with tempfile.TemporaryDirectory() as folder:
-            return subprocess.run(command, cwd=folder, env={**os.environ, "PIAD_JOB": job["id"]}).returncode
+            return subprocess.run(command, cwd=folder, env=environment).returncode
 
 
 if __name__ == "__main__":

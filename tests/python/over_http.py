@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import urllib.request
 
 ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
@@ -31,6 +32,8 @@ def server(program: str, *flags: str):
                 break
         else:
             raise SystemExit(f"{program} has not started")
+        # A log that nobody reads would stop the server in the end.
+        threading.Thread(target=process.stderr.read, daemon=True).start()
         yield found.group(1)
     finally:
         process.terminate()
