@@ -112,6 +112,10 @@ async fn references_resolve_and_components_are_used() {
         assert!(description.0.pointer(pointer).is_some(), "{reference}");
     }
     for (section, components) in description.0["components"].as_object().unwrap() {
+        // Some problems are those of jobs, or of any path.
+        if section == "examples" {
+            continue;
+        }
         for name in components.as_object().unwrap().keys() {
             let reference = format!("#/components/{section}/{name}");
             assert!(references.contains(&reference), "nobody uses {reference}");

@@ -26,8 +26,18 @@ fn jobs() -> Vec<Value> {
         json!({"surface": {"points": grid}, "method": {"kind": "local", "indices": [[1, 1], [2, 3]], "row_by_row": true}}),
         json!({"surface": {"points": grid, "weights": {"u": [1, 2, 1, 1, 1], "v": [1, 1, 2, 1, 1]}}, "rational": "fixed"}),
         json!({"surface": {"points": grid}, "method": {"kind": "least_squares", "control_points": {"u": 4, "v": 5}, "variant": "lspia", "mu": 0.1}, "stop": {"max_iterations": 5}}),
-        json!({"curve": {"points": [[0], [1e308], [0], [1e308]], "parameters": "uniform", "basis": {"kind": "bernstein"}}, "method": {"kind": "extended"}}),
+        overflowing(),
     ]
+}
+
+/// Control points grow until they leave the range of numbers.
+fn overflowing() -> Value {
+    let side = |i| if i % 2 == 0 { 2e306 } else { -2e306 };
+    let points: Vec<[f64; 1]> = (0..20).map(|i| [side(i)]).collect();
+    json!({
+        "curve": {"points": points, "basis": {"kind": "bernstein"}, "parameters": "uniform"},
+        "stop": {"tolerance": 1, "max_iterations": 100_000},
+    })
 }
 
 const STREAMS: [&str; 7] = [
@@ -107,7 +117,7 @@ async fn events() {
             }
         }
     }
-    assert!(seen > 500, "{seen}");
+    assert!(seen > 200, "{seen}");
 }
 
 #[tokio::test]

@@ -28,6 +28,7 @@ use crate::fit::problem::{self as fit, Weights};
 /// `method` and `stop` is given.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(example = schema::example_edit())]
 pub struct EditRequest {
     /// A name of the new job.
     #[schemars(length(max = LONGEST_NAME), example = &"wing section, thicker")]

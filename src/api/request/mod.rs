@@ -41,7 +41,7 @@ const PARAMETRIZATIONS: [&str; 3] = ["chord_length", "centripetal", "uniform"];
 /// A fit of a curve or of a surface. Fields that are not known are refused.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(transform = schema::job)]
+#[schemars(transform = schema::job, example = schema::example_job())]
 pub struct JobRequest {
     /// A name for people. Answers and files repeat it.
     #[schemars(length(max = LONGEST_NAME), example = &"wing section")]

@@ -247,6 +247,14 @@ const METHODS: [Alternative; 12] = [
     },
 ];
 
+pub(super) fn example_job() -> Value {
+    json!({"name": "wing section", "curve": example_curve(), "stop": example_stop()})
+}
+
+pub(super) fn example_edit() -> Value {
+    json!({"points": [example_move()], "method": {"kind": "local", "indices": [1, 2, 3]}})
+}
+
 pub(super) fn example_curve() -> Value {
     json!({
         "points": [[1.0, 0.0013], [0.95, 0.0114], [0.9, 0.0208], [0.8, 0.0375]],

@@ -1,19 +1,26 @@
 //! Points, weights and numbers.
 
-use schemars::json_schema;
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use super::{each, schema_of};
 use crate::api::numbers::{MAX_DIMENSION, Number, PointGrid, PointList};
 
-schema_of!(
-    Number,
-    "Number",
-    json_schema!({
-        "description": "A finite 64-bit floating-point number.",
-        "type": "number",
-        "examples": [0.25],
-    })
-);
+/// Stands where it is used, together with its limits there.
+impl JsonSchema for Number {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Number".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "number"})
+    }
+}
 
 /// A data point.
 pub enum Point {}
