@@ -1,4 +1,4 @@
-.PHONY: run test bench lint tools fmt files interop python
+.PHONY: run test bench lint tools fmt openapi files interop contract python
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -11,7 +11,7 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
-	$(MAKE) files interop python
+	$(MAKE) files interop contract python
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others.
 files: $(VENV)/installed
@@ -21,6 +21,14 @@ files: $(VENV)/installed
 # A gRPC client in another language, from the contract alone.
 interop: $(VENV)/installed
 	$(PYTHON) tests/python/grpc_client.py target/debug/piad
+
+# The API against its own description, with requests that schemathesis makes up.
+contract: $(VENV)/installed
+	$(PYTHON) tests/python/contract.py target/debug/piad
+
+# Writes docs/openapi.json, which tests compare with what a server says.
+openapi:
+	PIAD_WRITE_OPENAPI=1 cargo test --locked --test api the_file_is_what_a_server_says
 
 # The Python client against real servers.
 python: $(VENV)/installed

@@ -1,10 +1,15 @@
 //! Generates Rust from `proto/piad/v1/fitting.proto`, without a protoc binary: the service for the
-//! server, the client for its tests, and the descriptors for reflection.
+//! server, the client for its tests, and the descriptors for reflection. And unpacks the files of
+//! Swagger UI that the reference of the API is made of.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{self, Cursor};
+use std::path::{Path, PathBuf};
 
 use protox::prost::Message;
+use utoipa_swagger_ui_vendored::SWAGGER_UI_VENDORED;
+use zip::ZipArchive;
 
 const PROTO: &str = "proto/piad/v1/fitting.proto";
 
@@ -17,6 +22,9 @@ const ENCODED: [&str; 5] = [
     "GetResultResponse",
     "WatchJobResponse",
 ];
+
+/// What a page needs of Swagger UI.
+const REFERENCE: [&str; 2] = ["swagger-ui-bundle.js", "swagger-ui.css"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");
@@ -38,5 +46,21 @@ fn main() -> Result<(), Box<dyn Error>> {
         .build_server(false)
         .out_dir(client)
         .compile_fds(descriptors)?;
+    unpack_reference(&out)
+}
+
+/// Writes the files out of the archive that the crate holds.
+fn unpack_reference(out: &Path) -> Result<(), Box<dyn Error>> {
+    let mut archive = ZipArchive::new(Cursor::new(SWAGGER_UI_VENDORED))?;
+    for name in REFERENCE {
+        let ending = format!("/dist/{name}");
+        let found = archive
+            .file_names()
+            .flatten()
+            .find(|path| path.ends_with(&ending));
+        let path = found.ok_or(name)?.into_owned();
+        let mut file = File::create(out.join(name))?;
+        io::copy(&mut archive.by_name(&path)?, &mut file)?;
+    }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path, Request, State};
+use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -13,6 +13,7 @@ use super::options::StreamParameters;
 use super::options::form::Encoding;
 use super::options::object::StreamObject;
 use super::order::{self, Order};
+use super::path::Named;
 use super::problem::Problem;
 use super::request::JobRequest;
 use super::request::edit::EditRequest;
@@ -46,7 +47,7 @@ pub async fn job(State(app): State<App>, request: Request) -> Result<Response, P
 /// `POST /v1/jobs/{id}/edits`: a new job that starts from the control points of another one.
 pub async fn edit(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     request: Request,
 ) -> Result<Response, Problem> {
     let mut posted = Posted::read(&app, request).await?;

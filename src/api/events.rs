@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::task::Poll;
 
 use axum::body::Body;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::{Buf, BufMut, BytesMut};
@@ -24,6 +24,7 @@ use super::negotiate::{self, Framing};
 use super::options::form::Encoding;
 use super::options::object::StreamObject;
 use super::options::{StreamOptions, StreamParameters};
+use super::path::Named;
 use super::problem::Problem;
 use super::rpc::encoded::Encoded;
 use super::sending::Outgoing;
@@ -38,7 +39,7 @@ const END: &str = "end";
 /// `GET /v1/jobs/{id}/events`
 pub async fn get(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
@@ -72,25 +73,22 @@ fn last_event_id(
 ) -> Result<Option<LastEvent>, Problem> {
     let header = headers
         .get(LAST_EVENT_ID)
-        .map(|value| value.to_str().unwrap_or("?").to_owned())
-        .filter(|id| !id.is_empty());
-    let in_header = header.is_some();
-    let Some(id) = header.or(parameter).filter(|id| !id.is_empty()) else {
-        return Ok(None);
-    };
-    if id == END {
-        return Ok(Some(LastEvent::End));
+        .map(|value| value.to_str().unwrap_or("?"));
+    let in_header = event_of(header).map_err(|why| Problem::at_header("Last-Event-ID", why))?;
+    let in_query = event_of(parameter.as_deref())
+        .map_err(|why| Problem::at_parameter("last_event_id", why))?;
+    Ok(in_header.or(in_query))
+}
+
+/// The event of an id; an empty one is none. Or what is wrong with it.
+fn event_of(id: Option<&str>) -> Result<Option<LastEvent>, String> {
+    match id {
+        None | Some("") => Ok(None),
+        Some(END) => Ok(Some(LastEvent::End)),
+        Some(id) => negotiate::plain_number(id)
+            .map(|k| Some(LastEvent::Iteration(k)))
+            .ok_or_else(|| format!("{id:?} is no event id: ids are iteration numbers and \"end\"")),
     }
-    negotiate::plain_number(&id)
-        .map(|k| Some(LastEvent::Iteration(k)))
-        .ok_or_else(|| {
-            let detail = format!("{id:?} is no event id: ids are iteration numbers and \"end\"");
-            if in_header {
-                Problem::at_header("Last-Event-ID", detail)
-            } else {
-                Problem::at_parameter("last_event_id", detail)
-            }
-        })
 }
 
 /// The events of a job after iteration `seen`.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -11,6 +11,7 @@ use super::export::{self, Representation};
 use super::negotiate::{self, Language};
 use super::options::form::{Digits, Encoding, Form, View};
 use super::options::{StreamParameters, ViewParameters};
+use super::path::Named;
 use super::problem::{Kind, Problem};
 use super::sending::answer;
 use super::{App, encode, jobs, no_store, rpc, view};
@@ -28,7 +29,7 @@ use crate::job::state::{Levels, Status};
 /// `GET /v1/jobs/{id}/iterations/{k}`
 pub async fn iteration(
     State(app): State<App>,
-    Path((id, k)): Path<(String, String)>,
+    Named((id, k)): Named<(String, String)>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
@@ -75,7 +76,7 @@ pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Probl
 /// `GET /v1/jobs/{id}/input`: the job as it was accepted.
 pub async fn input(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
@@ -98,7 +99,7 @@ pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content
 /// `GET /v1/jobs/{id}/result`
 pub async fn result(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
@@ -150,7 +151,7 @@ pub async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Probl
 /// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
 pub async fn limit(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     negotiate::json(&headers)?;

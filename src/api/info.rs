@@ -1,7 +1,7 @@
 //! What the server is, what it can do, and how it is.
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
@@ -11,8 +11,9 @@ use tonic::server::NamedService;
 
 use super::App;
 use super::numbers::MAX_DIMENSION;
-use super::options::form::MOST_SAMPLES;
-use super::options::{MOST_MILESTONES, StreamParameters};
+use super::options::form::{DIGITS, ENCODINGS, MOST_SAMPLES, VIEWS};
+use super::options::{MOST_MILESTONES, PACES, StreamParameters};
+use super::path::Named;
 use super::problem::{Kind, Problem};
 use super::rpc::messages::fitting_service_server::FittingServiceServer;
 use super::rpc::service::Service;
@@ -29,6 +30,8 @@ pub async fn index() -> Json<Value> {
             "jobs": "/v1/jobs",
             "capabilities": "/v1/capabilities",
             "problems": "/problems",
+            "docs": "/docs",
+            "openapi": "/openapi.json",
             "metrics": "/metrics",
             "livez": "/livez",
             "readyz": "/readyz",
@@ -60,10 +63,10 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "parameters": ["chord_length", "centripetal", "uniform", "explicit"],
         "rational": ["homogeneous", "fixed"],
         "methods": methods(),
-        "views": ["control_points", "samples", "errors"],
-        "encodings": ["json", "base64", "base64_f32"],
-        "digits": ["full", "auto"],
-        "paces": ["all", "latest"],
+        "views": VIEWS,
+        "encodings": ENCODINGS,
+        "digits": DIGITS,
+        "paces": PACES,
         "stream": StreamParameters::NAMES,
         "formats": {
             "jobs": ["application/json", "application/x-protobuf"],
@@ -140,7 +143,7 @@ pub async fn problems() -> Json<Value> {
 }
 
 /// `GET /problems/{slug}`: what the `type` of a problem object stands for.
-pub async fn problem(Path(slug): Path<String>) -> Result<(StatusCode, Json<Value>), Problem> {
+pub async fn problem(Named(slug): Named<String>) -> Result<(StatusCode, Json<Value>), Problem> {
     Kind::ALL
         .into_iter()
         .find(|kind| kind.entry().slug == slug)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::{Path, State};
+use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -13,6 +13,7 @@ use serde_json::json;
 use uuid::Uuid;
 
 use super::negotiate::{self, Language};
+use super::path::Named;
 use super::problem::{Kind, Problem};
 use super::{App, no_store, rpc, view};
 use crate::job::Job;
@@ -21,7 +22,8 @@ use crate::job::store::Selection;
 
 /// How many jobs a page has if nobody says it.
 pub const DEFAULT_PAGE: usize = 50;
-const LARGEST_PAGE: usize = 1000;
+/// The most jobs of a page.
+pub const LARGEST_PAGE: usize = 1000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -96,7 +98,7 @@ pub async fn page(
 /// `GET /v1/jobs/{id}`
 pub async fn get(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
@@ -121,7 +123,7 @@ pub fn message(bytes: Bytes) -> Response {
 /// `POST /v1/jobs/{id}/cancel`
 pub async fn cancel(
     State(app): State<App>,
-    Path(id): Path<String>,
+    Named(id): Named<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
@@ -142,7 +144,10 @@ pub async fn end(job: &Job) -> Result<(), Problem> {
 }
 
 /// `DELETE /v1/jobs/{id}`
-pub async fn delete(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, Problem> {
+pub async fn delete(
+    State(app): State<App>,
+    Named(id): Named<String>,
+) -> Result<StatusCode, Problem> {
     forget(&app, &id).await?;
     Ok(StatusCode::NO_CONTENT)
 }

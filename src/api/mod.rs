@@ -3,6 +3,7 @@
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
 //! - [`strict`], [`numbers`], [`per_direction`]: JSON read to the letter, points and numbers straight into arrays,
 //!   one value for both directions or one for each;
+//! - [`path`]: the names in a path;
 //! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`order`]: new jobs and edits, in whatever language; [`create`]: posting them;
@@ -13,6 +14,8 @@
 //! - [`options`]: query parameters that say what to show, and the defaults that jobs set;
 //! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
 //! - [`rpc`]: the same in protobuf messages, and as a gRPC service;
+//! - [`openapi`]: the description of all of this in OpenAPI, and its reference for people;
+//! - [`schema`]: what JSON clients may send;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457).
 
@@ -28,12 +31,15 @@ pub mod jobs;
 pub mod milestones;
 pub mod negotiate;
 pub mod numbers;
+pub mod openapi;
 pub mod options;
 pub mod order;
+pub mod path;
 pub mod per_direction;
 pub mod problem;
 pub mod request;
 pub mod rpc;
+pub mod schema;
 pub mod sending;
 pub mod strict;
 pub mod view;
@@ -44,7 +50,6 @@ use axum::extract::Request;
 use axum::http::HeaderName;
 use axum::middleware;
 use axum::response::Response;
-use axum::routing::{get, post};
 use axum::{Router, http};
 use tokio::sync::watch;
 use tower::ServiceBuilder;
@@ -55,6 +60,7 @@ use uuid::Uuid;
 
 use crate::config::Config;
 use crate::job::service::Jobs;
+use openapi::resources::Resources;
 use problem::{Kind, Problem};
 
 /// What handlers share.
@@ -92,28 +98,53 @@ pub fn router(app: App) -> Router {
             )
             .into_response()
         }));
-    Router::new()
-        .route("/", get(info::index))
-        .route("/livez", get(info::livez))
-        .route("/readyz", get(info::readyz))
-        .route("/metrics", get(info::metrics))
-        .route("/problems", get(info::problems))
-        .route("/problems/{slug}", get(info::problem))
-        .route("/v1/capabilities", get(info::capabilities))
-        .route("/v1/jobs", post(create::job).get(jobs::list))
-        .route("/v1/jobs/{id}", get(jobs::get).delete(jobs::delete))
-        .route("/v1/jobs/{id}/cancel", post(jobs::cancel))
-        .route("/v1/jobs/{id}/edits", post(create::edit))
-        .route("/v1/jobs/{id}/events", get(events::get))
-        .route("/v1/jobs/{id}/input", get(geometry::input))
-        .route("/v1/jobs/{id}/iterations/{k}", get(geometry::iteration))
-        .route("/v1/jobs/{id}/result", get(geometry::result))
-        .route("/v1/jobs/{id}/limit", get(geometry::limit))
+    resources()
+        .router()
         .fallback(not_found)
         .method_not_allowed_fallback(method_not_allowed)
         .merge(rpc::mount::routes(&app))
         .layer(layers)
         .with_state(app)
+}
+
+/// Every resource, with its description.
+fn resources() -> Resources {
+    use openapi::operations::{geometry as of_geometry, jobs as of_jobs, server as of_server};
+    use openapi::page;
+    Resources::default()
+        .get("/", info::index, of_server::index())
+        .get("/livez", info::livez, of_server::livez())
+        .get("/readyz", info::readyz, of_server::readyz())
+        .get("/metrics", info::metrics, of_server::metrics())
+        .get("/problems", info::problems, of_server::problems())
+        .get("/problems/{slug}", info::problem, of_server::problem())
+        .get("/openapi.json", openapi::get, of_server::description())
+        .get("/docs", page::page, of_server::reference())
+        .get("/docs/{file}", page::file, of_server::reference_file())
+        .get(
+            "/v1/capabilities",
+            info::capabilities,
+            of_server::capabilities(),
+        )
+        .post("/v1/jobs", create::job, of_jobs::create())
+        .get("/v1/jobs", jobs::list, of_jobs::list())
+        .get("/v1/jobs/{id}", jobs::get, of_jobs::get())
+        .delete("/v1/jobs/{id}", jobs::delete, of_jobs::delete())
+        .post("/v1/jobs/{id}/cancel", jobs::cancel, of_jobs::cancel())
+        .post("/v1/jobs/{id}/edits", create::edit, of_jobs::edit())
+        .get("/v1/jobs/{id}/events", events::get, of_jobs::watch())
+        .get("/v1/jobs/{id}/input", geometry::input, of_jobs::input())
+        .get(
+            "/v1/jobs/{id}/iterations/{k}",
+            geometry::iteration,
+            of_geometry::iteration(),
+        )
+        .get(
+            "/v1/jobs/{id}/result",
+            geometry::result,
+            of_geometry::result(),
+        )
+        .get("/v1/jobs/{id}/limit", geometry::limit, of_geometry::limit())
 }
 
 async fn not_found(request: Request) -> Problem {

@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use super::problem::{Kind, Problem};
 
 /// The longest that `Prefer: wait` may ask for.
-const LONGEST_WAIT: u64 = 300;
+pub const LONGEST_WAIT: u64 = 300;
 
 /// How the events of a stream are framed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,8 +66,10 @@ pub enum Answer {
 
 /// The media type of JSON.
 pub const JSON: &str = "application/json";
-const SSE: &str = "text/event-stream";
-const NDJSON: &str = "application/x-ndjson";
+/// The media type of server-sent events.
+pub const SSE: &str = "text/event-stream";
+/// The media type of a JSON object a line.
+pub const NDJSON: &str = "application/x-ndjson";
 /// Protobuf messages.
 pub const PROTOBUF: &str = "application/x-protobuf";
 

@@ -29,7 +29,8 @@ pub const PARSED_AT_ONCE: usize = 16 * 1024;
 /// Problems of up to so many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
 
-const LONGEST_KEY: usize = 255;
+/// The most characters of an idempotency key.
+pub const LONGEST_KEY: usize = 255;
 
 /// A job that can be made.
 pub struct Order {

@@ -1,13 +1,17 @@
 //! One value for both directions of a surface, or one for each: `X` or `{"u": X, "v": X}`.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
 use serde::de::{
     DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor,
 };
+
+use super::schema::each;
 
 /// A value for both directions, or one for each.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +62,10 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for DirectionVisitor<T> {
     }
 
     fn visit_u64<E: Error>(self, number: u64) -> Result<Self::Value, E> {
+        T::deserialize(number.into_deserializer()).map(PerDirection::Both)
+    }
+
+    fn visit_f64<E: Error>(self, number: f64) -> Result<Self::Value, E> {
         T::deserialize(number.into_deserializer()).map(PerDirection::Both)
     }
 
@@ -133,5 +141,20 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Unread<A> {
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, A::Error> {
         self.map.next_value_seed(seed)
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for PerDirection<T> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        format!("PerDirectionOf{}", T::schema_name()).into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let one = generator.subschema_for::<T>();
+        json_schema!({"anyOf": [one.clone(), each(&one)]})
     }
 }

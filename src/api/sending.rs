@@ -1,5 +1,5 @@
 //! What goes out on a connection: small things together in one write, large ones piece by piece,
-//! the next of which is made while the one before is on its way.
+//! the next of which are made while the one before is on its way.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -19,6 +19,9 @@ use crate::job::scheduler::Broken;
 /// Contents up to this size are copied into one piece with what stands around them.
 const SMALL: usize = 16 * 1024;
 
+/// So many pieces are made ahead of the one that is being sent.
+const AHEAD: usize = 3;
+
 /// Pieces that are copied together are sent when they have this size.
 pub const ENOUGH: usize = 64 * 1024;
 
@@ -28,8 +31,8 @@ pub struct Outgoing {
     chunks: VecDeque<Chunk>,
     /// Small things that will be sent together, after the chunks.
     together: BytesMut,
-    /// The piece after the one that was sent last.
-    ahead: Option<JoinHandle<Result<Bytes, Broken>>>,
+    /// The pieces after the one that was sent last, as far as they are being made.
+    ahead: VecDeque<JoinHandle<Result<Bytes, Broken>>>,
 }
 
 enum Chunk {
@@ -45,7 +48,7 @@ impl Outgoing {
             job,
             chunks: VecDeque::new(),
             together: BytesMut::new(),
-            ahead: None,
+            ahead: VecDeque::new(),
         }
     }
 
@@ -97,20 +100,22 @@ impl Outgoing {
         match self.chunks.pop_front()? {
             Chunk::Bytes(bytes) => Some(Ok(bytes)),
             Chunk::Pieces(pieces, index) => {
-                let piece = match self.ahead.take() {
-                    Some(ahead) => ahead.await.unwrap_or(Err(Broken)),
-                    None => pieces.piece(index, &self.job.resources().scheduler).await,
-                };
+                let last = pieces.count().min(index + 1 + AHEAD);
+                for next in index + self.ahead.len()..last {
+                    let made = self.make(&pieces, next);
+                    self.ahead.push_back(made);
+                }
+                let piece = self.ahead.pop_front()?;
                 if index + 1 < pieces.count() {
-                    self.ahead = Some(self.make_ahead(&pieces, index + 1));
                     self.chunks.push_front(Chunk::Pieces(pieces, index + 1));
                 }
-                Some(piece)
+                Some(piece.await.unwrap_or(Err(Broken)))
             }
         }
     }
 
-    fn make_ahead(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
+    /// Begins to make a piece.
+    fn make(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
         let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
         tokio::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
     }

@@ -2,9 +2,11 @@
 //!
 //! Derived readers also take lists for objects and objects for names; here those are errors.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{MapAccessDeserializer, StrDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize};
@@ -80,5 +82,60 @@ impl Visitor<'_> for CountVisitor {
         usize::try_from(value)
             .map(Count)
             .map_err(|_| E::invalid_value(Unexpected::Unsigned(value), &self))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Count, E> {
+        match whole(value) {
+            Some(count) => self.visit_u64(count),
+            None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+        }
+    }
+}
+
+/// The whole number that a number is: 3.0 and 3e0 are 3, in JSON schemas too.
+pub fn whole(value: f64) -> Option<u64> {
+    /// Up to here every whole number is a number of its own.
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let is_whole = (0.0..=EXACT).contains(&value) && value.fract() == 0.0;
+    is_whole.then_some(value as u64)
+}
+
+/// What is read to the letter has the schema of what it holds.
+macro_rules! transparent {
+    ($wrapper:ident) => {
+        impl<T: JsonSchema> JsonSchema for $wrapper<T> {
+            fn inline_schema() -> bool {
+                T::inline_schema()
+            }
+
+            fn schema_name() -> Cow<'static, str> {
+                T::schema_name()
+            }
+
+            fn schema_id() -> Cow<'static, str> {
+                T::schema_id()
+            }
+
+            fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+                T::json_schema(generator)
+            }
+        }
+    };
+}
+
+transparent!(Object);
+transparent!(Name);
+
+impl JsonSchema for Count {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Count".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "integer", "minimum": 0})
     }
 }

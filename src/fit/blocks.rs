@@ -92,28 +92,38 @@ impl Block {
     /// Of squares of the points from `start` on.
     #[inline(always)]
     pub fn of(start: usize, squares: &[f64]) -> Self {
-        let (chunks, rest) = squares.as_chunks::<LANES>();
-        let mut last = [0.0; LANES];
-        last[..rest.len()].copy_from_slice(rest);
-        let (mut max, mut sum, mut roots) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for chunk in chunks.iter().chain(std::iter::once(&last)) {
+        // Roots of zeros at the end change no sum.
+        let (mut all, mut roots) = ([0.0; BLOCK], [0.0; BLOCK]);
+        all[..squares.len()].copy_from_slice(squares);
+        for (root, square) in roots.iter_mut().zip(&all) {
+            *root = square.sqrt();
+        }
+        let (mut max, mut sum, mut root_sum) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for chunk in all.as_chunks::<LANES>().0 {
             for lane in 0..LANES {
-                let square = chunk[lane];
                 // Not a number is never the largest.
-                max[lane] = if square > max[lane] {
-                    square
+                max[lane] = if chunk[lane] > max[lane] {
+                    chunk[lane]
                 } else {
                     max[lane]
                 };
-                sum[lane] += square;
-                roots[lane] += square.sqrt();
+            }
+        }
+        for chunk in all.as_chunks::<LANES>().0 {
+            for lane in 0..LANES {
+                sum[lane] += chunk[lane];
+            }
+        }
+        for chunk in roots.as_chunks::<LANES>().0 {
+            for lane in 0..LANES {
+                root_sum[lane] += chunk[lane];
             }
         }
         let max = max.into_iter().fold(0.0, f64::max);
         let mut block = Self {
             max,
             squares: add_up(sum),
-            roots: add_up(roots),
+            roots: add_up(root_sum),
             ..Self::default()
         };
         if max > 0.0 {

@@ -438,3 +438,98 @@ impl Drop for Attached {
         self.run.changed.notify_waiters();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::fit::basis::knots::Knots;
+    use crate::fit::direction::{BasisChoice, DirectionChoice};
+    use crate::fit::method::Method;
+    use crate::fit::parameters::Parametrization;
+    use crate::fit::points::{Grid, Points};
+    use crate::fit::problem::{Request, Tolerance, Weights};
+    use crate::job::counters::Counters;
+    use crate::job::scheduler::Scheduler;
+
+    fn problem() -> Problem {
+        let mut points = Points::new(2);
+        (0..20).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
+        let u = DirectionChoice {
+            basis: BasisChoice::BSpline {
+                degree: 3,
+                knots: Knots::Data,
+            },
+            parameters: Parametrization::Uniform,
+            closed: false,
+            control_points: None,
+            weights: None,
+        };
+        let grid = Grid {
+            rows: 20,
+            columns: 1,
+        };
+        Problem::new(Request {
+            points,
+            grid,
+            u,
+            v: None,
+            missing: Vec::new(),
+            weights: Weights::None,
+            method: Method::Global,
+            selected: None,
+            start: None,
+            lambda_min: None,
+            tolerance: Tolerance::Absolute(0.0),
+            max_iterations: 10,
+        })
+        .unwrap()
+    }
+
+    /// Waits for a frame that is on its way.
+    async fn arrives(reader: &Attached, index: usize) {
+        for _ in 0..1000 {
+            if let Read::Frame(frame) = reader.read(index) {
+                return assert_eq!(frame.level.iteration, index);
+            }
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        panic!("frame {index} has not come");
+    }
+
+    /// A ring of one frame: nobody is left behind as long as nobody insists.
+    #[tokio::test]
+    async fn readers_of_large_frames_wait_for_each_other() {
+        let resources = Arc::new(Resources {
+            scheduler: Scheduler::new(1).unwrap(),
+            ring_bytes: 0,
+            counters: Counters::default(),
+        });
+        let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
+        let run = Run::new(system, Arc::clone(&resources));
+        let quick = Attached::to_new(Arc::clone(&run), 0);
+        let slow = run.attach(0).unwrap();
+        quick.want(0);
+        arrives(&quick, 0).await;
+        arrives(&slow, 0).await;
+        // The other one has not taken frame 0 yet.
+        assert!(matches!(quick.read(1), Read::Later));
+        quick.want(1);
+        tokio::time::sleep(Duration::from_millis(50)).await;
+        assert!(matches!(quick.read(1), Read::Later));
+        assert!(matches!(slow.read(1), Read::Later));
+        slow.want(1);
+        arrives(&quick, 1).await;
+        arrives(&slow, 1).await;
+        assert!(matches!(quick.read(2), Read::Later));
+        quick.insist(2);
+        arrives(&quick, 2).await;
+        assert!(matches!(slow.read(1), Read::Gone));
+        drop(slow);
+        assert!(matches!(quick.read(3), Read::Later));
+        quick.want(3);
+        arrives(&quick, 3).await;
+        assert_eq!(resources.counters.iterations.get(), 4);
+    }
+}

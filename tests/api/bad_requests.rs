@@ -218,7 +218,7 @@ fn wrong_form() -> Vec<Bad> {
         ),
         bad(stop(json!([1e-3, null, 5])), "/stop", "expected an object"),
         bad(
-            stop(json!({"max_iterations": 1e3})),
+            stop(json!({"max_iterations": 1000.5})),
             "/stop/max_iterations",
             "expected a whole number",
         ),

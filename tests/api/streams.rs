@@ -180,6 +180,11 @@ async fn a_stream_resumes_after_the_last_event() {
     );
     let over = server.get(&path).header("last-event-id", "end");
     assert_eq!(over.send().await.unwrap().status(), 204);
+    // What is wrong is said, even where it makes no difference.
+    let wrong = server
+        .get(&format!("{path}?last_event_id=x"))
+        .header("last-event-id", "5");
+    assert_eq!(wrong.send().await.unwrap().status(), 400);
 }
 
 /// The ring holds only the newest frame, so that every reader falls out of it all the time.

@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import urllib.request
 
 ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
@@ -20,9 +21,9 @@ FORMATS = {"step": "step", "iges": "igs", "obj": "obj", "gltf": "glb", "svg": "s
 
 
 @contextlib.contextmanager
-def server(program: str):
+def server(program: str, *flags: str):
     """A server on a free port; gives its address."""
-    command = [program, "--listen", "127.0.0.1:0", "--data-dir", ":memory:", "--log-format", "json"]
+    command = [program, "--listen", "127.0.0.1:0", "--data-dir", ":memory:", "--log-format", "json", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         for line in process.stderr:
@@ -31,6 +32,8 @@ def server(program: str):
                 break
         else:
             raise SystemExit(f"{program} has not started")
+        # A log that nobody reads would stop the server in the end.
+        threading.Thread(target=process.stderr.read, daemon=True).start()
         yield found.group(1)
     finally:
         process.terminate()

@@ -7,6 +7,18 @@ use crate::api::problem::Problem;
 use crate::fit::points::Grid;
 use crate::fit::problem as fit;
 
+/// What can be shown of a level.
+pub const VIEWS: [&str; 3] = ["control_points", "samples", "errors"];
+
+/// How arrays of numbers can be written in JSON.
+pub const ENCODINGS: [&str; 3] = ["json", "base64", "base64_f32"];
+
+/// How many digits coordinates can have.
+pub const DIGITS: [&str; 2] = ["full", "auto"];
+
+/// How a number of samples of a surface is written.
+pub const SAMPLE_GRID: &str = "^[1-9][0-9]{0,5}x[1-9][0-9]{0,5}$";
+
 /// The most points that are sampled.
 pub const MOST_SAMPLES: usize = 1_000_000;
 

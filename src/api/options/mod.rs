@@ -19,6 +19,12 @@ use form::{Digits, Encoding, Form, View};
 use given::{Conflict, Given, Sources};
 use object::StreamObject;
 
+/// What clients that are slower than the fit can get.
+pub const PACES: [&str; 2] = ["all", "latest"];
+
+/// What can become of a job when a client of its stream goes away.
+pub const DISCONNECTS: [&str; 2] = ["continue", "cancel"];
+
 /// The most milestones of a stream.
 pub const MOST_MILESTONES: usize = 100;
 

@@ -3,37 +3,59 @@
 use std::fmt;
 use std::sync::Arc;
 
+use schemars::{JsonSchema, json_schema};
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::StreamParameters;
+use super::form::{DIGITS, ENCODINGS, MOST_SAMPLES, SAMPLE_GRID, VIEWS};
+use super::{DISCONNECTS, MOST_MILESTONES, PACES, StreamParameters};
 use crate::api::numbers::Number;
 use crate::api::problem::{Kind, Problem};
-use crate::api::strict::Count;
+use crate::api::schema::{names, schema_of};
+use crate::api::strict::{Count, whole};
 use crate::fit::problem as fit;
 use crate::job::outline::Label;
 
-/// The parameters of all event streams of a job that do not say it themselves.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+/// What the event streams of a job are like if they do not say it themselves. Some choices rule
+/// others out.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "StreamDefaults", extend("examples" = [{"view": "samples", "samples": 200, "every": 5}]))]
 pub struct StreamObject {
+    /// What the events show.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<View>")]
     pub(in crate::api) view: Option<String>,
+    /// How many samples they have; with the view `samples`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(in crate::api) samples: Option<SampleCount>,
+    /// Only iterations that are multiples of this number, and the last.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1), extend("default" = 1))]
     pub(in crate::api) every: Option<Count>,
+    /// Only the first iteration whose largest error is within each of these distances, which decrease.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(max = MOST_MILESTONES), with = "Option<Vec<Milestone>>", extend("default" = []))]
     pub(in crate::api) milestones: Option<Vec<Number>>,
+    /// What a client gets that is slower than the fit.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Pace>")]
     pub(in crate::api) pace: Option<String>,
+    /// After a first complete event only control points that moved.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
     pub(in crate::api) changed: Option<bool>,
+    /// How arrays of numbers are written.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Encoding>")]
     pub(in crate::api) encoding: Option<String>,
+    /// How many digits coordinates have.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Digits>")]
     pub(in crate::api) digits: Option<String>,
+    /// What becomes of the job when its client goes away.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Disconnect>")]
     pub(in crate::api) on_disconnect: Option<String>,
 }
 
@@ -111,6 +133,13 @@ impl Visitor<'_> for SampleCountVisitor {
         Ok(SampleCount(count.to_string()))
     }
 
+    fn visit_f64<E: Error>(self, value: f64) -> Result<SampleCount, E> {
+        match whole(value) {
+            Some(count) => self.visit_u64(count),
+            None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+        }
+    }
+
     fn visit_str<E: Error>(self, text: &str) -> Result<SampleCount, E> {
         if text.contains('x') {
             Ok(SampleCount(text.to_owned()))
@@ -119,3 +148,85 @@ impl Visitor<'_> for SampleCountVisitor {
         }
     }
 }
+
+schema_of!(
+    SampleCount,
+    "Samples",
+    json_schema!({
+        "description": "A number of samples for a curve, \"rows x columns\" for a surface: at least 2 in each direction and 1,000,000 in all. Without it 200, or 40x40.",
+        "anyOf": [
+            {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
+            {"type": "string", "pattern": SAMPLE_GRID},
+        ],
+        "examples": [200, "40x40"],
+    })
+);
+
+/// What an event shows.
+pub enum View {}
+/// How arrays of numbers are written.
+pub enum Encoding {}
+/// How many digits coordinates have.
+pub enum Digits {}
+/// What a slow client gets.
+pub enum Pace {}
+/// What a client that goes away leaves behind.
+pub enum Disconnect {}
+/// A distance to be reached.
+pub enum Milestone {}
+
+schema_of!(
+    View,
+    "View",
+    names(
+        "What is shown of an iteration: its complete control points, points of the curve or surface, or its errors alone.",
+        "control_points",
+        &VIEWS,
+    )
+);
+schema_of!(
+    Encoding,
+    "Encoding",
+    names(
+        "How arrays of numbers are written: as JSON, or as little-endian numbers of 64 or 32 bits in base64.",
+        "json",
+        &ENCODINGS,
+    )
+);
+schema_of!(
+    Digits,
+    "Digits",
+    names(
+        "How many digits coordinates have: all, or as many as the current error deserves, rounded by at most 1 % of it.",
+        "full",
+        &DIGITS,
+    )
+);
+schema_of!(
+    Pace,
+    "Pace",
+    names(
+        "What a client gets that is slower than the fit: all iterations, or the latest.",
+        "all",
+        &PACES,
+    )
+);
+schema_of!(
+    Disconnect,
+    "OnDisconnect",
+    names(
+        "What becomes of the job when the client of a stream goes away.",
+        "continue",
+        &DISCONNECTS,
+    )
+);
+schema_of!(
+    Milestone,
+    "Milestone",
+    json_schema!({
+        "description": "A distance in data units; milestones decrease.",
+        "type": "number",
+        "exclusiveMinimum": 0,
+        "examples": [0.01],
+    })
+);

@@ -4,32 +4,49 @@ use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, Unexpected, Visitor};
 
 use super::method::{Index, MethodRequest};
-use super::{RationalRequest, StopRequest, ValidJob, check_name, invalid, surface_weights};
+use super::{
+    LONGEST_NAME, RationalRequest, StopRequest, ValidJob, check_name, invalid, schema,
+    surface_weights,
+};
 use crate::api::numbers::{Number, WeightList};
 use crate::api::options::object::StreamObject;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
-use crate::api::strict::{Name, Object};
+use crate::api::schema::numbers::{NewWeights, Point};
+use crate::api::strict::{Name, Object, whole};
 use crate::config::Config;
 use crate::fit::invalid::{Invalid, Place};
 use crate::fit::points::Points;
 use crate::fit::problem::{self as fit, Weights};
 
-/// An edit as clients write it: whatever is not given stays as it is.
-#[derive(Debug, Deserialize)]
+/// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
+/// `method` and `stop` is given.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(example = schema::example_edit())]
 pub struct EditRequest {
+    /// A name of the new job.
+    #[schemars(length(max = LONGEST_NAME), example = &"wing section, thicker")]
     pub(in crate::api) name: Option<String>,
+    /// The iteration of the parent to start from.
     pub(in crate::api) iteration: Option<IterationRequest>,
+    /// Data points that go elsewhere or get another weight; none twice.
     pub(in crate::api) points: Option<Vec<Object<Move>>>,
+    /// New weights of all data points.
+    #[schemars(with = "Option<NewWeights>")]
     pub(in crate::api) weights: Option<PerDirection<WeightList>>,
+    /// How the weights are used. It stays as it is where there were weights before.
     pub(in crate::api) rational: Option<Name<RationalRequest>>,
+    /// Another method.
     pub(in crate::api) method: Option<Object<MethodRequest>>,
+    /// Other rules when the iteration ends.
     pub(in crate::api) stop: Option<Object<StopRequest>>,
+    /// What the event streams are like; without it as those of the parent.
     pub(in crate::api) stream: Option<Object<StreamObject>>,
 }
 
@@ -59,17 +76,30 @@ impl<'de> Deserialize<'de> for IterationRequest {
                 let value = usize::try_from(value).unwrap_or(usize::MAX);
                 Ok(IterationRequest(Some(value)))
             }
+
+            fn visit_f64<E: Error>(self, value: f64) -> Result<IterationRequest, E> {
+                match whole(value) {
+                    Some(k) => self.visit_u64(k),
+                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+                }
+            }
         }
         deserializer.deserialize_any(IterationVisitor)
     }
 }
 
-/// A data point that goes elsewhere, or gets another weight.
-#[derive(Debug, Deserialize)]
+/// A data point that goes elsewhere, gets another weight, or both.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(example = schema::example_move())]
 pub(in crate::api) struct Move {
+    /// Which data point.
     pub(in crate::api) index: Index,
+    /// Where it goes.
+    #[schemars(with = "Option<Point>")]
     pub(in crate::api) point: Option<Vec<Number>>,
+    /// Its new weight, in homogeneous fits.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) weight: Option<Number>,
 }
 

@@ -2,35 +2,52 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
 
-use super::invalid;
+use super::{invalid, schema};
 use crate::api::numbers::Number;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
-use crate::api::strict::{Count, Name};
+use crate::api::strict::{Count, Name, whole};
 use crate::fit::method::{LeastSquares, Method, Start, Variant};
 use crate::fit::points::Grid;
 
-/// A method as clients write it. Which settings belong to which kind is checked later, so that
-/// the error can say it.
-#[derive(Debug, Deserialize)]
+/// How the control points move from iteration to iteration.
+// Which settings belong to which kind is checked after reading, so that the error can say it.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Method", transform = schema::method, example = schema::example_method())]
 pub(in crate::api) struct MethodRequest {
+    /// The kind of the method.
     pub(in crate::api) kind: Name<Kind>,
+    /// The relaxation. The best one is computed if it is `auto`.
     pub(in crate::api) omega: Option<Omega>,
+    /// The data points whose control points may move.
+    #[schemars(length(min = 1), extend("uniqueItems" = true))]
     pub(in crate::api) indices: Option<Vec<Index>>,
+    /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
     pub(in crate::api) row_by_row: Option<bool>,
+    /// Only control points move whose data point is further away than this, in data units.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) threshold: Option<Number>,
+    /// What iteration 0 is.
     pub(in crate::api) start: Option<Name<StartRequest>>,
+    /// The number of control points; on surfaces of both directions, or one for each.
+    #[schemars(with = "Option<schema::ControlPoints>")]
     pub(in crate::api) control_points: Option<PerDirection<Count>>,
+    /// The step.
     pub(in crate::api) variant: Option<Name<VariantRequest>>,
+    /// The length of the step; without one 1 / (largest column sum).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) mu: Option<Number>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+/// A kind of method.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "MethodKind", example = &"global")]
 pub(in crate::api) enum Kind {
     Global,
     Weighted,
@@ -44,15 +61,20 @@ pub(in crate::api) enum Kind {
     LeastSquares,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// What iteration 0 of the extended method is: the transformed data, or the data themselves.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "ExtendedStart", extend("default" = "transformed"), example = &"transformed")]
 pub(in crate::api) enum StartRequest {
     Transformed,
     Data,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+/// The step of a least-squares fit: with a diagonal matrix, with one number, or of conjugate
+/// gradients, which is the fastest.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "LeastSquaresVariant", extend("default" = "diagonal"), example = &"diagonal")]
 pub(in crate::api) enum VariantRequest {
     Diagonal,
     Lspia,
@@ -219,7 +241,7 @@ impl<'de> Deserialize<'de> for Omega {
             fn visit_str<E: Error>(self, text: &str) -> Result<Omega, E> {
                 match text {
                     "auto" => Ok(Omega::Auto),
-                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
+                    _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
                 }
             }
 
@@ -288,12 +310,19 @@ impl<'de> Deserialize<'de> for Index {
                 Ok(Index::Single(usize::try_from(value).unwrap_or(usize::MAX)))
             }
 
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Index, E> {
+                match whole(value) {
+                    Some(index) => self.visit_u64(index),
+                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+                }
+            }
+
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Index, A::Error> {
                 let row = list.next_element()?;
                 let column = list.next_element()?;
-                let more: Option<usize> = list.next_element()?;
+                let more: Option<Count> = list.next_element()?;
                 match (row, column, more) {
-                    (Some(row), Some(column), None) => Ok(Index::Pair(row, column)),
+                    (Some(Count(row)), Some(Count(column)), None) => Ok(Index::Pair(row, column)),
                     _ => Err(A::Error::custom(
                         "an index of a surface has two numbers, [row, column]",
                     )),

@@ -3,18 +3,21 @@
 pub mod edit;
 pub(super) mod method;
 mod places;
+mod schema;
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::numbers::{NameOrNumbers, Number, PointGrid, PointList, WeightList};
 use super::options::object::StreamObject;
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
+use super::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
 use super::strict::{Count, Name, Object};
 use crate::config::Config;
-use crate::fit::basis::{Polynomial, knots::Knots};
+use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::Axis;
 use crate::fit::method::Method;
@@ -29,49 +32,94 @@ const DEFAULT_TOLERANCE: Tolerance = Tolerance::Relative(1e-6);
 const DEFAULT_ITERATIONS: usize = 1000;
 const LONGEST_NAME: usize = 200;
 
-/// A job as clients write it.
-#[derive(Debug, Deserialize)]
+/// The names of [`Knots`].
+const KNOT_RULES: [&str; 2] = ["data", "averaged"];
+
+/// The names of [`Parametrization`].
+const PARAMETRIZATIONS: [&str; 3] = ["chord_length", "centripetal", "uniform"];
+
+/// A fit of a curve or of a surface. Fields that are not known are refused.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = schema::job, example = schema::example_job())]
 pub struct JobRequest {
+    /// A name for people. Answers and files repeat it.
+    #[schemars(length(max = LONGEST_NAME), example = &"wing section")]
     pub(in crate::api) name: Option<String>,
+    /// The curve to fit.
     pub(in crate::api) curve: Option<Object<CurveRequest>>,
+    /// The surface to fit.
     pub(in crate::api) surface: Option<Object<SurfaceRequest>>,
+    /// How weights are used; only with weights.
     pub(in crate::api) rational: Option<Name<RationalRequest>>,
+    /// The method; without one `global`.
     pub(in crate::api) method: Option<Object<MethodRequest>>,
+    /// When the iteration ends.
     pub(in crate::api) stop: Option<Object<StopRequest>>,
+    /// What the event streams of the job are like if they do not say it themselves.
     pub(in crate::api) stream: Option<Object<StreamObject>>,
 }
 
-#[derive(Debug, Deserialize)]
+/// A curve through data points.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "CurveInput", example = schema::example_curve())]
 pub(in crate::api) struct CurveRequest {
+    /// The data points, in their order.
     pub(in crate::api) points: PointList,
+    /// The basis; without one a cubic B-spline.
     pub(in crate::api) basis: Option<Object<BasisRequest>>,
+    /// The parameters of the data points; without them `chord_length`.
+    #[schemars(with = "Option<schema::Parameters>")]
     pub(in crate::api) parameters: Option<NameOrNumbers>,
+    /// Weights of the data points, for a rational curve.
+    #[schemars(with = "Option<CurveWeights>")]
     pub(in crate::api) weights: Option<WeightList>,
+    /// Whether the curve is a periodic B-spline, which returns to its first point.
+    #[schemars(extend("default" = false))]
     pub(in crate::api) closed: Option<bool>,
 }
 
-#[derive(Debug, Deserialize)]
+/// A surface through a grid of data points. `basis`, `parameters` and `closed` are one value for
+/// both directions, or one for each.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "SurfaceInput", example = schema::example_surface())]
 pub(in crate::api) struct SurfaceRequest {
+    /// Rows (u) of columns (v) of data points.
     pub(in crate::api) points: PointGrid,
+    /// The bases; without them cubic B-splines.
     pub(in crate::api) basis: Option<PerDirection<Object<BasisRequest>>>,
+    /// The parameters of the data points; without them `chord_length`.
+    #[schemars(with = "Option<PerDirection<schema::Parameters>>")]
     pub(in crate::api) parameters: Option<PerDirection<NameOrNumbers>>,
+    /// Weights of the data points, for a rational surface.
+    #[schemars(with = "Option<SurfaceWeights>")]
     pub(in crate::api) weights: Option<PerDirection<WeightList>>,
+    /// Whether the directions are periodic.
+    #[schemars(extend("default" = false))]
     pub(in crate::api) closed: Option<PerDirection<bool>>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+/// The functions that are blended with the control points.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "Basis", transform = schema::basis, example = schema::example_basis())]
 pub(in crate::api) struct BasisRequest {
+    /// The kind of the basis.
     pub(in crate::api) kind: Name<BasisKind>,
+    /// The degree.
+    #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
     pub(in crate::api) degree: Option<Count>,
+    /// Where the pieces meet.
+    #[schemars(with = "Option<schema::KnotChoice>")]
     pub(in crate::api) knots: Option<NameOrNumbers>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+/// A kind of basis.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
+#[schemars(example = &"bspline")]
 pub(in crate::api) enum BasisKind {
     Bspline,
     Bernstein,
@@ -79,18 +127,29 @@ pub(in crate::api) enum BasisKind {
     WangBall,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+/// How weights are used: in homogeneous coordinates, so that the weights of the control points
+/// evolve with them, or as a part of the basis, so that they stay.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "Rational", example = &"homogeneous")]
 pub(in crate::api) enum RationalRequest {
     Homogeneous,
     Fixed,
 }
 
-#[derive(Debug, Default, Deserialize)]
+/// When the iteration ends. There is one of the tolerances, or none.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "StopRules", example = schema::example_stop())]
 pub(in crate::api) struct StopRequest {
+    /// The largest allowed distance from a data point, in data units.
+    #[schemars(range(min = 0))]
     pub(in crate::api) tolerance: Option<Number>,
+    /// The same as a part of the diagonal of the bounding box of the data.
+    #[schemars(range(min = 0), extend("default" = 1e-6))]
     pub(in crate::api) relative_tolerance: Option<Number>,
+    /// The last iteration that is computed. Servers have a limit, which /v1/capabilities tells.
+    #[schemars(extend("default" = DEFAULT_ITERATIONS))]
     pub(in crate::api) max_iterations: Option<Count>,
 }
 

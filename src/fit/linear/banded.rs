@@ -331,6 +331,28 @@ impl Banded {
         }
     }
 
+    /// The entries of some rows, as arrays along the diagonals, and the columns of x that they are
+    /// multiplied with, from the first one of the first row on: if the rows lie in one stretch and
+    /// these columns within x, which starts with column `base`.
+    #[inline(always)]
+    pub fn stretch<'a, const W: usize>(
+        &'a self,
+        rows: Range<usize>,
+        x: &'a [f64],
+        base: i64,
+    ) -> Option<([&'a [f64]; W], &'a [f64])> {
+        let (offset, span) = self.spans(rows.clone()).next()?;
+        if span != rows || W != self.width {
+            return None;
+        }
+        let first = usize::try_from(rows.start as i64 + i64::from(offset) - base).ok()?;
+        let columns = x.get(first..first + rows.len() + W - 1)?;
+        Some((
+            std::array::from_fn(|k| &self.entries[k * self.rows..][rows.clone()]),
+            columns,
+        ))
+    }
+
     fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
         let first = i as i64 + i64::from(offset) - base;
         let dot = |x: &mut dyn Iterator<Item = f64>| {

@@ -12,10 +12,11 @@
 //!
 //! - [`relaxation`]: the steps of global, weighted and Chebyshev-accelerated PIA;
 //! - [`parts`]: what a thread writes;
-//! - [`curve`], [`surface`]: a level in one pass;
+//! - [`curve`], over [`fused`], and [`surface`]: a level in one pass;
 //! - [`tiles`]: several levels of a curve in one pass.
 
 pub mod curve;
+pub mod fused;
 pub mod parts;
 pub mod relaxation;
 pub mod surface;

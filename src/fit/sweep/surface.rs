@@ -4,7 +4,7 @@
 //! reaches. A window of lines goes along; T as a whole is never there.
 
 use super::Pass;
-use super::curve::{add_squares, advance, subtract_from};
+use super::fused::{add_squares, advance, subtract_from};
 use super::parts::Part;
 use crate::fit::blocks::{BLOCK, Block};
 use crate::fit::linear::banded::Banded;
@@ -46,11 +46,12 @@ pub fn sweep(pass: &Pass<'_>, v: &Banded, part: Part<'_>) {
                 combine(pass.u, row, lines, columns, column, delta);
                 subtract_from(&pass.data.lane(c)[from.clone()], delta);
                 add_squares(delta, pass.scale, squares);
-                let step = pass.source.step.as_ref();
-                let step = step.map(|step| &step.lane(c)[from.clone()]);
                 let next_step = part.step[c].get_mut(to.clone()).unwrap_or_default();
+                if let Some(step) = &pass.source.step {
+                    next_step.copy_from_slice(&step.lane(c)[from.clone()]);
+                }
                 let next = &mut part.x[c][to.clone()];
-                advance(coefficients, &x[from.clone()], delta, step, next_step, next);
+                advance(coefficients, &x[from.clone()], delta, next_step, next);
             }
             start = end;
         }

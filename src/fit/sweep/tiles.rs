@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use super::curve::{add_squares, subtract_from};
+use super::fused::{self, Lane};
 use super::parts::Part;
 use super::{Pass, Vectors};
 use crate::fit::blocks::{BLOCK, Block};
@@ -120,7 +120,7 @@ impl Tile<'_, '_> {
         let end = self.points.end + self.points.start - self.base;
         let range = self.within(self.base..end);
         let base = self.base;
-        each_piece(range, x.len() as i64, i64::MAX, |points, first| {
+        for (points, first) in pieces(range, x.len() as i64, i64::MAX) {
             let local = (points.start - base) as usize..(points.end - base) as usize;
             let from = first..first + local.len();
             for (to, x) in self.room.front.lanes_mut().iter_mut().zip(x.lanes()) {
@@ -130,7 +130,7 @@ impl Tile<'_, '_> {
             for (to, step) in self.room.step.lanes_mut().iter_mut().zip(lanes) {
                 to[local.clone()].copy_from_slice(&step[from.clone()]);
             }
-        });
+        }
     }
 
     /// The points of a range that there are.
@@ -148,80 +148,68 @@ impl Tile<'_, '_> {
         let left = self.pass.coefficients.len() - level;
         let margin = (left * self.pass.u.reach()) as i64;
         let range = self.within(self.points.start - margin..self.points.end + margin);
-        let points = self.points.clone();
-        each_piece(
-            range,
-            self.pass.u.rows() as i64,
-            BLOCK as i64,
-            |piece, row| {
-                let inside = piece.start >= points.start && piece.end <= points.end;
-                let block = (piece.start - points.start) / BLOCK as i64;
-                let block = if inside {
-                    blocks.get_mut(block as usize)
-                } else {
-                    None
-                };
-                self.piece(level, piece, row, block);
-            },
-        );
+        for (piece, row) in pieces(range, self.pass.u.rows() as i64, BLOCK as i64) {
+            let inside = piece.start >= self.points.start && piece.end <= self.points.end;
+            let index = (piece.start - self.points.start) / BLOCK as i64;
+            let squares = self.piece(level, piece.clone(), row);
+            if let Some(block) = blocks.get_mut(index as usize).filter(|_| inside) {
+                *block = Block::of(row, &squares[..(piece.end - piece.start) as usize]);
+            }
+        }
         if left > 0 {
             std::mem::swap(&mut self.room.front, &mut self.room.back);
         }
     }
 
-    /// Points that belong to consecutive rows of B, from `row` on.
+    /// Points that belong to consecutive rows of B, from `row` on: the squares of their residuals.
     #[inline(always)]
-    fn piece(&mut self, level: usize, points: Range<i64>, row: usize, block: Option<&mut Block>) {
+    fn piece(&mut self, level: usize, points: Range<i64>, row: usize) -> [f64; BLOCK] {
         let Self {
             pass, room, base, ..
         } = self;
         let local = (points.start - *base) as usize..(points.end - *base) as usize;
-        let count = local.len();
-        let base = *base - (points.start - row as i64);
-        let mut delta = [0.0; BLOCK];
-        let delta = &mut delta[..count];
+        let rows = row..row + local.len();
         let mut squares = [0.0; BLOCK];
         let Room { front, back, step } = &mut **room;
+        // Nobody looks at what comes behind the last level.
+        let coefficients = pass.coefficients.get(level).copied();
+        let last = coefficients.is_none();
         for (c, (x, data)) in front.lanes().iter().zip(pass.data.lanes()).enumerate() {
-            pass.u.apply_rows(row..row + count, x, base, delta);
-            subtract_from(&data[row..row + count], delta);
-            if block.is_some() {
-                add_squares(delta, pass.scale, &mut squares);
-            }
-            let Some(coefficients) = pass.coefficients.get(level) else {
-                continue;
+            let step = step.lanes_mut().get_mut(c).filter(|_| !last);
+            let lane = Lane {
+                x,
+                base: *base - (points.start - row as i64),
+                data: &data[rows.clone()],
+                own: &x[local.clone()],
+                next: &mut back.lanes_mut()[c][local.clone()],
+                step: step.map_or(&mut [], |step| &mut step[local.clone()]),
+                squares: &mut squares[..local.len()],
             };
-            let (x, next) = (&x[local.clone()], &mut back.lanes_mut()[c][local.clone()]);
-            match step.lanes_mut().get_mut(c) {
-                Some(step) => {
-                    let step = &mut step[local.clone()];
-                    coefficients.relax_with_momentum(x, delta, step, next);
-                }
-                None => coefficients.relax(x, delta, next),
-            }
+            let coefficients = coefficients.unwrap_or_default();
+            fused::relax(pass.u, rows.clone(), coefficients, pass.scale, lane);
         }
-        if let Some(block) = block {
-            *block = Block::of(row, &squares[..count]);
-        }
+        squares
     }
 }
 
-/// Cuts a range of points at the multiples of the period and of the length of blocks; tells each
-/// piece and its first point within the period.
+/// Cuts a range of points at the multiples of the period and of the length of blocks: each piece and
+/// its first point within the period.
 #[inline(always)]
-fn each_piece(
+fn pieces(
     range: Range<i64>,
     period: i64,
     length: i64,
-    mut visit: impl FnMut(Range<i64>, usize),
-) {
+) -> impl Iterator<Item = (Range<i64>, usize)> {
     let mut start = range.start;
-    while start < range.end {
+    std::iter::from_fn(move || {
+        if start >= range.end {
+            return None;
+        }
         let first = start.rem_euclid(period);
         let turn = start + period - first;
         let block = start.saturating_add(length - start.rem_euclid(length));
-        let end = range.end.min(turn).min(block);
-        visit(start..end, first as usize);
-        start = end;
-    }
+        let piece = start..range.end.min(turn).min(block);
+        start = piece.end;
+        Some((piece, first as usize))
+    })
 }

@@ -1,0 +1,204 @@
+//! What one method of one resource does: its parameters, its body and its answers.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value, json};
+
+use crate::api::negotiate::{JSON, PROTOBUF};
+use crate::api::problem::Kind;
+
+/// Where in a description operations stand together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tag {
+    /// Making, listing, stopping and deleting jobs.
+    Jobs,
+    /// Event streams.
+    Events,
+    /// Iterations and results.
+    Geometry,
+    /// The server itself.
+    Server,
+}
+
+impl Tag {
+    /// All tags, with what they stand for.
+    pub const ALL: [(Self, &'static str); 4] = [
+        (
+            Self::Jobs,
+            "Fits: create, edit, list, show, cancel and delete them.",
+        ),
+        (Self::Events, "Every iteration of a fit as an event."),
+        (
+            Self::Geometry,
+            "Curves and surfaces of single iterations, as JSON, messages and files.",
+        ),
+        (Self::Server, "What the server can do, and how it is."),
+    ];
+
+    /// The name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Jobs => "jobs",
+            Self::Events => "events",
+            Self::Geometry => "geometry",
+            Self::Server => "server",
+        }
+    }
+}
+
+/// The description of an operation.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    object: Map<String, Value>,
+    answers: BTreeMap<u16, Value>,
+    problems: Vec<Kind>,
+}
+
+impl Operation {
+    /// An operation; `id` is what clients in other languages call it.
+    pub fn new(tag: Tag, id: &str, summary: &str, description: &str) -> Self {
+        let mut object = Map::new();
+        object.insert("tags".to_owned(), json!([tag.name()]));
+        object.insert("summary".to_owned(), json!(summary));
+        object.insert("description".to_owned(), json!(description));
+        object.insert("operationId".to_owned(), json!(id));
+        Self {
+            object,
+            answers: BTreeMap::new(),
+            problems: Vec::new(),
+        }
+    }
+
+    /// The parameters: names of components.
+    pub fn parameters(mut self, names: &[&str]) -> Self {
+        let references = names.iter().map(|name| reference("parameters", name));
+        self.object
+            .insert("parameters".to_owned(), references.collect());
+        self
+    }
+
+    /// The body: JSON with this schema and these examples, or a protobuf message.
+    pub fn body(mut self, schema: &str, message: &str, examples: Value) -> Self {
+        let json = json!({"schema": reference("schemas", schema), "examples": examples});
+        let body = json!({
+            "description": format!("JSON, or a `piad.v1.{message}` message."),
+            "required": true,
+            "content": {JSON: json, PROTOBUF: message_content(message)},
+        });
+        self.object.insert("requestBody".to_owned(), body);
+        self
+    }
+
+    /// An answer with content of these media types, and these headers besides the id of the request.
+    pub fn answer(
+        mut self,
+        status: u16,
+        description: &str,
+        content: &[(&str, Value)],
+        headers: &[&str],
+    ) -> Self {
+        let mut answer = json!({"description": description, "headers": header_references(headers)});
+        if !content.is_empty() {
+            let content = content.iter().map(|(name, value)| (*name, value.clone()));
+            answer["content"] = content.collect();
+        }
+        self.answers.insert(status, answer);
+        self
+    }
+
+    /// An answer that is a JSON object, and never anything else.
+    pub fn json(self, status: u16, description: &str, schema: &str) -> Self {
+        self.answer(status, description, &[json_of(schema)], &[])
+    }
+
+    /// What can be done with the job in an answer.
+    pub fn links(mut self, status: u16, ids: &[&str]) -> Self {
+        let links = ids
+            .iter()
+            .map(|id| ((*id).to_owned(), reference("links", id)));
+        if let Some(answer) = self.answers.get_mut(&status) {
+            answer["links"] = links.collect();
+        }
+        self
+    }
+
+    /// The problems that it may answer, besides a defect of the server.
+    pub fn problems(mut self, kinds: &[Kind]) -> Self {
+        self.problems.extend(kinds);
+        self
+    }
+
+    /// The operation as the specification has it.
+    pub fn object(mut self) -> Value {
+        self.problems.push(Kind::Internal);
+        let mut groups: BTreeMap<u16, Vec<Kind>> = BTreeMap::new();
+        for kind in self.problems {
+            let status = kind.entry().status.as_u16();
+            groups.entry(status).or_default().push(kind);
+        }
+        for (status, kinds) in groups {
+            self.answers.insert(status, problem_answer(status, &kinds));
+        }
+        let answers = self.answers.into_iter();
+        let answers = answers.map(|(status, answer)| (status.to_string(), answer));
+        self.object
+            .insert("responses".to_owned(), answers.collect());
+        Value::Object(self.object)
+    }
+}
+
+/// A reference to a component.
+pub fn reference(section: &str, name: &str) -> Value {
+    json!({"$ref": format!("#/components/{section}/{name}")})
+}
+
+/// JSON of this schema as the content of an answer.
+pub fn json_of(schema: &str) -> (&'static str, Value) {
+    (JSON, json!({"schema": reference("schemas", schema)}))
+}
+
+/// A message as the content of an answer.
+pub fn message_of(message: &str) -> (&'static str, Value) {
+    (PROTOBUF, message_content(message))
+}
+
+fn message_content(message: &str) -> Value {
+    json!({"schema": {
+        "description": format!("A message `piad.v1.{message}` of proto/piad/v1/fitting.proto."),
+        "contentMediaType": PROTOBUF,
+    }})
+}
+
+/// All problems with the same status.
+fn problem_answer(status: u16, kinds: &[Kind]) -> Value {
+    let lines = kinds.iter().map(|kind| {
+        let entry = kind.entry();
+        format!("- `/problems/{}`: {}", entry.slug, entry.meaning)
+    });
+    let lines: Vec<String> = lines.collect();
+    let examples = kinds.iter().map(|kind| {
+        let slug = kind.entry().slug;
+        (slug.to_owned(), reference("examples", slug))
+    });
+    let examples: Map<String, Value> = examples.collect();
+    let headers: &[&str] = match status {
+        503 => &["Retry-After"],
+        _ => &[],
+    };
+    json!({
+        "description": lines.join("\n"),
+        "headers": header_references(headers),
+        "content": {
+            "application/problem+json": {
+                "schema": reference("schemas", "Problem"),
+                "examples": examples,
+            },
+        },
+    })
+}
+
+fn header_references(names: &[&str]) -> Map<String, Value> {
+    let all = ["X-Request-Id"].iter().chain(names);
+    all.map(|name| ((*name).to_owned(), reference("headers", name)))
+        .collect()
+}

@@ -1,0 +1,238 @@
+//! Creating, editing, listing, showing, cancelling and deleting jobs, and their events.
+
+use serde_json::{Value, json};
+
+use super::{NEGOTIATION, NEW_JOB, OF_A_JOB, WITH_A_JOB, events, job};
+use crate::api::openapi::operation::{Operation, Tag, json_of, message_of};
+use crate::api::problem::Kind;
+
+/// The parameters of an event stream that a job may set, too.
+const STREAM: [&str; 9] = [
+    "view",
+    "samples",
+    "every",
+    "milestones",
+    "pace",
+    "changed",
+    "encoding",
+    "digits",
+    "on_disconnect",
+];
+
+/// The parameters of posting a job.
+fn posting(path: &[&'static str]) -> Vec<&'static str> {
+    let headers = ["Prefer", "Idempotency-Key"];
+    [path, &headers, &STREAM].concat()
+}
+
+/// The answers to a new job.
+fn created(operation: Operation) -> Operation {
+    operation
+        .answer(
+            200,
+            "With an Accept header that asks for events: the event stream of the new job, of which the schemas describe one event. It ends with the job.",
+            &events(),
+            &["Location", "Idempotency-Replayed"],
+        )
+        .answer(
+            201,
+            "The new job as it stands, or with `Prefer: wait` when it has ended. Also if it was made before, for the same key.",
+            &job(),
+            &["Location", "Idempotency-Replayed", "Preference-Applied"],
+        )
+        .links(201, &WITH_A_JOB)
+        .problems(&NEW_JOB)
+}
+
+/// `POST /v1/jobs`
+pub fn create() -> Operation {
+    let operation = Operation::new(
+        Tag::Jobs,
+        "createJob",
+        "Fit a curve or a surface",
+        "Makes a job. It runs whether anybody looks or not. With `Accept: text/event-stream`, or `application/x-ndjson`, the answer is the event stream of the job, and query parameters say what it is like; without, they are refused.",
+    );
+    let operation =
+        operation
+            .parameters(&posting(&[]))
+            .body("JobRequest", "JobInput", job_examples());
+    created(operation)
+}
+
+fn job_examples() -> Value {
+    json!({
+        "curve": {
+            "summary": "A cubic B-spline through points",
+            "value": {
+                "name": "wing section",
+                "curve": {"points": [[1.0, 0.0013], [0.95, 0.0114], [0.9, 0.0208], [0.8, 0.0375], [0.7, 0.0518]]},
+            },
+        },
+        "surface": {
+            "summary": "A surface, with all that can be said of it",
+            "value": {
+                "surface": {
+                    "points": [
+                        [[0, 0, 0], [0, 1, 1], [0, 2, 0], [0, 3, 1]],
+                        [[1, 0, 1], [1, 1, 3], [1, 2, 1], [1, 3, 2]],
+                        [[2, 0, 0], [2, 1, 1], [2, 2, 0], [2, 3, 1]],
+                    ],
+                    "basis": {"u": {"kind": "bspline", "degree": 2, "knots": "averaged"}, "v": {"kind": "bspline"}},
+                    "parameters": "centripetal",
+                    "closed": {"u": false, "v": false},
+                },
+                "method": {"kind": "weighted", "omega": "auto"},
+                "stop": {"tolerance": 1e-6, "max_iterations": 500},
+                "stream": {"view": "samples", "samples": "20x30", "milestones": [0.1, 0.01]},
+            },
+        },
+        "rational": {
+            "summary": "A rational curve, whose weights evolve",
+            "value": {
+                "curve": {"points": [[0, 0], [1, 2], [3, 2], [4, 0]], "weights": [1, 2, 2, 1], "parameters": "uniform"},
+                "rational": "homogeneous",
+            },
+        },
+        "local": {
+            "summary": "Only two control points move",
+            "value": {
+                "curve": {"points": [[0, 0], [1, 2], [3, 1], [4, 3], [6, 2]]},
+                "method": {"kind": "local", "indices": [1, 2]},
+            },
+        },
+        "least_squares": {
+            "summary": "Fewer control points than data",
+            "value": {
+                "curve": {"points": [[0, 0], [1, 2], [2, 1], [3, 3], [4, 0], [5, 1], [6, 2], [7, 0]], "parameters": "uniform"},
+                "method": {"kind": "least_squares", "control_points": 5, "variant": "cg"},
+            },
+        },
+    })
+}
+
+/// `POST /v1/jobs/{id}/edits`
+pub fn edit() -> Operation {
+    let operation = Operation::new(
+        Tag::Jobs,
+        "editJob",
+        "Change a fit and go on from there",
+        "Makes a new job that starts from the control points of another one, which may still be running. Parameters and knots stay those of the parent, so that a moved point moves no other. Everything that is not given stays as it is.",
+    );
+    let examples = json!({
+        "move": {
+            "summary": "Move a point, and fit what is around it again",
+            "value": {
+                "points": [{"index": 2, "point": [0.9, 0.03]}],
+                "method": {"kind": "local", "indices": [1, 2, 3]},
+            },
+        },
+        "stop": {
+            "summary": "Go on from an iteration, with another method and more exactly",
+            "value": {
+                "name": "wing section, exact",
+                "iteration": 0,
+                "method": {"kind": "chebyshev"},
+                "stop": {"relative_tolerance": 1e-12},
+            },
+        },
+    });
+    let operation = operation
+        .parameters(&posting(&["id"]))
+        .body("EditRequest", "Edit", examples);
+    created(operation).problems(&[Kind::UnknownJob, Kind::NotFound])
+}
+
+/// `GET /v1/jobs`
+pub fn list() -> Operation {
+    Operation::new(
+        Tag::Jobs,
+        "listJobs",
+        "List jobs",
+        "The jobs that the server has, the newest first.",
+    )
+    .parameters(&["state", "limit", "cursor"])
+    .answer(
+        200,
+        "A page of the list.",
+        &[json_of("JobPage"), message_of("ListJobsResponse")],
+        &[],
+    )
+    .problems(&NEGOTIATION)
+}
+
+/// `GET /v1/jobs/{id}`
+pub fn get() -> Operation {
+    Operation::new(
+        Tag::Jobs,
+        "getJob",
+        "Show a job",
+        "Its state, the iteration that it has reached, the distances there, and where to go on.",
+    )
+    .parameters(&["id"])
+    .answer(200, "The job as it stands.", &job(), &[])
+    .problems(&OF_A_JOB)
+}
+
+/// `DELETE /v1/jobs/{id}`
+pub fn delete() -> Operation {
+    Operation::new(
+        Tag::Jobs,
+        "deleteJob",
+        "Forget a job",
+        "Stops the job if it is running, and deletes it with all that belongs to it. Edits of it need it no more.",
+    )
+    .parameters(&["id"])
+    .answer(204, "It is gone.", &[], &[])
+    .problems(&[Kind::UnknownJob, Kind::NotFound, Kind::StoreFull])
+}
+
+/// `POST /v1/jobs/{id}/cancel`
+pub fn cancel() -> Operation {
+    Operation::new(
+        Tag::Jobs,
+        "cancelJob",
+        "Stop a job",
+        "Ends the job where it is. The iterations that were computed stay.",
+    )
+    .parameters(&["id"])
+    .answer(200, "The job, which is cancelled.", &job(), &[])
+    .problems(&OF_A_JOB)
+    .problems(&[Kind::AlreadyEnded])
+}
+
+/// `GET /v1/jobs/{id}/events`
+pub fn watch() -> Operation {
+    Operation::new(
+        Tag::Events,
+        "watchJob",
+        "Follow a job",
+        "Its events: the job, every iteration from 0 on in order and without gaps, the end. The stream runs at the pace of its reader and goes on after the last event that the client names. Some choices rule others out; that is answered with 400.",
+    )
+    .parameters(&[&["id", "Last-Event-ID", "last_event_id"], STREAM.as_slice()].concat())
+    .answer(
+        200,
+        "The event stream, of which the schemas describe one event. It ends with the job.",
+        &events(),
+        &["Piad-Resumed-After"],
+    )
+    .answer(204, "The client has seen the end; there is nothing more.", &[], &[])
+    .problems(&OF_A_JOB)
+}
+
+/// `GET /v1/jobs/{id}/input`
+pub fn input() -> Operation {
+    Operation::new(
+        Tag::Jobs,
+        "getInput",
+        "Show what was asked for",
+        "A body that would ask for the same fit again. An edit shows the changed fit.",
+    )
+    .parameters(&["id"])
+    .answer(
+        200,
+        "The job as it was accepted.",
+        &[json_of("JobRequest"), message_of("JobInput")],
+        &[],
+    )
+    .problems(&OF_A_JOB)
+}

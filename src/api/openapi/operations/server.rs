@@ -1,0 +1,125 @@
+//! The server itself.
+
+use crate::api::openapi::operation::{Operation, Tag};
+use crate::api::problem::Kind;
+use serde_json::json;
+
+fn server(id: &str, summary: &str, description: &str) -> Operation {
+    Operation::new(Tag::Server, id, summary, description)
+}
+
+/// `GET /`
+pub fn index() -> Operation {
+    server(
+        "getIndex",
+        "Show what this is",
+        "The name of the service, and where to go on.",
+    )
+    .json(200, "What this is.", "Index")
+}
+
+/// `GET /v1/capabilities`
+pub fn capabilities() -> Operation {
+    server(
+        "getCapabilities",
+        "Show what the server can do",
+        "Bases, methods, formats and limits.",
+    )
+    .json(200, "What the server can do.", "Capabilities")
+}
+
+/// `GET /problems`
+pub fn problems() -> Operation {
+    server(
+        "listProblems",
+        "List the kinds of problems",
+        "All values that the `type` of a problem object may have.",
+    )
+    .json(200, "All kinds.", "ProblemTypes")
+}
+
+/// `GET /problems/{slug}`
+pub fn problem() -> Operation {
+    server(
+        "getProblem",
+        "Explain a kind of problem",
+        "What the `type` of a problem object stands for.",
+    )
+    .parameters(&["slug"])
+    .json(200, "The kind.", "ProblemType")
+    .problems(&[Kind::NotFound])
+}
+
+/// `GET /metrics`
+pub fn metrics() -> Operation {
+    let text = json!({"schema": {"description": "Counters in the OpenMetrics text format.", "type": "string"}});
+    let content = [("application/openmetrics-text", text)];
+    server(
+        "getMetrics",
+        "Show counters",
+        "Counters of jobs, iterations and events, for Prometheus.",
+    )
+    .answer(200, "The counters.", &content, &[])
+}
+
+/// `GET /livez`
+pub fn livez() -> Operation {
+    server(
+        "getLiveness",
+        "Ask whether the server lives",
+        "It answers while the process is alive.",
+    )
+    .json(200, "It lives.", "Health")
+}
+
+/// `GET /readyz`
+pub fn readyz() -> Operation {
+    server(
+        "getReadiness",
+        "Ask whether the server takes work",
+        "It answers 503 while the server stops.",
+    )
+    .json(200, "It takes work.", "Health")
+    .problems(&[Kind::Stopping])
+}
+
+/// `GET /openapi.json`
+pub fn description() -> Operation {
+    let document = json!({"schema": {"description": "An OpenAPI 3.1 document.", "type": "object"}});
+    let content = [("application/json", document)];
+    server("getDescription", "Describe the API", "This document.").answer(
+        200,
+        "The description.",
+        &content,
+        &[],
+    )
+}
+
+/// `GET /docs`
+pub fn reference() -> Operation {
+    let page = json!({"schema": {"description": "A page that needs nothing from elsewhere.", "type": "string"}});
+    let content = [("text/html", page)];
+    server(
+        "getReference",
+        "Browse the API",
+        "The reference of the API, for people.",
+    )
+    .answer(200, "The reference.", &content, &[])
+}
+
+/// `GET /docs/{file}`
+pub fn reference_file() -> Operation {
+    let file = |text: &str| json!({"schema": {"description": text, "type": "string"}});
+    let content = [
+        ("text/javascript", file("A script.")),
+        ("text/css", file("A style sheet.")),
+    ];
+    server(
+        "getReferenceFile",
+        "Fetch a part of the reference",
+        "What the reference of the API is made of.",
+    )
+    .parameters(&["file"])
+    .answer(200, "The file.", &content, &[])
+    .problems(&[Kind::NotFound])
+}

@@ -1,0 +1,59 @@
+//! The reference of the API for people: Swagger UI over the description, from this server alone.
+//!
+//! What it is made of is built into the program, and its pages may not fetch anything from elsewhere.
+
+use axum::http::{HeaderName, HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+
+use crate::api::path::Named;
+use crate::api::problem::{Kind, Problem};
+
+const HTML: &str = include_str!("page.html");
+
+/// The files, with their media types.
+pub(super) const FILES: [(&str, &str, &[u8]); 3] = [
+    (
+        "start.js",
+        "text/javascript; charset=utf-8",
+        include_bytes!("start.js"),
+    ),
+    (
+        "swagger-ui-bundle.js",
+        "text/javascript; charset=utf-8",
+        include_bytes!(concat!(env!("OUT_DIR"), "/swagger-ui-bundle.js")),
+    ),
+    (
+        "swagger-ui.css",
+        "text/css; charset=utf-8",
+        include_bytes!(concat!(env!("OUT_DIR"), "/swagger-ui.css")),
+    ),
+];
+
+/// Swagger UI sets styles of single elements, and has its icons in its style sheet.
+const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'";
+
+/// `GET /docs`
+pub async fn page() -> Response {
+    answer("text/html; charset=utf-8", HTML.as_bytes())
+}
+
+/// `GET /docs/{file}`
+pub async fn file(Named(name): Named<String>) -> Result<Response, Problem> {
+    let known = FILES.iter().find(|(file, ..)| *file == name);
+    known
+        .map(|(_, media_type, bytes)| answer(media_type, bytes))
+        .ok_or_else(|| Problem::new(Kind::NotFound, format!("the reference has no {name:?}")))
+}
+
+fn answer(media_type: &'static str, bytes: &'static [u8]) -> Response {
+    let headers = [
+        (header::CONTENT_TYPE, media_type),
+        // Another version of the program may be here tomorrow.
+        (header::CACHE_CONTROL, "no-cache"),
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    ];
+    let headers =
+        headers.map(|(name, value): (HeaderName, _)| (name, HeaderValue::from_static(value)));
+    (headers, bytes).into_response()
+}

@@ -1,0 +1,287 @@
+//! Parameters in paths, queries and headers, and the headers of answers.
+
+use serde_json::{Map, Value, json};
+
+use super::operation::reference;
+use super::page;
+use crate::api::export::FORMAT_NAMES;
+use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
+use crate::api::negotiate::LONGEST_WAIT;
+use crate::api::options::MOST_MILESTONES;
+use crate::api::options::form::SAMPLE_GRID;
+use crate::api::order::LONGEST_KEY;
+
+/// The parameters, by the names of their components.
+pub(super) fn parameters() -> Map<String, Value> {
+    let groups = [paths(), lists(), views(), streams(), request_headers()];
+    let all = groups.into_iter().flatten();
+    all.map(|parameter| {
+        let name = parameter["name"].as_str().unwrap_or_default().to_owned();
+        (name, parameter)
+    })
+    .collect()
+}
+
+fn query(name: &str, description: &str, schema: Value, example: Value) -> Value {
+    parameter("query", name, description, schema, example)
+}
+
+fn parameter(place: &str, name: &str, description: &str, schema: Value, example: Value) -> Value {
+    json!({
+        "name": name,
+        "in": place,
+        "description": description,
+        "required": place == "path",
+        "schema": schema,
+        "example": example,
+    })
+}
+
+fn paths() -> Vec<Value> {
+    let iteration = json!({"anyOf": [
+        {"type": "integer", "minimum": 0, "maximum": 999_999_999},
+        {"type": "string", "const": "last"},
+    ]});
+    vec![
+        parameter(
+            "path",
+            "id",
+            "The id of the job.",
+            json!({"type": "string", "format": "uuid"}),
+            json!("019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
+        ),
+        parameter(
+            "path",
+            "k",
+            "The number of an iteration, from 0, or `last`: the last one so far.",
+            iteration,
+            json!("last"),
+        ),
+        parameter(
+            "path",
+            "slug",
+            "The last part of the `type` of a problem.",
+            json!({"type": "string", "pattern": "^[a-z-]+$"}),
+            json!("invalid-fit"),
+        ),
+        parameter(
+            "path",
+            "file",
+            "The name of the file.",
+            json!({"type": "string", "enum": page::FILES.map(|(name, ..)| name)}),
+            json!("start.js"),
+        ),
+    ]
+}
+
+fn lists() -> Vec<Value> {
+    vec![
+        query(
+            "state",
+            "Only jobs in this state.",
+            reference("schemas", "State"),
+            json!("converged"),
+        ),
+        query(
+            "limit",
+            "How many jobs a page has at most.",
+            json!({"type": "integer", "minimum": 1, "maximum": LARGEST_PAGE, "default": DEFAULT_PAGE}),
+            json!(10),
+        ),
+        query(
+            "cursor",
+            "Only jobs before this one, as `next` of the page before says.",
+            json!({"type": "string", "format": "uuid"}),
+            json!("019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
+        ),
+    ]
+}
+
+/// Of single iterations, results and streams.
+fn views() -> Vec<Value> {
+    vec![
+        query(
+            "format",
+            "The file format, or `json` or `protobuf`. It wins over the Accept header.",
+            json!({"type": "string", "enum": FORMAT_NAMES}),
+            json!("svg"),
+        ),
+        query(
+            "view",
+            "What is shown: control points, samples, or the errors alone.",
+            reference("schemas", "View"),
+            json!("samples"),
+        ),
+        query(
+            "samples",
+            "How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, svg and csv files.",
+            json!({"anyOf": [
+                {"type": "integer", "minimum": 2, "maximum": 1_000_000},
+                {"type": "string", "pattern": SAMPLE_GRID},
+            ]}),
+            json!("200"),
+        ),
+        query(
+            "encoding",
+            "How arrays of numbers are written in JSON.",
+            reference("schemas", "Encoding"),
+            json!("base64"),
+        ),
+        query(
+            "digits",
+            "How many digits coordinates have in JSON.",
+            reference("schemas", "Digits"),
+            json!("auto"),
+        ),
+    ]
+}
+
+fn streams() -> Vec<Value> {
+    let mut milestones = query(
+        "milestones",
+        "Only the first iteration whose largest error is within each of these distances, which decrease.",
+        json!({"type": "array", "items": {"type": "number", "exclusiveMinimum": 0}, "maxItems": MOST_MILESTONES}),
+        json!([0.1, 0.01]),
+    );
+    milestones["style"] = json!("form");
+    milestones["explode"] = json!(false);
+    vec![
+        query(
+            "every",
+            "Only iterations that are multiples of this number, and the last.",
+            json!({"type": "integer", "minimum": 1, "maximum": 999_999_999, "default": 1}),
+            json!(5),
+        ),
+        milestones,
+        query(
+            "pace",
+            "What a client gets that is slower than the fit: all iterations, or the latest.",
+            reference("schemas", "Pace"),
+            json!("latest"),
+        ),
+        query(
+            "changed",
+            "After a first complete event only control points that moved.",
+            json!({"type": "boolean", "default": false}),
+            json!(true),
+        ),
+        query(
+            "on_disconnect",
+            "What becomes of the job when the client goes away.",
+            reference("schemas", "OnDisconnect"),
+            json!("cancel"),
+        ),
+        query(
+            "last_event_id",
+            "As Last-Event-ID, for clients that cannot set headers. The header wins.",
+            event_id(),
+            json!("7"),
+        ),
+    ]
+}
+
+/// An iteration, the end, or nothing at all.
+fn event_id() -> Value {
+    json!({"type": "string", "pattern": "^(0|[1-9][0-9]{0,8}|end|)$"})
+}
+
+fn request_headers() -> Vec<Value> {
+    let header = |name, description, schema, example| {
+        parameter("header", name, description, schema, example)
+    };
+    vec![
+        header(
+            "Last-Event-ID",
+            "The id of the last event that the client has: the stream goes on after it. After `end` there is nothing: 204.",
+            event_id(),
+            json!("7"),
+        ),
+        header(
+            "Prefer",
+            &format!(
+                "`wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to {LONGEST_WAIT}, as it then stands. `stream`, with Accept: application/x-protobuf: the answer is the event stream."
+            ),
+            json!({"type": "string"}),
+            json!("wait=10"),
+        ),
+        header(
+            "Idempotency-Key",
+            "A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.",
+            json!({
+                "type": "string",
+                "minLength": 1,
+                "maxLength": LONGEST_KEY,
+                "pattern": "^[!-~]([ -~]*[!-~])?$",
+            }),
+            json!("wing-17"),
+        ),
+    ]
+}
+
+/// The headers of answers.
+pub(super) fn headers() -> Map<String, Value> {
+    let header = |description: &str, schema: Value, example: Value| json!({"description": description, "required": false, "schema": schema, "example": example});
+    let text = || json!({"type": "string"});
+    let headers = [
+        (
+            "X-Request-Id",
+            header(
+                "The id of the request: the client's own, or one that the server gave it.",
+                text(),
+                json!("019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
+            ),
+        ),
+        (
+            "Location",
+            header(
+                "The path of the new job.",
+                json!({"type": "string", "format": "uri-reference"}),
+                json!("/v1/jobs/019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
+            ),
+        ),
+        (
+            "Idempotency-Replayed",
+            header(
+                "The job was made before, for the same key.",
+                json!({"type": "string", "const": "true"}),
+                json!("true"),
+            ),
+        ),
+        (
+            "Preference-Applied",
+            header(
+                "How long the answer may have waited for the end of the job.",
+                text(),
+                json!("wait=10"),
+            ),
+        ),
+        (
+            "Piad-Resumed-After",
+            header(
+                "The iteration after which the stream goes on.",
+                json!({"type": "integer", "minimum": 0}),
+                json!(7),
+            ),
+        ),
+        (
+            "Content-Disposition",
+            header(
+                "A name for the file.",
+                text(),
+                json!("inline; filename=\"019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10-149.step\""),
+            ),
+        ),
+        (
+            "Retry-After",
+            header(
+                "After how many seconds to send the request again.",
+                json!({"type": "integer", "minimum": 0}),
+                json!(5),
+            ),
+        ),
+    ];
+    headers
+        .into_iter()
+        .map(|(name, header)| (name.to_owned(), header))
+        .collect()
+}

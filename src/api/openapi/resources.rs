@@ -1,0 +1,68 @@
+//! Routes with their descriptions: what is served is described, and what is described is served.
+
+use axum::Router;
+use axum::handler::Handler;
+use axum::routing::{MethodRouter, delete, get, post};
+use serde_json::{Map, Value, json};
+
+use super::operation::Operation;
+use crate::api::App;
+
+/// The resources of the API.
+#[derive(Default)]
+pub struct Resources {
+    router: Router<App>,
+    paths: Map<String, Value>,
+}
+
+impl Resources {
+    /// Serves GET.
+    pub fn get<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
+    where
+        H: Handler<T, App>,
+        T: 'static,
+    {
+        self.add(path, "get", get(handler), operation)
+    }
+
+    /// Serves POST.
+    pub fn post<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
+    where
+        H: Handler<T, App>,
+        T: 'static,
+    {
+        self.add(path, "post", post(handler), operation)
+    }
+
+    /// Serves DELETE.
+    pub fn delete<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
+    where
+        H: Handler<T, App>,
+        T: 'static,
+    {
+        self.add(path, "delete", delete(handler), operation)
+    }
+
+    fn add(
+        mut self,
+        path: &str,
+        verb: &str,
+        handler: MethodRouter<App>,
+        operation: Operation,
+    ) -> Self {
+        self.router = self.router.route(path, handler);
+        let resource = self.paths.entry(path).or_insert_with(|| json!({}));
+        resource[verb] = operation.object();
+        self
+    }
+
+    /// The routes.
+    pub fn router(self) -> Router<App> {
+        self.router
+    }
+
+    /// The paths of the document.
+    pub fn described(self) -> Map<String, Value> {
+        self.paths
+    }
+}

@@ -1,0 +1,65 @@
+//! What JSON clients may send, as JSON schemas for the description of the API.
+//!
+//! Schemas of types with derived readers are derived, too. Where a reader is written by hand so is
+//! its schema.
+//!
+//! - [`alternatives`]: objects whose fields depend on one of them;
+//! - `numbers`: points, weights and numbers.
+
+pub mod alternatives;
+pub mod numbers;
+
+use schemars::{Schema, json_schema};
+use serde_json::Value;
+
+/// Gives a type, or a name that stands for a schema, the schema that is written down.
+macro_rules! schema_of {
+    ($type:ty, $name:literal, $generator:ident => $schema:expr) => {
+        impl schemars::JsonSchema for $type {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                $name.into()
+            }
+
+            fn json_schema($generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                $schema
+            }
+        }
+    };
+    ($type:ty, $name:literal, $schema:expr) => {
+        schema_of!($type, $name, _generator => $schema);
+    };
+}
+pub(in crate::api) use schema_of;
+
+/// The same schema with a description of what it is for here.
+pub fn described(schema: &Schema, description: &str) -> Schema {
+    let mut schema = schema.clone();
+    schema.insert("description".to_owned(), Value::from(description));
+    schema
+}
+
+/// A value for each direction of a surface.
+pub fn each(value: &Schema) -> Schema {
+    json_schema!({
+        "title": "PerDirection",
+        "description": "One for each direction.",
+        "type": "object",
+        "properties": {
+            "u": described(value, "For u, from row to row."),
+            "v": described(value, "For v, from column to column."),
+        },
+        "required": ["u", "v"],
+        "additionalProperties": false,
+    })
+}
+
+/// One of these names.
+pub fn names(description: &str, usual: &str, names: &[&str]) -> Schema {
+    json_schema!({
+        "description": description,
+        "type": "string",
+        "enum": names,
+        "default": usual,
+        "examples": [usual],
+    })
+}
