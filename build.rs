@@ -23,8 +23,13 @@ const ENCODED: [&str; 5] = [
     "WatchJobResponse",
 ];
 
-/// What a page needs of Swagger UI.
-const REFERENCE: [&str; 2] = ["swagger-ui-bundle.js", "swagger-ui.css"];
+/// What a page needs of Swagger UI, and what its licence asks to be passed on.
+const REFERENCE: [&str; 4] = [
+    "dist/swagger-ui-bundle.js",
+    "dist/swagger-ui.css",
+    "LICENSE",
+    "NOTICE",
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=build.rs");
@@ -53,12 +58,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn unpack_reference(out: &Path) -> Result<(), Box<dyn Error>> {
     let mut archive = ZipArchive::new(Cursor::new(SWAGGER_UI_VENDORED))?;
     for name in REFERENCE {
-        let ending = format!("/dist/{name}");
+        let ending = format!("/{name}");
         let found = archive
             .file_names()
             .flatten()
             .find(|path| path.ends_with(&ending));
         let path = found.ok_or(name)?.into_owned();
+        let name = name.trim_start_matches("dist/");
         let mut file = File::create(out.join(name))?;
         io::copy(&mut archive.by_name(&path)?, &mut file)?;
     }

@@ -11,7 +11,7 @@ use crate::api::problem::{Kind, Problem};
 const HTML: &str = include_str!("page.html");
 
 /// The files, with their media types.
-pub(super) const FILES: [(&str, &str, &[u8]); 3] = [
+pub(super) const FILES: [(&str, &str, &[u8]); 5] = [
     (
         "start.js",
         "text/javascript; charset=utf-8",
@@ -26,6 +26,17 @@ pub(super) const FILES: [(&str, &str, &[u8]); 3] = [
         "swagger-ui.css",
         "text/css; charset=utf-8",
         include_bytes!(concat!(env!("OUT_DIR"), "/swagger-ui.css")),
+    ),
+    // Of Swagger UI, which is under the Apache License 2.0.
+    (
+        "LICENSE",
+        "text/plain; charset=utf-8",
+        include_bytes!(concat!(env!("OUT_DIR"), "/LICENSE")),
+    ),
+    (
+        "NOTICE",
+        "text/plain; charset=utf-8",
+        include_bytes!(concat!(env!("OUT_DIR"), "/NOTICE")),
     ),
 ];
 
