@@ -113,6 +113,7 @@ pub fn reference_file() -> Operation {
     let content = [
         ("text/javascript", file("A script.")),
         ("text/css", file("A style sheet.")),
+        ("text/plain", file("A licence.")),
     ];
     server(
         "getReferenceFile",
