@@ -23,7 +23,7 @@ const SMALL: usize = 16 * 1024;
 const AHEAD: usize = 3;
 
 /// Pieces that are copied together are sent when they have this size.
-pub const ENOUGH: usize = 64 * 1024;
+const ENOUGH: usize = 64 * 1024;
 
 /// Bytes in the order in which they are sent.
 pub struct Outgoing {
