@@ -5,6 +5,7 @@ use super::error::{ExportError, Place};
 use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
+use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
@@ -166,7 +167,7 @@ impl Net {
         let geometry = Geometry::new(problem, control_points);
         let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));
         let net: Vec<usize> = (0..rows).flat_map(|row| geometry.row(row)).collect();
-        let complete = |lane: &Vec<f64>| net.iter().map(|&index| lane[index]).collect();
+        let complete = |lane: &Lane| net.iter().map(|&index| lane[index]).collect();
         let mut lanes: Vec<Vec<f64>> = control_points.lanes().iter().map(complete).collect();
         let weights = if problem.is_homogeneous() {
             lanes.pop()

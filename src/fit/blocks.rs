@@ -8,10 +8,10 @@ use std::ops::Range;
 use super::points::Grid;
 
 /// The most points of a block.
-pub const BLOCK: usize = 256;
+pub const BLOCK: usize = 1024;
 
 /// Numbers that are added up side by side in a block.
-const LANES: usize = 8;
+pub const LANES: usize = 8;
 
 /// The division of a grid into blocks: several whole lines, or equal parts of one line. (A curve
 /// is a grid of lines with one point each.)
@@ -88,46 +88,105 @@ pub struct Block {
     pub homogeneous_squares: f64,
 }
 
+/// What the squares of a block add up to: number k of a block goes to lane k mod [`LANES`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
+    /// The largest square.
+    pub max: [f64; LANES],
+    /// The sum of the squares.
+    pub squares: [f64; LANES],
+    /// The sum of their roots.
+    pub roots: [f64; LANES],
+}
+
+impl Sums {
+    /// Of all squares of a block.
+    pub fn of(squares: &[f64]) -> Self {
+        pulp::Arch::new().dispatch(AddUp(squares))
+    }
+
+    /// Adds a number to its lane.
+    #[inline(always)]
+    pub fn add(&mut self, lane: usize, square: f64) {
+        self.max[lane] = larger(square, self.max[lane]);
+        self.squares[lane] += square;
+        self.roots[lane] += square.sqrt();
+    }
+}
+
+/// Adds up a block, compiled for several instruction sets.
+struct AddUp<'a>(&'a [f64]);
+
+impl pulp::NullaryFnOnce for AddUp<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn call(self) -> Sums {
+        let mut sums = Sums::default();
+        let (chunks, rest) = self.0.as_chunks::<LANES>();
+        for chunk in chunks {
+            let roots = chunk.map(f64::sqrt);
+            for lane in 0..LANES {
+                sums.max[lane] = larger(chunk[lane], sums.max[lane]);
+                sums.squares[lane] += chunk[lane];
+                sums.roots[lane] += roots[lane];
+            }
+        }
+        for (lane, &square) in rest.iter().enumerate() {
+            sums.add(lane, square);
+        }
+        sums
+    }
+}
+
+/// Room for the squares of a block, from the start of a cache line on.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Squares([f64; BLOCK]);
+
+impl Squares {
+    /// All zero.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self([0.0; BLOCK])
+    }
+
+    /// So many of them.
+    #[inline(always)]
+    pub fn first(&mut self, count: usize) -> &mut [f64] {
+        &mut self.0[..count]
+    }
+}
+
+impl Default for Squares {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Not a number is never the largest.
+#[inline(always)]
+fn larger(square: f64, max: f64) -> f64 {
+    if square > max { square } else { max }
+}
+
 impl Block {
     /// Of squares of the points from `start` on.
-    #[inline(always)]
     pub fn of(start: usize, squares: &[f64]) -> Self {
-        // Roots of zeros at the end change no sum.
-        let (mut all, mut roots) = ([0.0; BLOCK], [0.0; BLOCK]);
-        all[..squares.len()].copy_from_slice(squares);
-        for (root, square) in roots.iter_mut().zip(&all) {
-            *root = square.sqrt();
-        }
-        let (mut max, mut sum, mut root_sum) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for chunk in all.as_chunks::<LANES>().0 {
-            for lane in 0..LANES {
-                // Not a number is never the largest.
-                max[lane] = if chunk[lane] > max[lane] {
-                    chunk[lane]
-                } else {
-                    max[lane]
-                };
-            }
-        }
-        for chunk in all.as_chunks::<LANES>().0 {
-            for lane in 0..LANES {
-                sum[lane] += chunk[lane];
-            }
-        }
-        for chunk in roots.as_chunks::<LANES>().0 {
-            for lane in 0..LANES {
-                root_sum[lane] += chunk[lane];
-            }
-        }
-        let max = max.into_iter().fold(0.0, f64::max);
+        Self::new(start, squares, &Sums::of(squares))
+    }
+
+    /// Of squares that have been added up.
+    pub fn new(start: usize, squares: &[f64], sums: &Sums) -> Self {
+        let max = sums.max.into_iter().fold(0.0, f64::max);
         let mut block = Self {
             max,
-            squares: add_up(sum),
-            roots: add_up(root_sum),
+            squares: add_up(sums.squares),
+            roots: add_up(sums.roots),
             ..Self::default()
         };
         if max > 0.0 {
-            block.at = start + position(squares, max);
+            block.at = start + pulp::Arch::new().dispatch(|| position(squares, max));
         }
         block
     }
@@ -180,6 +239,8 @@ mod tests {
             (5, 256),
             (2, 1000),
             (9, 200),
+            (3000, 1),
+            (2, 2500),
         ] {
             let blocks = Blocks::new(Grid { rows, columns });
             let mut next = 0;

@@ -9,6 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
+use super::bands;
 use super::direction::Direction;
 use super::linear::Inverse;
 use super::linear::banded::Banded;
@@ -36,7 +37,7 @@ impl Collocation {
     /// copies are added to the column of the control point that they copy.
     pub fn new(direction: &Direction) -> Self {
         if direction.basis.is_local() {
-            Self::Banded(banded(direction))
+            Self::Banded(bands::banded(direction))
         } else {
             let matrix = dense(direction);
             let transposed = matrix.transpose();
@@ -206,26 +207,6 @@ fn dense(direction: &Direction) -> DMatrix<f64> {
     matrix
 }
 
-fn banded(direction: &Direction) -> Banded {
-    let columns = direction.free();
-    let support = direction.basis.support_width();
-    // End copies share a column, so that a row can be shorter than the support, but never longer.
-    let width = support.min(columns);
-    let mut wide = vec![0.0; direction.parameters.len() * width];
-    let mut starts = Vec::with_capacity(direction.parameters.len());
-    let mut values = vec![0.0; support];
-    for (row, &t) in wide.chunks_exact_mut(width).zip(&direction.parameters) {
-        let start = direction.evaluate(t, &mut values);
-        let first = direction.free_index(start);
-        for (k, &value) in values.iter().enumerate() {
-            let column = direction.free_index(start + k);
-            row[(column + columns - first) % columns] += value;
-        }
-        starts.push(first);
-    }
-    Banded::pack(&wide, width, &starts, columns)
-}
-
 /// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
 #[derive(Clone, Debug)]
 pub struct Tensor {
@@ -298,7 +279,9 @@ impl Tensor {
     /// Numbers of scratch space that the maps of this matrix need.
     pub fn scratch(&self) -> usize {
         self.v.as_ref().map_or(0, |_| {
-            (self.control.rows * self.data.columns).max(self.data.count())
+            let between = |grid: Grid, other: Grid| grid.rows * other.columns;
+            let either = between(self.control, self.data).max(between(self.data, self.control));
+            either.max(self.data.count())
         })
     }
 
@@ -307,9 +290,9 @@ impl Tensor {
         match &self.v {
             None => self.u.apply_to_lines(x, y),
             Some(v) => {
-                let scratch = &mut scratch[..self.control.rows * self.data.columns];
-                v.apply_to_lines(x, scratch);
-                self.u.apply_across_lines(scratch, y);
+                let scratch = &mut scratch[..self.data.rows * self.control.columns];
+                self.u.apply_across_lines(x, scratch);
+                v.apply_to_lines(scratch, y);
             }
         }
     }

@@ -1,5 +1,7 @@
 //! One direction of the parameter domain: its basis at the parameters of the data.
 
+use std::ops::Range;
+
 use super::basis::{
     Basis, MAX_DEGREE, Polynomial,
     knots::{self, Knots},
@@ -168,6 +170,19 @@ impl Direction {
         }
     }
 
+    /// The first ones of as many consecutive functions as can differ from zero at a parameter, as far
+    /// as each of these has a control point of its own, next to that of the function before (around
+    /// the end on closed curves).
+    pub fn own_functions(&self) -> Range<usize> {
+        let degree = self.basis.degree();
+        match self.ends {
+            Ends::Open { front_copies } => {
+                front_copies..front_copies + self.free.saturating_sub(degree)
+            }
+            Ends::Closed { .. } => 0..self.basis.functions(),
+        }
+    }
+
     /// Writes the values at `t` of the functions that can differ from zero there, with their
     /// weights, and returns the index of the first of them.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
@@ -177,6 +192,11 @@ impl Direction {
         let wraps = self.is_closed() && t > high;
         let t = if wraps { t - (high - low) } else { t };
         let start = self.basis.evaluate(t, values);
+        self.weigh(start, values)
+    }
+
+    /// Gives values of the functions from `start` on their weights; returns `start`.
+    pub fn weigh(&self, start: usize, values: &mut [f64]) -> usize {
         if let Some(weights) = &self.weights {
             // w_j B_j / Σ w_k B_k (LBW05 (3.7)).
             let mut sum = 0.0;

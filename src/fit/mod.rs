@@ -41,6 +41,7 @@
 //! blending curves and patches*, CAGD 27 (2010) — **Lin10**; Deng, Guan, Wang, Deng, *An extension of
 //! a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
+mod bands;
 pub mod basis;
 pub mod blocks;
 pub mod collocation;
@@ -48,6 +49,7 @@ pub mod direction;
 pub mod geometry;
 pub mod invalid;
 pub mod iteration;
+pub mod lane;
 pub mod limit;
 pub mod linear;
 pub mod method;

@@ -3,6 +3,7 @@
 //! same errors to the last bit.
 
 use super::blocks::{BLOCK, Block, Blocks};
+use super::lane::Lane;
 use super::points::{Grid, Points};
 
 /// Distances of the curve from the data, in data units.
@@ -204,7 +205,7 @@ impl Norms {
     }
 }
 
-fn sum_squares(lanes: &[Vec<f64>], start: usize, scale: f64, squares: &mut [f64]) {
+fn sum_squares(lanes: &[Lane], start: usize, scale: f64, squares: &mut [f64]) {
     squares.fill(0.0);
     for lane in lanes {
         for (square, x) in squares.iter_mut().zip(&lane[start..]) {

@@ -1,6 +1,7 @@
 //! Ordered points, stored coordinate by coordinate.
 
 use super::invalid::Axis;
+use super::lane::Lane;
 
 /// Points of R^d as `d` arrays of coordinates ("lanes") of equal length.
 ///
@@ -8,27 +9,29 @@ use super::invalid::Axis;
 /// surface are stored row by row: point (i, j) of a grid with `c` columns has index `i·c + j`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Points {
-    lanes: Vec<Vec<f64>>,
+    lanes: Vec<Lane>,
 }
 
 impl Points {
     /// No points yet, of the given dimension (number of coordinates).
     pub fn new(dimension: usize) -> Self {
         Self {
-            lanes: vec![Vec::new(); dimension],
+            lanes: vec![Lane::new(); dimension],
         }
     }
 
     /// `count` points at the origin.
     pub fn zeros(dimension: usize, count: usize) -> Self {
         Self {
-            lanes: vec![vec![0.0; count]; dimension],
+            lanes: (0..dimension).map(|_| Lane::zeros(count)).collect(),
         }
     }
 
     /// Points of given lanes of equal length.
-    pub fn from_lanes(lanes: Vec<Vec<f64>>) -> Self {
-        Self { lanes }
+    pub fn from_lanes(lanes: impl IntoIterator<Item: Into<Lane>>) -> Self {
+        Self {
+            lanes: lanes.into_iter().map(Into::into).collect(),
+        }
     }
 
     /// Appends one point; coordinates beyond the dimension are not looked at.
@@ -45,7 +48,7 @@ impl Points {
 
     /// Number of points.
     pub fn len(&self) -> usize {
-        self.lanes.first().map_or(0, Vec::len)
+        self.lanes.first().map_or(0, |lane| lane.len())
     }
 
     /// Whether there is no point.
@@ -59,12 +62,12 @@ impl Points {
     }
 
     /// The lanes, one for each coordinate.
-    pub fn lanes(&self) -> &[Vec<f64>] {
+    pub fn lanes(&self) -> &[Lane] {
         &self.lanes
     }
 
     /// The lanes, to be written.
-    pub fn lanes_mut(&mut self) -> &mut [Vec<f64>] {
+    pub fn lanes_mut(&mut self) -> &mut [Lane] {
         &mut self.lanes
     }
 
@@ -102,7 +105,7 @@ impl Points {
 
     /// Gives back memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
-        self.lanes.iter_mut().for_each(Vec::shrink_to_fit);
+        self.lanes.iter_mut().for_each(Lane::shrink_to_fit);
     }
 }
 

@@ -304,7 +304,7 @@ fn start(
     }
     let mut lanes = control_points.lanes().to_vec();
     if !parent.is_homogeneous() {
-        lanes.push(ones.clone());
+        lanes.push(ones.as_slice().into());
     }
     for lane in &mut lanes {
         for (x, (new, old)) in lane.iter_mut().zip(new.iter().zip(old)) {

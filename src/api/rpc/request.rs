@@ -20,6 +20,7 @@ use crate::api::request::{
 };
 use crate::api::strict::{Count, Name, Object};
 use crate::config::Config;
+use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 
 /// Reads a message from the body of a request.
@@ -122,8 +123,8 @@ fn points(dimension: u32, flat: &[f64], root: &str) -> Result<Points, Problem> {
         let detail = format!("{count} numbers are no points of {dimension} coordinates");
         return Err(Problem::at_field(format!("{root}.points"), detail));
     }
-    let lane = |c| flat.iter().skip(c).step_by(dimension).copied().collect();
-    Ok(Points::from_lanes((0..dimension).map(lane).collect()))
+    let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
+    Ok(Points::from_lanes((0..dimension).map(lane)))
 }
 
 fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Problem> {

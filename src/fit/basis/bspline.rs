@@ -34,6 +34,70 @@ pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut 
     }
 }
 
+/// The most parameters of a run: their values stay in the nearest cache.
+pub const BLOCK: usize = 256;
+
+/// Writes the values at each `t_i` of the `degree + 1` B-splines that differ from zero on span
+/// `degree + i` of the given knots: those of function `i + k` to place i of lane k. The same numbers as
+/// [`evaluate`] computes, for as many parameters at a time as the processor can; at most [`BLOCK`].
+pub fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut [f64]]) {
+    pulp::Arch::new().dispatch(EvaluateRun {
+        degree,
+        knots,
+        t,
+        values,
+    });
+}
+
+struct EvaluateRun<'a, 'b> {
+    degree: usize,
+    knots: &'a [f64],
+    t: &'a [f64],
+    values: &'a mut [&'b mut [f64]],
+}
+
+impl pulp::NullaryFnOnce for EvaluateRun<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self {
+            degree,
+            knots,
+            t,
+            values,
+        } = self;
+        let mut carried = [0.0; BLOCK];
+        let carried = &mut carried[..t.len()];
+        values[0].fill(1.0);
+        for r in 1..=degree {
+            carried.fill(0.0);
+            for j in 0..r {
+                let right = &knots[degree + 1 + j..];
+                let left = &knots[degree + 1 + j - r..];
+                recur(right, left, t, values[j], carried);
+            }
+            values[r].copy_from_slice(carried);
+        }
+    }
+}
+
+/// A step of the recurrence, for many parameters.
+#[inline(always)]
+fn recur(right: &[f64], left: &[f64], t: &[f64], values: &mut [f64], carried: &mut [f64]) {
+    let n = t.len();
+    let (right, left) = (&right[..n], &left[..n]);
+    let (values, carried) = (&mut values[..n], &mut carried[..n]);
+    for i in 0..n {
+        let right = right[i] - t[i];
+        let left = t[i] - left[i];
+        let width = right + left;
+        let lower = values[i];
+        values[i] = carried[i] + right / width * lower;
+        carried[i] = left / width * lower;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,6 +184,30 @@ mod tests {
                 let values = row(degree, &knots, t);
                 assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
                 assert!(values.iter().all(|&value| value >= 0.0));
+            }
+        }
+    }
+
+    /// To the last bit.
+    #[test]
+    fn runs_are_made_of_single_parameters() {
+        for degree in 1..=7 {
+            let knots: Vec<f64> = (0..120)
+                .map(|i| f64::from(i) + 0.4 * f64::from(i * i).sin())
+                .collect();
+            let t: Vec<f64> = knots[degree..knots.len() - degree - 1]
+                .iter()
+                .enumerate()
+                .map(|(i, knot)| if i % 3 == 0 { *knot } else { knot + 0.1 })
+                .collect();
+            let mut lanes = vec![vec![0.0; t.len()]; degree + 1];
+            let mut values: Vec<&mut [f64]> = lanes.iter_mut().map(Vec::as_mut_slice).collect();
+            evaluate_run(degree, &knots, &t, &mut values);
+            for (i, &t) in t.iter().enumerate() {
+                let mut single = vec![0.0; degree + 1];
+                evaluate(degree, &knots, degree + i, t, &mut single);
+                let run: Vec<f64> = lanes.iter().map(|lane| lane[i]).collect();
+                assert_eq!(run, single, "degree {degree}, {i}");
             }
         }
     }

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use crate::fit::lane::Lane;
+
 /// A matrix with `width` consecutive entries in each row. In matrices of closed curves the columns
 /// are cyclic: behind the last one the first follows.
 #[derive(Clone, Debug)]
@@ -14,7 +16,7 @@ pub struct Banded {
     columns: usize,
     width: usize,
     /// The first entries of all rows, then the second ones, …
-    entries: Vec<f64>,
+    entries: Vec<Lane>,
     stretches: Vec<Stretch>,
     cyclic: bool,
     reach: usize,
@@ -22,10 +24,12 @@ pub struct Banded {
 
 /// Rows from `start` on to the next stretch, whose entries start `offset` columns behind the
 /// diagonal; not reduced by the period of a cyclic matrix.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    start: u32,
-    offset: i32,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// The first of its rows.
+    pub start: u32,
+    /// The column of an entry is its row, its place in the row, and so many.
+    pub offset: i32,
 }
 
 /// Entries of consecutive rows, each in the column so far behind the diagonal.
@@ -38,117 +42,37 @@ pub struct Diagonal<'a> {
     pub values: &'a [f64],
 }
 
-/// Where a row has entries that are not zero: columns `offset .. offset + length` behind the
-/// diagonal.
-#[derive(Clone, Copy)]
-struct Filled {
-    /// The first of them in the row as it is given.
-    low: usize,
-    length: usize,
-    offset: i32,
-}
-
-/// Stretches of fewer rows than this, on average, are worth zeros that join them.
-const LONG: usize = 64;
-
 /// Shorter parts of stretches are multiplied row by row.
 const SHORT: usize = 8;
 
-/// So many stretches are few, whatever their length: rows at the ends have their own.
-const FEW: usize = 16;
-
-impl Filled {
-    /// Of row `i`, which starts at column `start`.
-    fn new(i: usize, row: &[f64], start: usize, columns: usize, cyclic: bool) -> Self {
-        let low = row.iter().position(|&x| x != 0.0).unwrap_or(0);
-        let high = row.iter().rposition(|&x| x != 0.0).unwrap_or(0);
-        let mut offset = ((start + low) % columns) as i32 - i as i32;
-        if cyclic {
-            // The shorter way around.
-            let (columns, half) = (columns as i32, columns as i32 / 2);
-            offset = (offset + half).rem_euclid(columns) - half;
-        }
-        Self {
-            low,
-            length: high + 1 - low,
-            offset,
-        }
-    }
-}
-
-/// Joins rows of equal offsets. With `room`, rows start at that column at the latest and at the
-/// first one at the earliest.
-fn stretches(offsets: impl Iterator<Item = i32>, room: Option<usize>) -> Vec<Stretch> {
-    let mut stretches: Vec<Stretch> = Vec::new();
-    for (i, offset) in offsets.enumerate() {
-        let offset = match room {
-            Some(room) => (i as i32 + offset).clamp(0, room as i32) - i as i32,
-            None => offset,
-        };
-        if stretches.last().is_none_or(|last| last.offset != offset) {
-            let start = i as u32;
-            stretches.push(Stretch { start, offset });
-        }
-    }
-    stretches
-}
-
 impl Banded {
-    /// Packs rows of `support` entries, which start at the given columns, to the width of the
-    /// widest: zeros at the ends of rows are left out, unless a few of them make the stretches long.
-    pub fn pack(wide: &[f64], support: usize, starts: &[usize], columns: usize) -> Self {
-        let rows = starts.len();
-        let given = || wide.chunks_exact(support).zip(starts).enumerate();
-        let cyclic = given().any(|(i, (row, &start))| {
-            let filled = Filled::new(i, row, start % columns, columns, false);
-            (i as i32 + filled.offset) as usize + filled.length > columns
-        });
-        let filled: Vec<Filled> = given()
-            .map(|(i, (row, &start))| Filled::new(i, row, start, columns, cyclic))
-            .collect();
-        let width = filled.iter().map(|it| it.length).max().unwrap_or(1);
-        let room = |width| (!cyclic).then(|| columns - width);
-        let mut packed = Self {
-            rows,
-            columns,
-            width,
-            entries: Vec::new(),
-            stretches: stretches(filled.iter().map(|it| it.offset), room(width)),
-            cyclic,
-            reach: 0,
-        };
-        let lowest = filled.iter().map(|it| it.offset).min().unwrap_or(0);
-        let ends = filled.iter().map(|it| it.offset + it.length as i32);
-        let uniform = (ends.max().unwrap_or(1) - lowest) as usize;
-        if packed.stretches.len() > FEW + rows / LONG && uniform <= (width + 1).min(columns) {
-            packed.width = uniform;
-            packed.stretches = stretches(filled.iter().map(|_| lowest), room(uniform));
-        }
-        let behind = packed.width as i32 - 1;
-        let reaches = packed
-            .stretches
+    /// Of the entries of all rows: the first ones, the second ones, …
+    pub(super) fn new(
+        entries: Vec<Lane>,
+        columns: usize,
+        stretches: Vec<Stretch>,
+        cyclic: bool,
+    ) -> Self {
+        let behind = entries.len() as i32 - 1;
+        let reaches = stretches
             .iter()
             .map(|it| (it.offset + behind).max(-it.offset));
-        packed.reach = reaches.max().unwrap_or(0).max(0) as usize;
-        packed.entries = vec![0.0; rows * packed.width];
-        let mut stretches = packed.stretches.iter().peekable();
-        let mut first = 0;
-        for (i, (filled, (_, (row, _)))) in filled.iter().zip(given()).enumerate() {
-            if let Some(stretch) = stretches.next_if(|stretch| stretch.start as usize == i) {
-                first = stretch.offset;
-            }
-            let lead = (filled.offset - first) as usize;
-            for (k, value) in row[filled.low..][..filled.length].iter().enumerate() {
-                packed.entries[(lead + k) * rows + i] = *value;
-            }
+        Self {
+            rows: entries.first().map_or(0, |lane| lane.len()),
+            columns,
+            width: entries.len(),
+            reach: reaches.max().unwrap_or(0).max(0) as usize,
+            entries,
+            stretches,
+            cyclic,
         }
-        packed
     }
 
     /// `σ B − I`, if rows have room for the diagonal.
     pub fn shifted(&self, sigma: f64) -> Option<Self> {
         let mut shifted = self.clone();
-        shifted.entries.iter_mut().for_each(|x| *x *= sigma);
+        let entries = shifted.entries.iter_mut().flatten();
+        entries.for_each(|x| *x *= sigma);
         let ends = self
             .stretches
             .iter()
@@ -157,7 +81,7 @@ impl Banded {
         for (stretch, end) in self.stretches.iter().zip(ends.chain([self.rows])) {
             let place = usize::try_from(-stretch.offset).ok();
             let place = place.filter(|&place| place < self.width)?;
-            let diagonal = &mut shifted.entries[place * self.rows..][stretch.start as usize..end];
+            let diagonal = &mut shifted.entries[place][stretch.start as usize..end];
             diagonal.iter_mut().for_each(|x| *x -= 1.0);
         }
         Some(shifted)
@@ -196,7 +120,7 @@ impl Banded {
 
     /// Entry `k` of row `i`.
     pub fn entry(&self, i: usize, k: usize) -> f64 {
-        self.entries[k * self.rows + i]
+        self.entries[k][i]
     }
 
     fn offset(&self, i: usize) -> i32 {
@@ -206,7 +130,10 @@ impl Banded {
     }
 
     /// The parts of some rows with equal offsets from the diagonal, and these offsets.
-    fn spans(&self, rows: Range<usize>) -> impl Iterator<Item = (i32, Range<usize>)> + Clone + '_ {
+    pub fn spans(
+        &self,
+        rows: Range<usize>,
+    ) -> impl Iterator<Item = (i32, Range<usize>)> + Clone + '_ {
         let behind = self
             .stretches
             .partition_point(|it| it.start as usize <= rows.start);
@@ -229,7 +156,7 @@ impl Banded {
             (0..self.width).map(move |k| Diagonal {
                 offset: i64::from(offset) + k as i64,
                 start: span.start,
-                values: &self.entries[k * self.rows..][span.clone()],
+                values: &self.entries[k][span.clone()],
             })
         })
     }
@@ -248,7 +175,7 @@ impl Banded {
             } else {
                 column - self.columns
             };
-            (column, self.entries[k * self.rows + i])
+            (column, self.entries[k][i])
         })
     }
 
@@ -308,55 +235,52 @@ impl Banded {
     fn apply_width<const W: usize>(&self, rows: Range<usize>, x: &[f64], base: i64, y: &mut [f64]) {
         let start = rows.start;
         for (offset, span) in self.spans(rows) {
-            let (length, width) = (x.len() as i64, W as i64);
-            // Rows whose columns lie within x: all, but for the ends of cyclic matrices.
-            let inside = |i: i64| i.clamp(span.start as i64, span.end as i64);
-            let low = inside(base - i64::from(offset)) as usize;
-            let high =
-                inside(base - i64::from(offset) + length - width + 1).max(low as i64) as usize;
+            let Range {
+                start: low,
+                end: high,
+            } = self.inside(offset, span.clone(), x.len(), base);
             for i in (span.start..low).chain(high..span.end) {
                 y[i - start] = self.dot_row(i, offset, x, base);
             }
             if high - low < SHORT {
                 for i in low..high {
                     let x = &x[(i as i64 + i64::from(offset) - base) as usize..];
-                    let entry = |k| self.entries[k * self.rows + i] * x[k];
+                    let entry = |k: usize| self.entries[k][i] * x[k];
                     y[i - start] = (1..W).fold(entry(0), |sum, k| sum + entry(k));
                 }
             } else {
                 let x = &x[(low as i64 + i64::from(offset) - base) as usize..];
-                let b: [&[f64]; W] = std::array::from_fn(|k| &self.entries[k * self.rows + low..]);
+                let b: [&[f64]; W] = std::array::from_fn(|k| &self.entries[k][low..]);
                 multiply(b, x, &mut y[low - start..high - start]);
             }
         }
     }
 
-    /// The entries of some rows, as arrays along the diagonals, and the columns of x that they are
-    /// multiplied with, from the first one of the first row on: if the rows lie in one stretch and
-    /// these columns within x, which starts with column `base`.
-    #[inline(always)]
-    pub fn stretch<'a, const W: usize>(
-        &'a self,
-        rows: Range<usize>,
-        x: &'a [f64],
-        base: i64,
-    ) -> Option<([&'a [f64]; W], &'a [f64])> {
-        let (offset, span) = self.spans(rows.clone()).next()?;
-        if span != rows || W != self.width {
-            return None;
-        }
-        let first = usize::try_from(rows.start as i64 + i64::from(offset) - base).ok()?;
-        let columns = x.get(first..first + rows.len() + W - 1)?;
-        Some((
-            std::array::from_fn(|k| &self.entries[k * self.rows..][rows.clone()]),
-            columns,
-        ))
+    /// Entry `k` of some rows.
+    pub fn diagonal(&self, k: usize, rows: Range<usize>) -> &[f64] {
+        &self.entries[k][rows]
     }
 
-    fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
+    /// The rows of a span all of whose columns lie within so many, from column `base` on: all of
+    /// them, but for the ends of cyclic matrices.
+    pub fn inside(
+        &self,
+        offset: i32,
+        span: Range<usize>,
+        columns: usize,
+        base: i64,
+    ) -> Range<usize> {
+        let inside = |i: i64| i.clamp(span.start as i64, span.end as i64) as usize;
+        let low = base - i64::from(offset);
+        let start = inside(low);
+        start..inside(low + columns as i64 - self.width as i64 + 1).max(start)
+    }
+
+    /// Row `i` of a span times x.
+    pub fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
         let first = i as i64 + i64::from(offset) - base;
         let dot = |x: &mut dyn Iterator<Item = f64>| {
-            let entries = self.entries[i..].iter().step_by(self.rows);
+            let entries = self.entries.iter().map(|lane| lane[i]);
             let products = entries.zip(x).map(|(b, x)| b * x);
             products.reduce(|sum, product| sum + product).unwrap_or(0.0)
         };

@@ -4,6 +4,7 @@ mod band;
 pub mod banded;
 pub mod columns;
 pub mod lu;
+mod pack;
 pub mod qr;
 
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};

@@ -1,189 +1,411 @@
-//! One coordinate of some rows of a curve: `Δ = P − B X`, its squares and the next level, in one loop
-//! wherever the rows lie in one stretch of B.
+//! Consecutive rows of a banded matrix, all coordinates in one loop: `Δ = P − B X`, its squares and
+//! their sums, and the next level, while all of it is in registers.
+//!
+//! The loop is written with vectors of whatever length the processor has, as compilers give up on
+//! so many arrays. Sums are kept in [`LANES`] lanes whatever that length is.
 
 use std::array::from_fn;
 use std::ops::Range;
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::relaxation::Coefficients;
-use crate::fit::blocks::BLOCK;
+use crate::fit::blocks::{LANES, Sums};
 use crate::fit::linear::banded::Banded;
 
-/// What is read and written: arrays with a number for each row, but for `x`.
-pub struct Lane<'a> {
+/// What a loop does with the residual: nothing but to measure it, a step, or one with momentum.
+const MEASURE: u8 = 0;
+const RELAX: u8 = 1;
+const MOMENTUM: u8 = 2;
+
+/// Fewer rows of a stretch are computed one by one.
+const SHORT: usize = 2 * LANES;
+
+/// What is read and written of D coordinates: arrays with a number for each row, but for `x`.
+pub struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
-    pub x: &'a [f64],
+    pub x: [&'a [f64]; D],
     /// The first column that is there.
     pub base: i64,
     /// P.
-    pub data: &'a [f64],
+    pub data: [&'a [f64]; D],
     /// X at the rows themselves.
-    pub own: &'a [f64],
+    pub own: [&'a [f64]; D],
     /// X'.
-    pub next: &'a mut [f64],
+    pub next: [&'a mut [f64]; D],
     /// The last step, and then this one; empty without momentum.
-    pub step: &'a mut [f64],
-    /// Gets the squares of the scaled residuals added.
+    pub step: [&'a mut [f64]; D],
+    /// Gets the squares of the scaled residuals.
     pub squares: &'a mut [f64],
+    /// The place of the first row in its block.
+    pub place: usize,
 }
 
-/// Computes a lane of at most a block of rows.
-#[inline(always)]
-pub fn relax(
-    u: &Banded,
-    rows: Range<usize>,
-    coefficients: Coefficients,
-    scale: f64,
-    lane: Lane<'_>,
-) {
-    match u.width() {
-        2 => relax_width::<2>(u, rows, coefficients, scale, lane),
-        3 => relax_width::<3>(u, rows, coefficients, scale, lane),
-        4 => relax_width::<4>(u, rows, coefficients, scale, lane),
-        5 => relax_width::<5>(u, rows, coefficients, scale, lane),
-        6 => relax_width::<6>(u, rows, coefficients, scale, lane),
-        _ => one_by_one(u, rows, coefficients, scale, lane),
+/// What the rows are multiplied with, and what is done then.
+#[derive(Clone, Copy)]
+pub struct Update<'a> {
+    /// B.
+    pub matrix: &'a Banded,
+    /// Of the step; without, nothing moves, and X' is X.
+    pub coefficients: Option<Coefficients>,
+    /// What residuals are multiplied with before they are squared.
+    pub scale: f64,
+}
+
+impl Update<'_> {
+    /// Computes the rows of a block; returns what their squares add up to.
+    pub fn apply<const D: usize>(self, rows: Range<usize>, given: &mut Rows<'_, D>) -> Sums {
+        let mut sums = Sums::default();
+        self.add(rows, given, &mut sums);
+        sums
+    }
+
+    /// Computes rows of a block, and adds their squares to others.
+    pub fn add<const D: usize>(self, rows: Range<usize>, given: &mut Rows<'_, D>, sums: &mut Sums) {
+        for (offset, span) in self.matrix.spans(rows.clone()) {
+            let columns = given.x[0].len();
+            let whole = self
+                .matrix
+                .inside(offset, span.clone(), columns, given.base);
+            let fused = match self.matrix.width() {
+                _ if whole.len() < SHORT => span.start..span.start,
+                2..=6 => whole,
+                _ => span.start..span.start,
+            };
+            self.one_by_one(offset, span.start..fused.start, rows.start, given, sums);
+            if !fused.is_empty() {
+                let first = (fused.start as i64 + i64::from(offset) - given.base) as usize;
+                self.fused(fused.clone(), rows.start, first, given, sums);
+            }
+            self.one_by_one(offset, fused.end..span.end, rows.start, given, sums);
+        }
+    }
+
+    /// Rows of a stretch all of whose columns are there, from `first` on.
+    fn fused<const D: usize>(
+        self,
+        rows: Range<usize>,
+        base: usize,
+        first: usize,
+        given: &mut Rows<'_, D>,
+        sums: &mut Sums,
+    ) {
+        match self.matrix.width() {
+            2 => self.fused_width::<D, 2>(rows, base, first, given, sums),
+            3 => self.fused_width::<D, 3>(rows, base, first, given, sums),
+            4 => self.fused_width::<D, 4>(rows, base, first, given, sums),
+            5 => self.fused_width::<D, 5>(rows, base, first, given, sums),
+            _ => self.fused_width::<D, 6>(rows, base, first, given, sums),
+        }
+    }
+
+    fn fused_width<const D: usize, const W: usize>(
+        self,
+        rows: Range<usize>,
+        base: usize,
+        first: usize,
+        given: &mut Rows<'_, D>,
+        sums: &mut Sums,
+    ) {
+        let mut fused = Fused::<D, W> {
+            b: from_fn(|k| self.matrix.diagonal(k, rows.clone())),
+            x: given.x.map(|x| &x[first..]),
+            range: rows.start - base..rows.end - base,
+            coefficients: self.coefficients,
+            scale: self.scale,
+            rows: given,
+            sums,
+        };
+        Arch::new().dispatch(Run(&mut fused));
+    }
+
+    /// Rows that are few, unusually long, or go around the end.
+    fn one_by_one<const D: usize>(
+        self,
+        offset: i32,
+        rows: Range<usize>,
+        base: usize,
+        given: &mut Rows<'_, D>,
+        sums: &mut Sums,
+    ) {
+        for row in rows {
+            let i = row - base;
+            let x = given.x;
+            let products = x.map(|x| self.matrix.dot_row(row, offset, x, given.base));
+            let square = finish(self.coefficients, self.scale, given, i, products);
+            sums.add((given.place + i) % LANES, square);
+        }
     }
 }
 
-#[inline(always)]
-fn relax_width<const W: usize>(
-    u: &Banded,
-    rows: Range<usize>,
-    coefficients: Coefficients,
-    scale: f64,
-    lane: Lane<'_>,
-) {
-    let Some((b, columns)) = u.stretch::<W>(rows.clone(), lane.x, lane.base) else {
-        return one_by_one(u, rows, coefficients, scale, lane);
-    };
-    let rows = Rows { b, columns };
-    let Lane {
-        data,
-        own,
-        next,
-        step,
-        squares,
-        ..
-    } = lane;
-    if step.is_empty() {
-        rows.relax(coefficients.gain, scale, data, own, next, squares);
-    } else {
-        rows.relax_with_momentum(coefficients, scale, data, own, next, step, squares);
-    }
-}
-
-/// Rows of one stretch: their entries along the diagonals, and the columns that they are multiplied
-/// with. What is written comes as arguments of its own: so the compiler knows that it is nothing
-/// of what is read.
-struct Rows<'a, const W: usize> {
+/// Rows of one stretch.
+struct Fused<'a, 'b, const D: usize, const W: usize> {
+    /// Their entries along the diagonals.
     b: [&'a [f64]; W],
-    columns: &'a [f64],
-}
-
-impl<const W: usize> Rows<'_, W> {
-    #[inline(always)]
-    fn relax(
-        &self,
-        gain: f64,
-        scale: f64,
-        data: &[f64],
-        own: &[f64],
-        next: &mut [f64],
-        squares: &mut [f64],
-    ) {
-        let n = next.len();
-        let b: [&[f64]; W] = from_fn(|k| &self.b[k][..n]);
-        let x: [&[f64]; W] = from_fn(|k| &self.columns[k..k + n]);
-        let (data, own, squares) = (&data[..n], &own[..n], &mut squares[..n]);
-        for r in 0..n {
-            let mut sum = b[0][r] * x[0][r];
-            for k in 1..W {
-                sum += b[k][r] * x[k][r];
-            }
-            let delta = data[r] - sum;
-            next[r] = own[r] + gain * delta;
-            let scaled = delta * scale;
-            squares[r] += scaled * scaled;
-        }
-    }
-
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "see above")]
-    fn relax_with_momentum(
-        &self,
-        Coefficients { momentum, gain }: Coefficients,
-        scale: f64,
-        data: &[f64],
-        own: &[f64],
-        next: &mut [f64],
-        step: &mut [f64],
-        squares: &mut [f64],
-    ) {
-        let n = next.len();
-        let b: [&[f64]; W] = from_fn(|k| &self.b[k][..n]);
-        let x: [&[f64]; W] = from_fn(|k| &self.columns[k..k + n]);
-        let (data, own) = (&data[..n], &own[..n]);
-        let (step, squares) = (&mut step[..n], &mut squares[..n]);
-        for r in 0..n {
-            let mut sum = b[0][r] * x[0][r];
-            for k in 1..W {
-                sum += b[k][r] * x[k][r];
-            }
-            let delta = data[r] - sum;
-            step[r] = momentum * step[r] + gain * delta;
-            next[r] = own[r] + step[r];
-            let scaled = delta * scale;
-            squares[r] += scaled * scaled;
-        }
-    }
-}
-
-/// The same, operation by operation, for all rows.
-#[inline(always)]
-fn one_by_one(
-    u: &Banded,
-    rows: Range<usize>,
-    coefficients: Coefficients,
+    /// What the first row is multiplied with, and so on.
+    x: [&'a [f64]; D],
+    /// Which of the given rows they are.
+    range: Range<usize>,
+    coefficients: Option<Coefficients>,
     scale: f64,
-    lane: Lane<'_>,
-) {
-    let mut delta = [0.0; BLOCK];
-    let delta = &mut delta[..rows.len()];
-    u.apply_rows(rows, lane.x, lane.base, delta);
-    subtract_from(lane.data, delta);
-    add_squares(delta, scale, lane.squares);
-    advance(coefficients, lane.own, delta, lane.step, lane.next);
+    rows: &'a mut Rows<'b, D>,
+    sums: &'a mut Sums,
 }
 
-/// The next level of some points, and the step that leads there if there is momentum.
-#[inline(always)]
-pub fn advance(
-    coefficients: Coefficients,
-    x: &[f64],
-    delta: &[f64],
-    step: &mut [f64],
-    next: &mut [f64],
-) {
-    if step.is_empty() {
-        coefficients.relax(x, delta, next);
-    } else {
-        coefficients.relax_with_momentum(x, delta, step, next);
+/// Compiled for several instruction sets.
+struct Run<'a, 'b, 'c, const D: usize, const W: usize>(&'a mut Fused<'b, 'c, D, W>);
+
+impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        match (self.0.coefficients, self.0.rows.step[0].is_empty()) {
+            (None, _) => self.0.run::<S, MEASURE>(simd),
+            (_, true) => self.0.run::<S, RELAX>(simd),
+            (_, false) => self.0.run::<S, MOMENTUM>(simd),
+        }
     }
 }
 
-/// `values ← data − values`.
-#[inline(always)]
-pub fn subtract_from(data: &[f64], values: &mut [f64]) {
-    for (value, data) in values.iter_mut().zip(data) {
-        *value = data - *value;
+impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
+    /// Rows up to a whole multiple of the lanes, then vectors, then what is left.
+    #[inline(always)]
+    fn run<S: Simd, const KIND: u8>(&mut self, simd: S) {
+        let Range { start, end } = self.range;
+        let place = self.rows.place + start;
+        let head = (start + place.next_multiple_of(LANES) - place).min(end);
+        let tail = end - (end - head) % LANES;
+        for i in start..head {
+            self.row(i);
+        }
+        if tail > head {
+            self.vectors::<S, KIND>(simd, head..tail);
+        }
+        for i in tail..end {
+            self.row(i);
+        }
+    }
+
+    #[inline(always)]
+    fn vectors<S: Simd, const KIND: u8>(&mut self, simd: S, range: Range<usize>) {
+        let (start, rounds) = (range.start, range.len() / LANES);
+        let behind = start - self.range.start;
+        // Vectors that fill the lanes.
+        let vectors = LANES / S::F64_LANES;
+        let n = rounds * vectors;
+        let mut sums = Vectors::<S>::new(self.sums);
+        let Rows {
+            data,
+            own,
+            next,
+            step,
+            squares,
+            ..
+        } = &mut *self.rows;
+        let b: [&[S::f64s]; W] = self.b.map(|b| &S::as_simd_f64s(&b[behind..]).0[..n]);
+        let x: [[&[S::f64s]; W]; D] = self
+            .x
+            .map(|x| from_fn(|k| &S::as_simd_f64s(&x[behind + k..]).0[..n]));
+        let data = data.map(|data| &S::as_simd_f64s(&data[start..]).0[..n]);
+        let own = own.map(|own| &S::as_simd_f64s(&own[start..]).0[..n]);
+        let next = next.each_mut();
+        let next = next.map(|next| &mut S::as_mut_simd_f64s(&mut next[start..]).0[..n]);
+        let (start_step, n_step) = if KIND == MOMENTUM { (start, n) } else { (0, 0) };
+        let step = step.each_mut();
+        let step = step.map(|it| &mut S::as_mut_simd_f64s(&mut it[start_step..]).0[..n_step]);
+        let squares = &mut S::as_mut_simd_f64s(&mut squares[start..]).0[..n];
+        let Coefficients { momentum, gain } = self.coefficients.unwrap_or_default();
+        let [momentum, gain] = [momentum, gain].map(|factor| simd.splat_f64s(factor));
+        let scale = simd.splat_f64s(self.scale);
+        for round in 0..rounds {
+            for vector in 0..vectors {
+                let i = round * vectors + vector;
+                let row: [S::f64s; W] = from_fn(|k| b[k][i]);
+                let mut square = simd.splat_f64s(0.0);
+                for c in 0..D {
+                    let mut sum = simd.mul_f64s(row[0], x[c][0][i]);
+                    for k in 1..W {
+                        sum = simd.add_f64s(sum, simd.mul_f64s(row[k], x[c][k][i]));
+                    }
+                    let delta = simd.sub_f64s(data[c][i], sum);
+                    next[c][i] = match KIND {
+                        MEASURE => own[c][i],
+                        RELAX => simd.add_f64s(own[c][i], simd.mul_f64s(gain, delta)),
+                        _ => {
+                            let kept = simd.mul_f64s(momentum, step[c][i]);
+                            step[c][i] = simd.add_f64s(kept, simd.mul_f64s(gain, delta));
+                            simd.add_f64s(own[c][i], step[c][i])
+                        }
+                    };
+                    let scaled = simd.mul_f64s(delta, scale);
+                    square = simd.add_f64s(square, simd.mul_f64s(scaled, scaled));
+                }
+                squares[i] = square;
+                sums.add(simd, vector, square);
+            }
+        }
+        sums.store(self.sums);
+    }
+
+    #[inline(always)]
+    fn row(&mut self, i: usize) {
+        let local = i - self.range.start;
+        let products: [f64; D] = from_fn(|c| {
+            let x = &self.x[c][local..];
+            let product = |k: usize| self.b[k][local] * x[k];
+            (1..W).fold(product(0), |sum, k| sum + product(k))
+        });
+        let place = self.rows.place + i;
+        let square = finish(self.coefficients, self.scale, self.rows, i, products);
+        self.sums.add(place % LANES, square);
     }
 }
 
-/// Adds the squares of scaled coordinates.
+/// What is done to a row when its products with X are known; returns its square.
 #[inline(always)]
-pub fn add_squares(delta: &[f64], scale: f64, squares: &mut [f64]) {
-    for (square, x) in squares.iter_mut().zip(delta) {
-        let x = x * scale;
-        *square += x * x;
+fn finish<const D: usize>(
+    coefficients: Option<Coefficients>,
+    scale: f64,
+    rows: &mut Rows<'_, D>,
+    i: usize,
+    products: [f64; D],
+) -> f64 {
+    let mut square = 0.0;
+    for (c, product) in products.into_iter().enumerate() {
+        let delta = rows.data[c][i] - product;
+        rows.next[c][i] = match (coefficients, rows.step[c].get_mut(i)) {
+            (None, _) => rows.own[c][i],
+            (Some(Coefficients { gain, .. }), None) => rows.own[c][i] + gain * delta,
+            (Some(Coefficients { momentum, gain }), Some(step)) => {
+                *step = momentum * *step + gain * delta;
+                rows.own[c][i] + *step
+            }
+        };
+        let scaled = delta * scale;
+        square += scaled * scaled;
+    }
+    rows.squares[i] = square;
+    square
+}
+
+/// [`Sums`] on their way, as vectors: as many as fill the lanes.
+struct Vectors<S: Simd> {
+    max: [S::f64s; LANES],
+    squares: [S::f64s; LANES],
+    roots: [S::f64s; LANES],
+}
+
+impl<S: Simd> Vectors<S> {
+    #[inline(always)]
+    fn new(sums: &Sums) -> Self {
+        let vectors = |lanes: &[f64; LANES]| {
+            let vectors = S::as_simd_f64s(lanes).0;
+            from_fn(|k| vectors[k % vectors.len()])
+        };
+        Self {
+            max: vectors(&sums.max),
+            squares: vectors(&sums.squares),
+            roots: vectors(&sums.roots),
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, simd: S, vector: usize, square: S::f64s) {
+        let max = self.max[vector];
+        // Not a number is never the largest.
+        self.max[vector] = simd.select_f64s(simd.greater_than_f64s(square, max), square, max);
+        self.squares[vector] = simd.add_f64s(self.squares[vector], square);
+        self.roots[vector] = simd.add_f64s(self.roots[vector], simd.sqrt_f64s(square));
+    }
+
+    #[inline(always)]
+    fn store(self, sums: &mut Sums) {
+        let store = |vectors: [S::f64s; LANES], lanes: &mut [f64; LANES]| {
+            let places = S::as_mut_simd_f64s(lanes).0.iter_mut();
+            places
+                .zip(vectors)
+                .for_each(|(place, vector)| *place = vector);
+        };
+        store(self.max, &mut sums.max);
+        store(self.squares, &mut sums.squares);
+        store(self.roots, &mut sums.roots);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::blocks::Squares;
+    use crate::fit::lane::Lane;
+
+    const N: usize = 83;
+
+    fn lane(seed: usize) -> Lane {
+        let number = |i| ((i * 37 + seed * 101) as f64).sin() * 10.0;
+        (0..N + 3).map(number).collect()
+    }
+
+    /// The bits of all that a loop computes, with the given instruction set.
+    fn bits<S: Simd, const KIND: u8>(simd: S, place: usize) -> Vec<u64> {
+        let [b, x, data, own] = [0, 3, 6, 9].map(|seed| [0, 1, 2].map(|c| lane(seed + c)));
+        let [mut next, mut step] = [12, 15].map(|seed| [0, 1, 2].map(|c| lane(seed + c)));
+        let (mut squares, mut sums) = (Squares::new(), Sums::default());
+        let mut fused = Fused::<3, 3> {
+            b: b.each_ref().map(|lane| &lane[5..N]),
+            x: x.each_ref().map(|lane| &lane[4..]),
+            range: 5..N,
+            coefficients: Some(Coefficients {
+                momentum: 0.3,
+                gain: 1.2,
+            }),
+            scale: 0.125,
+            rows: &mut Rows {
+                x: x.each_ref().map(|lane| &lane[..]),
+                base: 0,
+                data: data.each_ref().map(|lane| &lane[..N]),
+                own: own.each_ref().map(|lane| &lane[..N]),
+                next: next.each_mut().map(|lane| &mut lane[..N]),
+                step: step.each_mut().map(|lane| &mut lane[..N]),
+                squares: squares.first(N),
+                place,
+            },
+            sums: &mut sums,
+        };
+        fused.run::<S, KIND>(simd);
+        let written = next.iter().chain(&step).flatten();
+        let sums = [sums.max, sums.squares, sums.roots];
+        let squares = squares.first(N).iter();
+        let all = written.chain(squares).chain(sums.iter().flatten());
+        all.map(|x| x.to_bits()).collect()
+    }
+
+    /// Vectors of any length compute the same bits.
+    #[test]
+    fn instruction_sets_agree() {
+        struct Here<const KIND: u8>(usize);
+        impl<const KIND: u8> WithSimd for Here<KIND> {
+            type Output = Vec<u64>;
+
+            fn with_simd<S: Simd>(self, simd: S) -> Vec<u64> {
+                bits::<S, KIND>(simd, self.0)
+            }
+        }
+        for place in [0, 3, 1001] {
+            let scalar = pulp::Scalar::new();
+            let arch = Arch::new();
+            assert_eq!(
+                bits::<_, MEASURE>(scalar, place),
+                arch.dispatch(Here::<MEASURE>(place))
+            );
+            assert_eq!(
+                bits::<_, RELAX>(scalar, place),
+                arch.dispatch(Here::<RELAX>(place))
+            );
+            assert_eq!(
+                bits::<_, MOMENTUM>(scalar, place),
+                arch.dispatch(Here::<MOMENTUM>(place))
+            );
+        }
     }
 }

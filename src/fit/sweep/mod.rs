@@ -12,7 +12,8 @@
 //!
 //! - [`relaxation`]: the steps of global, weighted and Chebyshev-accelerated PIA;
 //! - [`parts`]: what a thread writes;
-//! - [`curve`], over [`fused`], and [`surface`]: a level in one pass;
+//! - [`fused`]: the innermost loop, of all coordinates;
+//! - [`curve`] and [`surface`]: a level in one pass;
 //! - [`tiles`]: several levels of a curve in one pass.
 
 pub mod curve;
@@ -24,12 +25,13 @@ pub mod surface;
 mod tests;
 pub mod tiles;
 
-use super::blocks::{Block, Blocks};
+use super::blocks::{BLOCK, Block, Blocks};
 use super::collocation::Collocation;
 use super::linear::banded::Banded;
 use super::norms::{FitError, Norms};
 use super::points::Points;
 use super::system::System;
+use fused::Update;
 use parts::{LANES, Part};
 use relaxation::{Coefficients, Relaxation};
 use tiles::Room;
@@ -50,7 +52,7 @@ pub struct Plan {
     pub parts: usize,
     /// Levels in one pass.
     pub levels: usize,
-    /// Points of a tile.
+    /// Points of a tile: whole blocks.
     pub tile: usize,
 }
 
@@ -64,7 +66,7 @@ impl Plan {
         Self {
             parts: if points >= PARALLEL { 2 * threads() } else { 1 },
             levels: if tiled { LEVELS } else { 1 },
-            tile: 1024,
+            tile: 2 * BLOCK,
         }
     }
 }
@@ -243,32 +245,30 @@ impl Sweep {
             vec![Block::default(); self.layout.count()]
         });
         let part = Part::whole(&pass, &mut self.spare, blocks, &mut self.rooms);
-        part.divide(&|part: Part| {
-            pulp::Arch::new().dispatch(Leaf {
-                pass: &pass,
-                part,
-                tiled,
-            });
+        part.divide(&|part: Part| match pass.data.dimension() {
+            1 => pass.sweep::<1>(part, tiled),
+            2 => pass.sweep::<2>(part, tiled),
+            _ => pass.sweep::<LANES>(part, tiled),
         });
     }
 }
 
-/// The work of one thread, compiled for several instruction sets.
-struct Leaf<'a, 'b> {
-    pass: &'a Pass<'a>,
-    part: Part<'b>,
-    tiled: bool,
-}
+impl<'a> Pass<'a> {
+    /// The work of one thread, in D dimensions.
+    fn sweep<const D: usize>(&self, part: Part<'_>, tiled: bool) {
+        match self.v {
+            Some(v) => surface::sweep::<D>(self, v, part),
+            None if tiled => tiles::sweep::<D>(self, part),
+            None => curve::sweep::<D>(self, part),
+        }
+    }
 
-impl pulp::NullaryFnOnce for Leaf<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        match self.pass.v {
-            Some(v) => surface::sweep(self.pass, v, self.part),
-            None if self.tiled => tiles::sweep(self.pass, self.part),
-            None => curve::sweep(self.pass, self.part),
+    /// The update of a level, with the matrix along a line; behind the last level nothing moves.
+    fn update(&self, matrix: &'a Banded, level: usize) -> Update<'a> {
+        Update {
+            matrix,
+            coefficients: self.coefficients.get(level).copied(),
+            scale: self.scale,
         }
     }
 }

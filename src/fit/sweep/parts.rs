@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::{LEVELS, Pass, Room, Vectors};
 use crate::fit::blocks::Block;
+use crate::fit::points::Points;
 
 /// The most coordinates of a point.
 pub const LANES: usize = 3;
@@ -88,8 +89,26 @@ impl<'a> Part<'a> {
     }
 }
 
-fn slice<T>(values: Option<&mut Vec<T>>) -> &mut [T] {
-    values.map_or(&mut [], Vec::as_mut_slice)
+/// Some points of each lane.
+pub fn columns<const D: usize>(points: &Points, range: Range<usize>) -> [&[f64]; D] {
+    std::array::from_fn(|c| &points.lane(c)[range.clone()])
+}
+
+/// Some points of each lane, to be written; none of empty ones.
+pub fn ranges<const D: usize>(
+    lanes: &mut [impl AsMut<[f64]>],
+    range: Range<usize>,
+) -> [&mut [f64]; D] {
+    let mut lanes = lanes.iter_mut();
+    std::array::from_fn(|_| {
+        let lane = lanes.next().map(AsMut::as_mut);
+        lane.and_then(|lane: &mut [f64]| lane.get_mut(range.clone()))
+            .unwrap_or_default()
+    })
+}
+
+fn slice<T>(values: Option<&mut (impl AsMut<[T]> + ?Sized)>) -> &mut [T] {
+    values.map(AsMut::as_mut).unwrap_or_default()
 }
 
 /// Splits all slices at the same place; those that are empty stay so.

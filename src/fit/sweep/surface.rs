@@ -1,130 +1,186 @@
 //! One level of a surface in one pass.
 //!
-//! `Δ = P − B_u X B_vᵀ`: line i of `B_u T` needs the few lines of `T = X B_vᵀ` that row i of `B_u`
-//! reaches. A window of lines goes along; T as a whole is never there.
+//! `Δ = P − (B_u X) B_vᵀ`: a line of `B_u X` is a sum of the few lines of X that a row of `B_u` reaches,
+//! and along that line the work is that of a curve with the matrix `B_v`. It is done in strips, whose
+//! lines stay in the nearest cache until the last row that needs them.
+
+use std::ops::Range;
+
+use pulp::{Arch, NullaryFnOnce};
 
 use super::Pass;
-use super::fused::{add_squares, advance, subtract_from};
-use super::parts::Part;
-use crate::fit::blocks::{BLOCK, Block};
+use super::fused::Rows;
+use super::parts::{Part, columns, ranges};
+use super::tiles::pieces;
+use crate::fit::blocks::{BLOCK, Block, Squares, Sums};
 use crate::fit::linear::banded::Banded;
 use crate::fit::points::Points;
 
-/// Lines of T that are kept: all that a row needs.
-pub fn window(u: &Banded) -> usize {
-    u.width()
+/// Room for a part of a line of `B_u X`: a block, and what its rows of `B_v` reach.
+pub fn room(v: &Banded) -> usize {
+    BLOCK + 2 * v.reach()
 }
 
-/// For each line: what it needs of T, `Δ = P − B_u T`, its norms, and the next level.
-#[inline(always)]
-pub fn sweep(pass: &Pass<'_>, v: &Banded, part: Part<'_>) {
-    let [coefficients] = *pass.coefficients else {
-        return;
-    };
-    let [room] = &mut *part.rooms else { return };
-    let columns = v.columns();
-    let (lines, parts) = pass.layout.unit();
-    let origin = part.lines.start * columns;
-    let first_block = part.lines.start / lines * parts;
-    let mut next_line = i64::MIN;
-    for (index, block) in part.blocks[0].iter_mut().enumerate() {
-        let points = pass.layout.points(first_block + index);
-        let mut squares = [0.0; BLOCK];
-        let mut start = points.start;
-        while start < points.end {
-            let (row, column) = (start / columns, start % columns);
-            let end = points.end.min((row + 1) * columns);
-            if column == 0 {
-                fill(pass, v, &mut room.front, row, &mut next_line);
-            }
-            let squares = &mut squares[start - points.start..end - points.start];
-            let (from, to) = (start..end, start - origin..end - origin);
-            let mut delta = [0.0; BLOCK];
-            let delta = &mut delta[..end - start];
-            for (c, x) in pass.source.x.lanes().iter().enumerate() {
-                let lines = room.front.lane(c);
-                combine(pass.u, row, lines, columns, column, delta);
-                subtract_from(&pass.data.lane(c)[from.clone()], delta);
-                add_squares(delta, pass.scale, squares);
-                let next_step = part.step[c].get_mut(to.clone()).unwrap_or_default();
-                if let Some(step) = &pass.source.step {
-                    next_step.copy_from_slice(&step.lane(c)[from.clone()]);
-                }
-                let next = &mut part.x[c][to.clone()];
-                advance(coefficients, &x[from.clone()], delta, next_step, next);
-            }
-            start = end;
-        }
-        *block = Block::of(points.start, &squares[..points.len()]);
-    }
-}
-
-/// Computes the lines of `T = X B_vᵀ` that a row of `B_u` needs and that are not there yet.
-#[inline(always)]
-fn fill(pass: &Pass<'_>, v: &Banded, lines: &mut Points, row: usize, next: &mut i64) {
-    let columns = v.columns();
-    let (first, width) = (pass.u.first(row), pass.u.width() as i64);
-    // The window moves on; on short closed directions it may turn back.
-    let missing = if first + width < *next {
-        first
-    } else {
-        first.max(*next)
-    };
-    for line in missing..first + width {
-        let slot = line.rem_euclid(width) as usize * columns;
-        let from = line.rem_euclid(pass.u.columns() as i64) as usize * columns;
-        for (to, x) in lines.lanes_mut().iter_mut().zip(pass.source.x.lanes()) {
-            let to = &mut to[slot..slot + columns];
-            v.apply_rows(0..columns, &x[from..from + columns], 0, to);
-        }
-    }
-    *next = first + width;
-}
-
-/// A part of line `row` of `B_u T`, from a column on.
-#[inline(always)]
-fn combine(u: &Banded, row: usize, lines: &[f64], columns: usize, column: usize, y: &mut [f64]) {
-    match u.width() {
-        1 => sum::<1>(u, row, lines, columns, column, y),
-        2 => sum::<2>(u, row, lines, columns, column, y),
-        3 => sum::<3>(u, row, lines, columns, column, y),
-        4 => sum::<4>(u, row, lines, columns, column, y),
-        5 => sum::<5>(u, row, lines, columns, column, y),
-        6 => sum::<6>(u, row, lines, columns, column, y),
-        7 => sum::<7>(u, row, lines, columns, column, y),
-        width => {
-            for k in 0..width {
-                let (b, x) = (
-                    u.entry(row, k),
-                    &lines[slot(u, row, k) * columns + column..],
-                );
-                for (y, x) in y.iter_mut().zip(x) {
-                    *y = if k == 0 { b * x } else { *y + b * x };
-                }
-            }
+/// Strip by strip, for each line: its part of `B_u X`, then `Δ`, its norms, and the next level.
+pub fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<'_>) {
+    let (lines, strips) = pass.layout.unit();
+    let units = part.blocks[0].len() / strips;
+    let first_unit = part.lines.start / lines;
+    for strip in 0..strips {
+        for unit in 0..units {
+            let points = pass.layout.points((first_unit + unit) * strips + strip);
+            let mut squares = Squares::new();
+            let squares = squares.first(points.len());
+            let sums = block::<D>(pass, v, &mut part, points.clone(), squares);
+            part.blocks[0][unit * strips + strip] = Block::new(points.start, squares, &sums);
         }
     }
 }
 
-/// The place in the window of the line that entry k of a row is multiplied with.
-#[inline(always)]
-fn slot(u: &Banded, row: usize, k: usize) -> usize {
-    (u.first(row) + k as i64).rem_euclid(u.width() as i64) as usize
+/// The lines of a block, or the part of a line.
+fn block<const D: usize>(
+    pass: &Pass<'_>,
+    v: &Banded,
+    part: &mut Part<'_>,
+    points: Range<usize>,
+    squares: &mut [f64],
+) -> Sums {
+    let line = v.columns();
+    let mut sums = Sums::default();
+    let mut start = points.start;
+    while start < points.end {
+        let end = points.end.min((start / line + 1) * line);
+        let place = start - points.start;
+        let squares = &mut squares[place..end - points.start];
+        segment::<D>(pass, v, part, start..end, place, squares, &mut sums);
+        start = end;
+    }
+    sums
 }
 
-/// `y_r = Σ_k b_k T_k,r`.
-#[inline(always)]
-fn sum<const W: usize>(
-    u: &Banded,
-    row: usize,
-    lines: &[f64],
-    columns: usize,
-    column: usize,
-    y: &mut [f64],
+/// Consecutive points of one line.
+fn segment<const D: usize>(
+    pass: &Pass<'_>,
+    v: &Banded,
+    part: &mut Part<'_>,
+    points: Range<usize>,
+    place: usize,
+    squares: &mut [f64],
+    sums: &mut Sums,
 ) {
+    let line = v.columns();
+    let row = points.start / line;
+    let along = points.start % line..(points.end - 1) % line + 1;
+    let origin = part.lines.start * line;
+    let [room] = &mut *part.rooms else { return };
+    let reached = reached(v, along.clone());
+    combine_all(pass, row, line, reached.clone(), &mut room.front);
+    let to = points.start - origin..points.end - origin;
+    let mut step = ranges::<D>(&mut part.step, to.clone());
+    if let Some(last) = &pass.source.step {
+        let last = columns::<D>(last, points.clone());
+        let steps = step.iter_mut().zip(last);
+        steps.for_each(|(next, last)| next.copy_from_slice(last));
+    }
+    let mut rows = Rows {
+        x: columns(&room.front, 0..(reached.end - reached.start) as usize),
+        base: reached.start,
+        data: columns(pass.data, points.clone()),
+        own: columns(&pass.source.x, points),
+        next: ranges(&mut part.x, to),
+        step,
+        squares,
+        place,
+    };
+    pass.update(v, 0).add(along, &mut rows, sums);
+}
+
+/// The columns that some rows of `B_v` reach; of closed directions also before the first one and
+/// behind the last one.
+fn reached(v: &Banded, rows: Range<usize>) -> Range<i64> {
+    let reach = v.reach() as i64;
+    let range = rows.start as i64 - reach..rows.end as i64 + reach;
+    if v.is_cyclic() {
+        return range;
+    }
+    range.start.max(0)..range.end.min(v.columns() as i64)
+}
+
+/// Columns of line `row` of `B_u X`.
+fn combine_all(pass: &Pass<'_>, row: usize, line: usize, range: Range<i64>, to: &mut Points) {
+    let base = range.start;
+    for (piece, column) in pieces(range, line as i64, i64::MAX) {
+        let local = (piece.start - base) as usize..(piece.end - base) as usize;
+        for (to, x) in to.lanes_mut().iter_mut().zip(pass.source.x.lanes()) {
+            Arch::new().dispatch(Combine {
+                u: pass.u,
+                row,
+                x,
+                line,
+                column,
+                y: &mut to[local.clone()],
+            });
+        }
+    }
+}
+
+/// A part of a line of `B_u X`, of one coordinate, from a column on.
+struct Combine<'a> {
+    u: &'a Banded,
+    row: usize,
+    x: &'a [f64],
+    /// The length of a line of X.
+    line: usize,
+    column: usize,
+    y: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Combine<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        match self.u.width() {
+            1 => self.sum::<1>(),
+            2 => self.sum::<2>(),
+            3 => self.sum::<3>(),
+            4 => self.sum::<4>(),
+            5 => self.sum::<5>(),
+            6 => self.sum::<6>(),
+            7 => self.sum::<7>(),
+            width => {
+                for k in 0..width {
+                    let (b, x) = self.product(k);
+                    for (y, x) in self.y.iter_mut().zip(x) {
+                        *y = if k == 0 { b * x } else { *y + b * x };
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<'a> Combine<'a> {
+    /// Entry k of the row, and what it is multiplied with.
+    #[inline(always)]
+    fn product(&self, k: usize) -> (f64, &'a [f64]) {
+        let line = (self.u.first(self.row) + k as i64).rem_euclid(self.u.columns() as i64);
+        let x = &self.x[line as usize * self.line + self.column..];
+        (self.u.entry(self.row, k), x)
+    }
+
+    #[inline(always)]
+    fn sum<const W: usize>(self) {
+        let products: [(f64, &[f64]); W] = std::array::from_fn(|k| self.product(k));
+        sum(products.map(|it| it.0), products.map(|it| it.1), self.y);
+    }
+}
+
+/// `y_r = Σ_k b_k x_k,r`.
+#[inline(always)]
+fn sum<const W: usize>(b: [f64; W], x: [&[f64]; W], y: &mut [f64]) {
     let n = y.len();
-    let b: [f64; W] = std::array::from_fn(|k| u.entry(row, k));
-    let x: [&[f64]; W] = std::array::from_fn(|k| &lines[slot(u, row, k) * columns + column..][..n]);
+    let x = x.map(|x| &x[..n]);
     for r in 0..n {
         let mut sum = b[0] * x[0][r];
         for k in 1..W {

@@ -6,8 +6,10 @@ use proptest::prelude::*;
 
 use super::{LEVELS, Plan, Sweep};
 use crate::fit::basis::knots::Knots;
+use crate::fit::blocks::BLOCK;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::iteration::{Iteration, Level};
+use crate::fit::lane::Lane;
 use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -47,9 +49,9 @@ fn method() -> impl Strategy<Value = Method> {
 
 fn grid() -> impl Strategy<Value = Grid> {
     prop_oneof![
-        (2..1200_usize).prop_map(|rows| Grid { rows, columns: 1 }),
+        (2..4000_usize).prop_map(|rows| Grid { rows, columns: 1 }),
         (2..40_usize, 2..40_usize).prop_map(|(rows, columns)| Grid { rows, columns }),
-        (2..8_usize, 200..600_usize).prop_map(|(rows, columns)| Grid { rows, columns }),
+        (2..8_usize, 200..2400_usize).prop_map(|(rows, columns)| Grid { rows, columns }),
         (200..600_usize, 2..8_usize).prop_map(|(rows, columns)| Grid { rows, columns }),
     ]
 }
@@ -95,7 +97,7 @@ fn system(request: Request) -> Option<Arc<System>> {
 
 /// Each lane's bits.
 fn bits(points: &Points) -> Vec<Vec<u64>> {
-    let bits = |lane: &Vec<f64>| lane.iter().map(|x| x.to_bits()).collect();
+    let bits = |lane: &Lane| lane.iter().map(|x| x.to_bits()).collect();
     points.lanes().iter().map(bits).collect()
 }
 
@@ -106,7 +108,7 @@ proptest! {
     #[test]
     fn steps_are_those_of_the_plain_loop(request in request(), parts in 1..5_usize) {
         let Some(system) = system(request) else { return Ok(()) };
-        let plan = Plan { parts, levels: 1, tile: 1024 };
+        let plan = Plan { parts, levels: 1, tile: BLOCK };
         let started = Sweep::with_plan(&system, update::start(&system), plan);
         let mut sweep = Iteration::with_sweep(Arc::clone(&system), started.unwrap());
         let mut plain = Iteration::start_plain(system);
@@ -125,12 +127,12 @@ proptest! {
         request in request(),
         parts in 1..5_usize,
         levels in 2..=LEVELS,
-        tiles in 1..4_usize,
+        tiles in 1..3_usize,
         counts in prop::collection::vec(1..20_usize, 1..6),
     ) {
         let Some(system) = system(request) else { return Ok(()) };
         let is_curve = system.problem().v().is_none();
-        let plan = Plan { parts, levels: if is_curve { levels } else { 1 }, tile: 256 * tiles };
+        let plan = Plan { parts, levels: if is_curve { levels } else { 1 }, tile: BLOCK * tiles };
         let started = Sweep::with_plan(&system, update::start(&system), plan);
         let mut sweep = Iteration::with_sweep(Arc::clone(&system), started.unwrap());
         let mut plain = Iteration::start_plain(system);

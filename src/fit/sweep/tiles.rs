@@ -8,16 +8,16 @@
 
 use std::ops::Range;
 
-use super::fused::{self, Lane};
-use super::parts::Part;
+use super::fused::Rows;
+use super::parts::{Part, columns, ranges};
 use super::{Pass, Vectors};
-use crate::fit::blocks::{BLOCK, Block};
+use crate::fit::blocks::{BLOCK, Block, LANES, Squares, Sums};
 use crate::fit::points::Points;
 
 /// Working space of a part.
 #[derive(Debug)]
 pub struct Room {
-    /// Of tiles: a level and the next one. Of surfaces: lines of `X B_vᵀ`.
+    /// Of tiles: a level. Of surfaces: a part of a line of `B_u X`.
     pub front: Points,
     /// The next level.
     pub back: Points,
@@ -40,8 +40,8 @@ impl Room {
     /// Makes room for a kind of pass, once.
     pub fn prepare(&mut self, pass: &Pass<'_>, tiled: bool, levels: usize) {
         let (count, is_tile) = match pass.v {
-            Some(v) => (super::surface::window(pass.u) * v.columns(), false),
-            None if tiled => (pass.tile + 2 * (levels + 1) * pass.u.reach(), true),
+            Some(v) => (super::surface::room(v), false),
+            None if tiled => (pass.tile + 2 * margin(pass, levels), true),
             None => return,
         };
         if self.front.len() == count {
@@ -58,6 +58,11 @@ impl Room {
     }
 }
 
+/// Points on either side of a tile: a whole number of cache lines, so that the tile starts at one.
+fn margin(pass: &Pass<'_>, levels: usize) -> usize {
+    ((levels + 1) * pass.u.reach()).next_multiple_of(LANES)
+}
+
 /// A tile on its way through the levels.
 struct Tile<'a, 'b> {
     pass: &'a Pass<'a>,
@@ -67,11 +72,12 @@ struct Tile<'a, 'b> {
     /// The point that the room starts with. On closed curves points before the first one and
     /// behind the last one are those of the turn before and of the next turn.
     base: i64,
+    /// Whether the first level has been copied to the room.
+    loaded: bool,
 }
 
 /// All levels of a part.
-#[inline(always)]
-pub fn sweep(pass: &Pass<'_>, part: Part<'_>) {
+pub fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     let Part {
         lines,
         mut x,
@@ -82,49 +88,51 @@ pub fn sweep(pass: &Pass<'_>, part: Part<'_>) {
     } = part;
     let [room] = rooms else { return };
     let levels = pass.coefficients.len();
-    let margin = ((levels + 1) * pass.u.reach()) as i64;
+    let margin = margin(pass, levels);
     for start in lines.clone().step_by(pass.tile) {
         let end = lines.end.min(start + pass.tile);
         let mut tile = Tile {
             pass,
             room: &mut *room,
             points: start as i64..end as i64,
-            base: start as i64 - margin,
+            base: start as i64 - margin as i64,
+            loaded: false,
         };
         tile.load();
         let first = (start - lines.start) / BLOCK;
         let count = (end - start).div_ceil(BLOCK);
-        tile.level(0, &mut []);
-        for level in 1..=levels {
-            tile.level(level, &mut blocks[level - 1][first..first + count]);
+        tile.level::<D>(0, &mut []);
+        for level in 1..levels {
+            let blocks = &mut blocks[level - 1][first..first + count];
+            tile.level::<D>(level, blocks);
         }
         let to = start - lines.start..end - lines.start;
-        store(&tile.room.front, margin as usize, &mut x, to.clone());
-        store(&tile.room.step, margin as usize, &mut step, to);
-    }
-}
-
-/// Copies the points of a tile, without its margin, to where they belong.
-#[inline(always)]
-fn store(from: &Points, margin: usize, to: &mut [&mut [f64]], points: Range<usize>) {
-    for (from, to) in from.lanes().iter().zip(to) {
-        to[points.clone()].copy_from_slice(&from[margin..margin + points.len()]);
+        let blocks = &mut blocks[levels - 1][first..first + count];
+        tile.last_level(ranges::<D>(&mut x, to.clone()), blocks);
+        let steps = tile.room.step.lanes().iter().zip(&mut step);
+        for (from, step) in steps {
+            step[to.clone()].copy_from_slice(&from[margin..margin + to.len()]);
+        }
     }
 }
 
 impl Tile<'_, '_> {
-    /// Copies the tile with its margins.
-    #[inline(always)]
+    /// Copies the steps of the tile with its margins, and its control points if these go around the
+    /// end.
     fn load(&mut self) {
         let Vectors { x, step } = self.pass.source;
+        let count = x.len() as i64;
         let end = self.points.end + self.points.start - self.base;
         let range = self.within(self.base..end);
+        self.loaded = range.start < 0 || range.end > count;
         let base = self.base;
-        for (points, first) in pieces(range, x.len() as i64, i64::MAX) {
+        for (points, first) in pieces(range, count, i64::MAX) {
             let local = (points.start - base) as usize..(points.end - base) as usize;
             let from = first..first + local.len();
-            for (to, x) in self.room.front.lanes_mut().iter_mut().zip(x.lanes()) {
-                to[local.clone()].copy_from_slice(&x[from.clone()]);
+            if self.loaded {
+                for (to, x) in self.room.front.lanes_mut().iter_mut().zip(x.lanes()) {
+                    to[local.clone()].copy_from_slice(&x[from.clone()]);
+                }
             }
             let lanes = step.iter().flat_map(|step| step.lanes());
             for (to, step) in self.room.step.lanes_mut().iter_mut().zip(lanes) {
@@ -141,61 +149,95 @@ impl Tile<'_, '_> {
         range.start.max(0)..range.end.min(self.pass.u.rows() as i64)
     }
 
-    /// The residual of a level, its norms (except of the first level, which are known), and the
-    /// next level (except behind the last one).
-    #[inline(always)]
-    fn level(&mut self, level: usize, blocks: &mut [Block]) {
+    /// The pieces of a level, as far as later levels need it: points, and the row of the first.
+    fn pieces(&self, level: usize) -> impl Iterator<Item = (Range<i64>, usize)> + use<> {
         let left = self.pass.coefficients.len() - level;
         let margin = (left * self.pass.u.reach()) as i64;
         let range = self.within(self.points.start - margin..self.points.end + margin);
-        for (piece, row) in pieces(range, self.pass.u.rows() as i64, BLOCK as i64) {
-            let inside = piece.start >= self.points.start && piece.end <= self.points.end;
-            let index = (piece.start - self.points.start) / BLOCK as i64;
-            let squares = self.piece(level, piece.clone(), row);
-            if let Some(block) = blocks.get_mut(index as usize).filter(|_| inside) {
-                *block = Block::of(row, &squares[..(piece.end - piece.start) as usize]);
-            }
-        }
-        if left > 0 {
-            std::mem::swap(&mut self.room.front, &mut self.room.back);
-        }
+        pieces(range, self.pass.u.rows() as i64, BLOCK as i64)
     }
 
-    /// Points that belong to consecutive rows of B, from `row` on: the squares of their residuals.
-    #[inline(always)]
-    fn piece(&mut self, level: usize, points: Range<i64>, row: usize) -> [f64; BLOCK] {
+    /// From a level to the next one, and its norms (those of the first level are known).
+    fn level<const D: usize>(&mut self, level: usize, blocks: &mut [Block]) {
+        for (points, row) in self.pieces(level) {
+            let inside = points.start >= self.points.start && points.end <= self.points.end;
+            let index = (points.start - self.points.start) / BLOCK as i64;
+            let mut squares = Squares::new();
+            let squares = squares.first((points.end - points.start) as usize);
+            let sums = self.piece::<D>(level, points, row, squares);
+            if let Some(block) = blocks.get_mut(index as usize).filter(|_| inside) {
+                *block = Block::new(row, squares, &sums);
+            }
+        }
+        std::mem::swap(&mut self.room.front, &mut self.room.back);
+    }
+
+    /// Points that belong to consecutive rows of B, from `row` on, and the squares of their residuals.
+    fn piece<const D: usize>(
+        &mut self,
+        level: usize,
+        points: Range<i64>,
+        row: usize,
+        squares: &mut [f64],
+    ) -> Sums {
         let Self {
             pass, room, base, ..
         } = self;
         let local = (points.start - *base) as usize..(points.end - *base) as usize;
         let rows = row..row + local.len();
-        let mut squares = [0.0; BLOCK];
         let Room { front, back, step } = &mut **room;
-        // Nobody looks at what comes behind the last level.
-        let coefficients = pass.coefficients.get(level).copied();
-        let last = coefficients.is_none();
-        for (c, (x, data)) in front.lanes().iter().zip(pass.data.lanes()).enumerate() {
-            let step = step.lanes_mut().get_mut(c).filter(|_| !last);
-            let lane = Lane {
-                x,
-                base: *base - (points.start - row as i64),
-                data: &data[rows.clone()],
-                own: &x[local.clone()],
-                next: &mut back.lanes_mut()[c][local.clone()],
-                step: step.map_or(&mut [], |step| &mut step[local.clone()]),
-                squares: &mut squares[..local.len()],
+        let (x, base, own) = if level > 0 || self.loaded {
+            let base = *base - (points.start - row as i64);
+            (&*front, base, local.clone())
+        } else {
+            (&pass.source.x, 0, rows.clone())
+        };
+        let mut given = Rows::<D> {
+            x: columns(x, 0..x.len()),
+            base,
+            data: columns(pass.data, rows.clone()),
+            own: columns(x, own),
+            next: ranges(back.lanes_mut(), local.clone()),
+            step: ranges(step.lanes_mut(), local),
+            squares,
+            place: 0,
+        };
+        pass.update(pass.u, level).apply(rows, &mut given)
+    }
+
+    /// The norms of the last level; copies its control points to where they belong.
+    fn last_level<const D: usize>(&mut self, mut to: [&mut [f64]; D], blocks: &mut [Block]) {
+        let Self {
+            pass, room, base, ..
+        } = self;
+        let level = pass.coefficients.len();
+        let first = self.points.start;
+        for (block, start) in blocks.iter_mut().zip((first..).step_by(BLOCK)) {
+            let end = self.points.end.min(start + BLOCK as i64);
+            let rows = start as usize..end as usize;
+            let local = (start - *base) as usize..(end - *base) as usize;
+            let own = (start - first) as usize..(end - first) as usize;
+            let mut squares = Squares::new();
+            let squares = squares.first(rows.len());
+            let mut given = Rows::<D> {
+                x: columns(&room.front, 0..room.front.len()),
+                base: *base,
+                data: columns(pass.data, rows.clone()),
+                own: columns(&room.front, local),
+                next: ranges(&mut to, own),
+                step: [(); D].map(|()| &mut [][..]),
+                squares,
+                place: 0,
             };
-            let coefficients = coefficients.unwrap_or_default();
-            fused::relax(pass.u, rows.clone(), coefficients, pass.scale, lane);
+            let sums = pass.update(pass.u, level).apply(rows, &mut given);
+            *block = Block::new(start as usize, squares, &sums);
         }
-        squares
     }
 }
 
 /// Cuts a range of points at the multiples of the period and of the length of blocks: each piece and
 /// its first point within the period.
-#[inline(always)]
-fn pieces(
+pub fn pieces(
     range: Range<i64>,
     period: i64,
     length: i64,

@@ -4,6 +4,7 @@
 //! data (a zero column of A) stay where they are.
 
 use super::{Change, State, Update};
+use crate::fit::lane::Lane;
 use crate::fit::method::Variant;
 use crate::fit::norms::normalizing_scale;
 use crate::fit::points::Points;
@@ -181,14 +182,14 @@ pub fn start(problem: &Problem) -> Points {
     let columns = problem
         .v()
         .map_or(vec![0], |v| samples(grid.columns, v.free(), v.is_closed()));
-    let pick = |lane: &Vec<f64>| {
+    let pick = |lane: &Lane| {
         let row = |i: &usize| {
             let start = i * grid.columns;
             columns.iter().map(move |j| lane[start + j])
         };
-        rows.iter().flat_map(row).collect()
+        rows.iter().flat_map(row).collect::<Vec<f64>>()
     };
-    Points::from_lanes(data.lanes().iter().map(pick).collect())
+    Points::from_lanes(data.lanes().iter().map(pick))
 }
 
 fn samples(count: usize, control_points: usize, closed: bool) -> Vec<usize> {

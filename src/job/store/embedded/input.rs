@@ -267,7 +267,7 @@ impl PointsMessage {
             return Err(damaged("coordinates are missing"));
         }
         let lanes = self.coordinates.chunks(self.coordinates.len() / dimension);
-        Ok(Points::from_lanes(lanes.map(<[f64]>::to_vec).collect()))
+        Ok(Points::from_lanes(lanes))
     }
 }
 

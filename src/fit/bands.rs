@@ -1,0 +1,179 @@
+//! The rows of the collocation matrix of a B-spline direction.
+//!
+//! Parameters and knots usually advance together: row i lies in the knot span i + s for long runs of
+//! rows. The functions of a run are evaluated for many rows at a time, by the same operations in the
+//! same order as for a single one.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::basis::{Basis, bspline};
+use super::direction::Direction;
+use super::lane::Lane;
+use super::linear::banded::{Banded, Stretch};
+
+/// Rows that a thread evaluates at a time.
+const CHUNK: usize = 1 << 15;
+
+/// Runs of fewer rows are evaluated row by row.
+const SHORT: usize = 8;
+
+/// The matrix with respect to the free control points: the columns of end copies are added to the
+/// column of the control point that they copy.
+pub fn banded(direction: &Direction) -> Banded {
+    let (rows, support) = (direction.parameters.len(), direction.basis.support_width());
+    let mut lanes: Vec<Lane> = (0..support).map(|_| Lane::zeros(rows)).collect();
+    let mut chunks: Vec<Chunk> = (0..rows)
+        .step_by(CHUNK)
+        .map(|start| Chunk {
+            direction,
+            rows: start..rows.min(start + CHUNK),
+            lanes: Vec::with_capacity(support),
+            stretches: Vec::new(),
+        })
+        .collect();
+    for lane in &mut lanes {
+        for (chunk, lane) in chunks.iter_mut().zip(lane.chunks_mut(CHUNK)) {
+            chunk.lanes.push(lane);
+        }
+    }
+    chunks.par_iter_mut().for_each(Chunk::evaluate);
+    let mut stretches: Vec<Stretch> = Vec::new();
+    for stretch in chunks.into_iter().flat_map(|chunk| chunk.stretches) {
+        if stretches
+            .last()
+            .is_none_or(|last| last.offset != stretch.offset)
+        {
+            stretches.push(stretch);
+        }
+    }
+    Banded::pack(lanes, &stretches, direction.free())
+}
+
+/// Consecutive rows.
+struct Chunk<'a> {
+    direction: &'a Direction,
+    rows: Range<usize>,
+    /// Their first entries, their second ones, …
+    lanes: Vec<&'a mut [f64]>,
+    stretches: Vec<Stretch>,
+}
+
+impl Chunk<'_> {
+    fn evaluate(&mut self) {
+        let direction = self.direction;
+        let Basis::BSpline { degree, knots } = &direction.basis else {
+            return;
+        };
+        let (degree, t) = (*degree, &direction.parameters);
+        let (_, high) = direction.basis.domain();
+        let (mut row, mut span) = (self.rows.start, degree);
+        if t[row] < high {
+            span = bspline::find_span(degree, knots, t[row]);
+        }
+        while row < self.rows.end {
+            if t[row] >= high {
+                self.single(row, |values| direction.evaluate(t[row], values));
+                row += 1;
+                continue;
+            }
+            while knots[span + 1] <= t[row] {
+                span += 1;
+            }
+            let count = self.run(knots, row, span, degree);
+            if count < SHORT {
+                self.single(row, |values| {
+                    bspline::evaluate(degree, knots, span, t[row], values);
+                    direction.weigh(span - degree, values)
+                });
+                row += 1;
+            } else {
+                self.push(row, direction.free_index(span - degree));
+                self.several(knots, row, span, degree, count);
+                row += count;
+                span += count - 1;
+            }
+        }
+    }
+
+    /// How many rows from one on lie in spans that advance with them, with functions that have
+    /// control points of their own.
+    fn run(&self, knots: &[f64], row: usize, span: usize, degree: usize) -> usize {
+        let own = self.direction.own_functions();
+        let first = span - degree;
+        if !own.contains(&first) {
+            return 0;
+        }
+        let most = (self.rows.end - row).min(own.end - first);
+        let t = &self.direction.parameters[row..row + most];
+        let spans = knots[span..].windows(2);
+        let inside = |(t, span): &(&f64, &[f64])| span[0] <= **t && **t < span[1];
+        t.iter().zip(spans).take_while(inside).count()
+    }
+
+    /// Evaluates the rows of a run.
+    fn several(&mut self, knots: &[f64], row: usize, span: usize, degree: usize, count: usize) {
+        let t = &self.direction.parameters[row..row + count];
+        for (k, t) in t.chunks(bspline::BLOCK).enumerate() {
+            let behind = k * bspline::BLOCK;
+            let (knots, start) = (
+                &knots[span - degree + behind..],
+                row - self.rows.start + behind,
+            );
+            let lanes = self.lanes.iter_mut();
+            let mut values: Vec<&mut [f64]> = lanes
+                .map(|lane| &mut lane[start..start + t.len()])
+                .collect();
+            bspline::evaluate_run(degree, knots, t, &mut values);
+            if let Some(weights) = self.direction.weights() {
+                weigh_run(&weights[span - degree + behind..], &mut values);
+            }
+        }
+    }
+
+    /// Evaluates a row by itself; functions of the same control point share a column.
+    fn single(&mut self, row: usize, evaluate: impl FnOnce(&mut [f64]) -> usize) {
+        let direction = self.direction;
+        let columns = direction.free();
+        let mut values = vec![0.0; self.lanes.len()];
+        let start = evaluate(&mut values);
+        let first = direction.free_index(start);
+        for (k, value) in values.into_iter().enumerate() {
+            let column = direction.free_index(start + k);
+            let place = (column + columns - first) % columns;
+            self.lanes[place][row - self.rows.start] += value;
+        }
+        self.push(row, first);
+    }
+
+    /// From a row on, entries start at a column that advances with them.
+    fn push(&mut self, row: usize, column: usize) {
+        let offset = column as i32 - row as i32;
+        if self
+            .stretches
+            .last()
+            .is_none_or(|last| last.offset != offset)
+        {
+            let start = row as u32;
+            self.stretches.push(Stretch { start, offset });
+        }
+    }
+}
+
+/// `w_j B_j / Σ w_k B_k` (LBW05 (3.7)): values of function `i + k` in row i of lane k.
+fn weigh_run(weights: &[f64], values: &mut [&mut [f64]]) {
+    let mut sums = vec![0.0; values.first().map_or(0, |values| values.len())];
+    for (k, values) in values.iter_mut().enumerate() {
+        for ((value, weight), sum) in values.iter_mut().zip(&weights[k..]).zip(&mut sums) {
+            *value *= weight;
+            *sum += *value;
+        }
+    }
+    for values in values {
+        values
+            .iter_mut()
+            .zip(&sums)
+            .for_each(|(value, sum)| *value /= sum);
+    }
+}
