@@ -108,13 +108,14 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
 }
 
 fn chord_length(points: &Points) -> Vec<f64> {
+    let mut parameters = vec![0.0; points.len()];
+    points.distances(0, 1, &mut parameters[1..]);
     let mut t = 0.0;
-    let steps = (1..points.len()).map(|i| points.distance(i - 1, i));
-    let rest = steps.map(|step| {
-        t += step;
-        t
-    });
-    [0.0].into_iter().chain(rest).collect()
+    for parameter in &mut parameters {
+        t += *parameter;
+        *parameter = t;
+    }
+    parameters
 }
 
 /// The knots of a cubic spline at its data, without the second and the last but one (the default

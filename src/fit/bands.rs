@@ -21,7 +21,7 @@ const SHORT: usize = 8;
 
 /// The matrix with respect to the free control points: the columns of end copies are added to the
 /// column of the control point that they copy.
-pub fn banded(direction: &Direction) -> Banded {
+pub(super) fn banded(direction: &Direction) -> Banded {
     let (rows, support) = (direction.parameters.len(), direction.basis.support_width());
     let mut lanes: Vec<Lane> = (0..support).map(|_| Lane::zeros(rows)).collect();
     let mut chunks: Vec<Chunk> = (0..rows)

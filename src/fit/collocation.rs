@@ -156,7 +156,7 @@ impl Collocation {
     /// `B⁻¹`, for a square matrix.
     pub fn inverse(&self) -> Inverse {
         match self {
-            Self::Banded(banded) => Inverse::of_banded(banded),
+            Self::Banded(banded) => Inverse::of_collocation(banded),
             Self::Dense { matrix, .. } => Inverse::of_dense(matrix),
         }
     }
@@ -556,7 +556,13 @@ mod tests {
                 assert_equal(&y, &kronecker * &vector, 1e-14);
                 let mut back = y.clone();
                 let (inverse_u, inverse_v) = (tensor.u.inverse(), Collocation::new(&v).inverse());
-                apply_tensor(&inverse_u, Some(&inverse_v), grid, &mut back, &mut scratch);
+                apply_tensor(
+                    &inverse_u,
+                    Some(&inverse_v),
+                    grid,
+                    &mut [&mut back],
+                    &mut scratch,
+                );
                 assert_equal(&back, vector.clone(), 1e-8);
                 tensor.apply_transposed(&x, &mut y, &mut scratch);
                 assert_equal(&y, kronecker.transpose() * &vector, 1e-14);

@@ -13,6 +13,10 @@ use super::update::{self, Stall, Update};
 /// A least-squares fit whose residual shrinks by less than this part in one iteration has converged.
 const STATIONARY: f64 = 1e-6;
 
+/// Solving once more refines a direct fit, until its residual shrinks by no more than this part: what
+/// is left is rounding.
+const REFINED: f64 = 0.5;
+
 /// A level of the iteration: how far the curve of these control points is from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
@@ -263,6 +267,7 @@ impl Iteration {
         } = self.level;
         let updated_least_squares =
             matches!(problem.method(), Method::LeastSquares(_)) && iteration > 0;
+        let refined = matches!(problem.method(), Method::Direct) && iteration > 0;
         // Homogeneous distances can be infinite where a weight is not positive; residuals cannot.
         if !self.length.is_finite() {
             Some(Outcome::Overflow)
@@ -272,6 +277,8 @@ impl Iteration {
             Some(Outcome::Stationary)
         } else if updated_least_squares && self.decrease < 0.0 {
             Some(Outcome::Stalled(Stall::Diverging))
+        } else if refined && self.decrease <= REFINED {
+            Some(Outcome::Stalled(Stall::Rounding))
         } else if let Some(stall) = self.update().and_then(Update::stalled) {
             Some(Outcome::Stalled(stall))
         } else if iteration >= problem.max_iterations() {

@@ -46,6 +46,7 @@ pub mod basis;
 pub mod blocks;
 pub mod collocation;
 pub mod direction;
+pub mod extent;
 pub mod geometry;
 pub mod invalid;
 pub mod iteration;

@@ -4,7 +4,7 @@
 
 use super::blocks::{BLOCK, Block, Blocks};
 use super::lane::Lane;
-use super::points::{Grid, Points};
+use super::points::{self, Grid, Points};
 
 /// Distances of the curve from the data, in data units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,13 +54,19 @@ impl Norms {
         let count = counted.as_ref().map_or(data.len(), |counted| {
             counted.iter().filter(|counted| **counted).count()
         });
+        let extents = data.extents();
+        let largest = points::magnitude(&extents);
         // Equal points leave rounding errors of their magnitude.
-        let noise = magnitude(data, homogeneous) * f64::EPSILON;
-        let homogeneous_noise = data.magnitude() * f64::EPSILON;
+        let noise = f64::EPSILON
+            * match homogeneous {
+                true => projected_magnitude(data),
+                false => largest,
+            };
+        let homogeneous_length = points::diagonal(&extents).max(largest * f64::EPSILON);
         let layout = Blocks::new(grid);
         Self {
             scale: normalizing_scale(diagonal.max(noise)),
-            homogeneous_scale: normalizing_scale(data.bounding_diagonal().max(homogeneous_noise)),
+            homogeneous_scale: normalizing_scale(homogeneous_length),
             homogeneous,
             counted,
             count,
@@ -215,15 +221,13 @@ fn sum_squares(lanes: &[Lane], start: usize, scale: f64, squares: &mut [f64]) {
     }
 }
 
-/// The largest coordinate of the data points.
-fn magnitude(data: &Points, homogeneous: bool) -> f64 {
-    match data.lanes().split_last() {
-        Some((weights, lanes)) if homogeneous => lanes
-            .iter()
-            .flat_map(|lane| lane.iter().zip(weights))
-            .fold(0.0, |largest, (q, weight)| (q / weight).abs().max(largest)),
-        _ => data.magnitude(),
-    }
+/// The largest coordinate of data points in homogeneous coordinates.
+fn projected_magnitude(data: &Points) -> f64 {
+    let Some((weights, lanes)) = data.lanes().split_last() else {
+        return 0.0;
+    };
+    let coordinates = lanes.iter().flat_map(|lane| lane.iter().zip(weights));
+    coordinates.fold(0.0, |largest, (q, weight)| (q / weight).abs().max(largest))
 }
 
 /// A power of two near `1 / length`: squares of lengths like this neither over- nor underflow.

@@ -55,7 +55,8 @@ pub fn parameters(
     Ok(Parametrized { values, period })
 }
 
-/// Parameters whose steps are a function of the distances of successive points.
+/// Parameters whose steps are a function of the distances of successive points: their mean over the
+/// lines of the other direction.
 fn by_distance(
     points: &Points,
     grid: Grid,
@@ -65,34 +66,45 @@ fn by_distance(
     rule: &'static str,
     step: impl Fn(f64) -> f64,
 ) -> Result<Vec<f64>, Invalid> {
-    let Grid { rows, columns } = grid;
-    // Point (line, k) of the direction, for every line of the other direction.
-    let (count, lines, stride, line_stride) = match axis {
-        Axis::U => (rows, columns, columns, 1),
-        Axis::V => (columns, rows, 1, columns),
+    let count = grid.along(axis);
+    let mut sums = Sums {
+        points,
+        missing,
+        step,
+        // To be summed up from the start.
+        totals: vec![0.0; steps + 1],
+        pairs: vec![0; if missing.is_some() { steps + 1 } else { 0 }],
     };
-    let mut t = Vec::with_capacity(steps + 1);
+    let lines = grid.count() / count;
+    if axis == Axis::V || grid.columns == 1 {
+        // Lines along the direction are contiguous.
+        for start in (0..grid.count()).step_by(count) {
+            sums.add_along(start, count);
+            if steps == count {
+                sums.add_pair(steps, start + count - 1, start);
+            }
+        }
+    } else {
+        for k in 1..=steps {
+            sums.add_across(k, (k - 1) * lines, k % count * lines, lines);
+        }
+    }
+    let Sums {
+        mut totals, pairs, ..
+    } = sums;
     let mut last = 0.0;
-    t.push(last);
-    for k in 1..=steps {
+    for (k, t) in totals.iter_mut().enumerate().skip(1) {
         let index = k % count;
-        let given = |index| missing.is_none_or(|missing| !missing.contains(index));
-        let (total, pairs) = (0..lines)
-            .map(|line| line * line_stride)
-            .map(|start| (start + (k - 1) * stride, start + index * stride))
-            .filter(|&(from, to)| given(from) && given(to))
-            .fold((0.0, 0), |(total, pairs), (from, to)| {
-                (total + step(points.distance(from, to)), pairs + 1)
-            });
+        let pairs = pairs.get(k).copied().unwrap_or(lines as u32);
         if pairs == 0 {
             return Err(Invalid::NoNeighbours { axis, index, rule });
         }
-        let next = last + total / f64::from(pairs);
+        let next = last + *t / f64::from(pairs);
         if !next.is_finite() {
             return Err(Invalid::TooLarge);
         }
         if next <= last {
-            return Err(match (k == count, columns == 1) {
+            return Err(match (k == count, grid.columns == 1) {
                 (true, _) => Invalid::FirstRepeated {
                     axis,
                     index: count - 1,
@@ -101,10 +113,65 @@ fn by_distance(
                 (false, false) => Invalid::EqualLines { axis, index, rule },
             });
         }
-        t.push(next);
+        *t = next;
         last = next;
     }
-    Ok(t)
+    Ok(totals)
+}
+
+/// Distances that are computed at a time.
+const BLOCK: usize = 256;
+
+/// Sums of functions of the distances that lead to each point of a line, over all lines.
+struct Sums<'a, F> {
+    points: &'a Points,
+    missing: Option<&'a Missing>,
+    step: F,
+    totals: Vec<f64>,
+    /// How many there are of each, if not all.
+    pairs: Vec<u32>,
+}
+
+impl<F: Fn(f64) -> f64> Sums<'_, F> {
+    /// The steps of a line of consecutive points.
+    fn add_along(&mut self, start: usize, count: usize) {
+        let mut buffer = [0.0; BLOCK];
+        for first in (1..count).step_by(BLOCK) {
+            let distances = &mut buffer[..BLOCK.min(count - first)];
+            let (from, to) = (start + first - 1, start + first);
+            self.points.distances(from, to, distances);
+            for (i, &distance) in distances.iter().enumerate() {
+                self.add(first + i, from + i, to + i, distance);
+            }
+        }
+    }
+
+    /// Step `k` of all lines, whose points are consecutive.
+    fn add_across(&mut self, k: usize, from: usize, to: usize, lines: usize) {
+        let mut buffer = [0.0; BLOCK];
+        for first in (0..lines).step_by(BLOCK) {
+            let distances = &mut buffer[..BLOCK.min(lines - first)];
+            let (from, to) = (from + first, to + first);
+            self.points.distances(from, to, distances);
+            for (i, &distance) in distances.iter().enumerate() {
+                self.add(k, from + i, to + i, distance);
+            }
+        }
+    }
+
+    fn add_pair(&mut self, k: usize, from: usize, to: usize) {
+        self.add(k, from, to, self.points.distance(from, to));
+    }
+
+    fn add(&mut self, k: usize, from: usize, to: usize, distance: f64) {
+        if let Some(missing) = self.missing {
+            if missing.contains(from) || missing.contains(to) {
+                return;
+            }
+            self.pairs[k] += 1;
+        }
+        self.totals[k] += (self.step)(distance);
+    }
 }
 
 fn explicit(

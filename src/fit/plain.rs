@@ -26,7 +26,7 @@ impl Plain {
             state: State {
                 control_points,
                 residual: Points::zeros(data.dimension(), data.len()),
-                scratch: vec![0.0; system.collocation().scratch()],
+                scratch: vec![0.0; system.scratch()],
                 changed: Vec::new(),
             },
             norms: Norms::new(

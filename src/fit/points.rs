@@ -1,13 +1,21 @@
 //! Ordered points, stored coordinate by coordinate.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::extent::Extent;
 use super::invalid::Axis;
 use super::lane::Lane;
+
+/// Fewer points are looked at by one thread.
+const PARALLEL: usize = 100_000;
 
 /// Points of R^d as `d` arrays of coordinates ("lanes") of equal length.
 ///
 /// Kernels run over one coordinate at a time, so each coordinate is contiguous. The points of a
 /// surface are stored row by row: point (i, j) of a grid with `c` columns has index `i·c + j`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct Points {
     lanes: Vec<Lane>,
 }
@@ -23,7 +31,7 @@ impl Points {
     /// `count` points at the origin.
     pub fn zeros(dimension: usize, count: usize) -> Self {
         Self {
-            lanes: (0..dimension).map(|_| Lane::zeros(count)).collect(),
+            lanes: each_lane(dimension, count, |_| Lane::zeros(count)),
         }
     }
 
@@ -81,19 +89,53 @@ impl Points {
         norm(self.lanes.iter().map(|lane| lane[j] - lane[i]))
     }
 
+    /// Distances between points `from + i` and `to + i`, for each place i of `distances`.
+    pub fn distances(&self, from: usize, to: usize, distances: &mut [f64]) {
+        pulp::Arch::new().dispatch(Squares {
+            lanes: &self.lanes,
+            from,
+            to,
+            squares: distances,
+        });
+        let extent = Extent::of(distances);
+        if SAFE.contains(&extent.low) && SAFE.contains(&extent.high) && extent.is_finite {
+            distances.iter_mut().for_each(|x| *x = x.sqrt());
+        } else {
+            for (i, distance) in distances.iter_mut().enumerate() {
+                *distance = self.distance(from + i, to + i);
+            }
+        }
+    }
+
+    /// Adds the coordinates of other points, one to one.
+    pub fn add(&mut self, others: &Self) {
+        for (lane, others) in self.lanes.iter_mut().zip(&others.lanes) {
+            let parts = lane
+                .par_chunks_mut(PARALLEL)
+                .zip(others.par_chunks(PARALLEL));
+            parts.for_each(|(lane, others)| lane.iter_mut().zip(others).for_each(|(x, y)| *x += y));
+        }
+    }
+
+    /// The extent of each coordinate.
+    pub fn extents(&self) -> Vec<Extent> {
+        let lanes = self.lanes.iter().map(|lane| &lane[..]);
+        if self.len() < PARALLEL {
+            lanes.map(Extent::of).collect()
+        } else {
+            let lanes: Vec<&[f64]> = lanes.collect();
+            lanes.into_par_iter().map(Extent::of).collect()
+        }
+    }
+
     /// Diagonal of the axis-aligned bounding box; infinite if the extent exceeds the number range.
     pub fn bounding_diagonal(&self) -> f64 {
-        norm(self.lanes.iter().map(|lane| {
-            let low = lane.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = lane.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            if lane.is_empty() { 0.0 } else { high - low }
-        }))
+        diagonal(&self.extents())
     }
 
     /// The largest absolute value of a coordinate.
     pub fn magnitude(&self) -> f64 {
-        let coordinates = self.lanes.iter().flatten();
-        coordinates.fold(0.0, |largest, x| x.abs().max(largest))
+        magnitude(&self.extents())
     }
 
     /// Puts a point elsewhere; coordinates beyond the dimension are not looked at.
@@ -107,6 +149,69 @@ impl Points {
     pub fn shrink_to_fit(&mut self) {
         self.lanes.iter_mut().for_each(Lane::shrink_to_fit);
     }
+}
+
+impl Clone for Points {
+    fn clone(&self) -> Self {
+        let lane = |c: usize| self.lanes[c].clone();
+        Self {
+            lanes: each_lane(self.dimension(), self.len(), lane),
+        }
+    }
+}
+
+/// Makes lanes, long ones by several threads: memory that is used for the first time takes longer
+/// than writing it.
+fn each_lane(
+    dimension: usize,
+    count: usize,
+    lane: impl Fn(usize) -> Lane + Send + Sync,
+) -> Vec<Lane> {
+    if count < PARALLEL {
+        (0..dimension).map(lane).collect()
+    } else {
+        (0..dimension).into_par_iter().map(lane).collect()
+    }
+}
+
+/// Sums of squares like these have neither over- nor underflown where it matters.
+const SAFE: Range<f64> = 1e-240..1e240;
+
+/// Squares of distances, compiled for several instruction sets.
+struct Squares<'a> {
+    lanes: &'a [Lane],
+    from: usize,
+    to: usize,
+    squares: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for Squares<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let squares = self.squares;
+        squares.fill(0.0);
+        for lane in self.lanes {
+            let (from, to) = (&lane[self.from..], &lane[self.to..]);
+            for ((square, a), b) in squares.iter_mut().zip(from).zip(to) {
+                let difference = b - a;
+                *square += difference * difference;
+            }
+        }
+    }
+}
+
+/// Diagonal of the box with these sides; infinite if it exceeds the number range.
+pub fn diagonal(extents: &[Extent]) -> f64 {
+    norm(extents.iter().map(|extent| extent.length()))
+}
+
+/// The largest absolute value within these extents.
+pub fn magnitude(extents: &[Extent]) -> f64 {
+    let filled = extents.iter().filter(|extent| extent.low <= extent.high);
+    let ends = filled.flat_map(|extent| [extent.low, extent.high]);
+    ends.fold(0.0, |largest, end| end.abs().max(largest))
 }
 
 /// Euclidean norm by nested `hypot`: right for every magnitude of the coordinates.

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
+use super::extent::Extent;
 use super::invalid::{Axis, Invalid};
 use super::method::{LeastSquares, Method, Variant};
 use super::missing::Missing;
 use super::parameters::Parametrization;
-use super::points::{Grid, Points};
+use super::points::{self, Grid, Points};
 use super::spectrum;
 use super::weights;
 
@@ -99,12 +100,14 @@ impl Problem {
             check_missing(&request)?;
             missing.fill(&mut request.points, grid);
         }
-        check_finite(&request.points)?;
-        let diagonal = request.points.bounding_diagonal();
+        let extents = request.points.extents();
+        check_finite(&request.points, &extents)?;
+        let diagonal = points::diagonal(&extents);
         if !diagonal.is_finite() {
             return Err(Invalid::TooLarge);
         }
-        let tolerance = resolve_tolerance(request.tolerance, &request.points, diagonal)?;
+        let tolerance =
+            resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         check_method(&request)?;
         let (u, v) = directions(&request, missing.as_ref())?;
         let lifted = match &request.weights {
@@ -301,8 +304,9 @@ fn directions(
     Ok((u, v.transpose()?))
 }
 
-fn check_finite(points: &Points) -> Result<(), Invalid> {
-    for (coordinate, lane) in points.lanes().iter().enumerate() {
+fn check_finite(points: &Points, extents: &[Extent]) -> Result<(), Invalid> {
+    let lanes = points.lanes().iter().zip(extents);
+    for (coordinate, (lane, _)) in lanes.enumerate().filter(|(_, (_, it))| !it.is_finite) {
         if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
             return Err(Invalid::NotFinite {
                 index,
@@ -324,7 +328,7 @@ fn check_missing(request: &Request) -> Result<(), Invalid> {
     }
 }
 
-fn resolve_tolerance(tolerance: Tolerance, points: &Points, diagonal: f64) -> Result<f64, Invalid> {
+fn resolve_tolerance(tolerance: Tolerance, magnitude: f64, diagonal: f64) -> Result<f64, Invalid> {
     let (value, relative) = match tolerance {
         Tolerance::Absolute(value) => (value, false),
         Tolerance::Relative(value) => (value, true),
@@ -333,7 +337,7 @@ fn resolve_tolerance(tolerance: Tolerance, points: &Points, diagonal: f64) -> Re
         return Err(Invalid::Tolerance { value, relative });
     }
     // Relative to points that are nearly equal, rounding of their coordinates would be too much.
-    let rounding = points.magnitude() * ROUNDING;
+    let rounding = magnitude * ROUNDING;
     Ok(match relative {
         true if value > 0.0 => (value * diagonal).max(rounding),
         true => 0.0,

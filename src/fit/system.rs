@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::collocation::Tensor;
-use super::linear::{Inverse, LineMap, apply_tensor, qr::Orthogonal};
+use super::linear::{Inverse, apply_tensor, qr::Orthogonal};
 use super::method::{Method, Start};
+use super::points::Points;
 use super::problem::Problem;
 use super::spectrum;
 
@@ -112,45 +113,36 @@ impl System {
         self.forecast
     }
 
-    /// Applies the transform to one coordinate: `out = U values`.
-    pub fn apply_transform(&self, values: &[f64], out: &mut [f64], scratch: &mut [f64]) {
+    /// Numbers of scratch space that [`Self::transform_all`] and the maps of the matrix need.
+    pub fn scratch(&self) -> usize {
+        let count = self.problem.data().len();
+        let image = matches!(self.transform, Transform::Transposed { .. });
+        self.collocation.scratch() + if image { count } else { 0 }
+    }
+
+    /// Applies the transform in place: `points ← U points`.
+    pub fn transform_all(&self, points: &mut Points, scratch: &mut [f64]) {
         let grid = self.problem.grid();
+        let mut lanes: Vec<&mut [f64]> = points.lanes_mut().iter_mut().map(AsMut::as_mut).collect();
         match &self.transform {
             Transform::Scale(omega) => {
-                for (out, value) in out.iter_mut().zip(values) {
-                    *out = omega * value;
-                }
+                let values = lanes.into_iter().flatten();
+                values.for_each(|value| *value *= omega);
             }
             Transform::Transposed { rho } => {
-                self.collocation.apply_transposed(values, out, scratch);
-                out.iter_mut().for_each(|out| *out /= rho);
+                let (image, scratch) = scratch.split_at_mut(grid.count());
+                for lane in lanes {
+                    self.collocation.apply_transposed(lane, image, scratch);
+                    let image = lane.iter_mut().zip(&*image);
+                    image.for_each(|(value, image)| *value = image / rho);
+                }
             }
             Transform::Orthogonal(u, v) => {
-                out.copy_from_slice(values);
-                apply_directions(u, v.as_ref(), grid, out, scratch);
+                apply_tensor(u, v.as_ref(), grid, &mut lanes, scratch);
             }
-            Transform::Inverse(u, v) => {
-                out.copy_from_slice(values);
-                apply_directions(u, v.as_ref(), grid, out, scratch);
-            }
+            Transform::Inverse(u, v) => apply_tensor(u, v.as_ref(), grid, &mut lanes, scratch),
         }
     }
-}
-
-fn apply_directions(
-    u: &impl LineMap,
-    v: Option<&impl LineMap>,
-    grid: super::points::Grid,
-    values: &mut [f64],
-    scratch: &mut [f64],
-) {
-    let count = values.len();
-    let scratch = if v.is_some() {
-        &mut scratch[..count]
-    } else {
-        scratch
-    };
-    apply_tensor(u, v, grid, values, scratch);
 }
 
 fn transform(method: Method, collocation: &Tensor, forecast: &Forecast) -> Transform {

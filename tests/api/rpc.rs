@@ -693,6 +693,8 @@ async fn errors_name_the_fields_that_are_wrong() {
     assert_eq!(server.json("/v1/jobs").await["jobs"], json!([]));
 
     let id = create(&mut client, good()).await.id;
+    // A job that has not ended has nothing to start from.
+    Messages::read(watch(&mut client, &id, None, pb::StreamOptions::default()).await).await;
     let edit = |edit| pb::EditJobRequest {
         id: id.clone(),
         edit: Some(edit),

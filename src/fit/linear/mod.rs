@@ -3,9 +3,12 @@
 mod band;
 pub mod banded;
 pub mod columns;
+mod elimination;
 pub mod lu;
 mod pack;
 pub mod qr;
+
+use std::fmt::Debug;
 
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 
@@ -14,28 +17,34 @@ pub use band::{folded, unfolded};
 use banded::Banded;
 
 /// A linear map of lines, applied in place.
-pub trait LineMap {
+pub trait LineMap: Debug + Send + Sync {
     /// Maps each line of `lines`, which are as long as the map is wide and follow one another.
     fn apply(&self, lines: &mut [f64]);
+
+    /// Maps lines that are anywhere.
+    fn apply_each(&self, lines: &mut [&mut [f64]]) {
+        lines.iter_mut().for_each(|line| self.apply(line));
+    }
 }
 
-/// Applies `u ⊗ v` to a row-major grid: `v` along the rows, `u` across them. `scratch` is as large
-/// as the grid; a curve needs none.
+/// Applies `u ⊗ v` to row-major grids: `v` along the rows, `u` across them. `scratch` is as large as
+/// one of them; curves need none.
 pub fn apply_tensor(
     u: &impl LineMap,
     v: Option<&impl LineMap>,
     grid: Grid,
-    values: &mut [f64],
+    grids: &mut [&mut [f64]],
     scratch: &mut [f64],
 ) {
-    match v {
-        None => u.apply(values),
-        Some(v) => {
-            v.apply(values);
-            transpose(grid.rows, grid.columns, values, scratch);
-            u.apply(scratch);
-            transpose(grid.columns, grid.rows, scratch, values);
-        }
+    let Some(v) = v else {
+        return u.apply_each(grids);
+    };
+    let scratch = &mut scratch[..grid.count()];
+    for values in grids {
+        v.apply(values);
+        transpose(grid.rows, grid.columns, values, scratch);
+        u.apply(scratch);
+        transpose(grid.columns, grid.rows, scratch, values);
     }
 }
 
@@ -58,6 +67,8 @@ fn transpose(rows: usize, columns: usize, from: &[f64], to: &mut [f64]) {
 pub enum Inverse {
     /// Of a local basis.
     Banded(lu::BandedLu),
+    /// Of a local basis whose matrix is totally positive.
+    Positive(Box<dyn LineMap>),
     /// Of a global one.
     Dense {
         /// The decomposition.
@@ -73,6 +84,14 @@ impl Inverse {
         Self::Banded(lu::BandedLu::new(matrix))
     }
 
+    /// Factorizes a collocation matrix. Those of open B-splines are totally positive; around the end
+    /// of closed ones there is no order of the columns in which they would be.
+    pub fn of_collocation(matrix: &Banded) -> Self {
+        let positive = || elimination::decompose(matrix);
+        let positive = (!matrix.is_cyclic()).then(positive).flatten();
+        positive.map_or_else(|| Self::of_banded(matrix), Self::Positive)
+    }
+
     /// Factorizes a dense matrix.
     pub fn of_dense(matrix: &DMatrix<f64>) -> Self {
         Self::Dense {
@@ -86,6 +105,7 @@ impl LineMap for Inverse {
     fn apply(&self, lines: &mut [f64]) {
         match self {
             Self::Banded(lu) => lu.apply(lines),
+            Self::Positive(elimination) => elimination.apply(lines),
             Self::Dense { lu, n } => {
                 let mut view = DMatrixViewMut::from_slice(lines, *n, lines.len() / n);
                 if !lu.solve_mut(&mut view) {
@@ -93,6 +113,13 @@ impl LineMap for Inverse {
                     view.fill(f64::INFINITY);
                 }
             }
+        }
+    }
+
+    fn apply_each(&self, lines: &mut [&mut [f64]]) {
+        match self {
+            Self::Positive(elimination) => elimination.apply_each(lines),
+            _ => lines.iter_mut().for_each(|line| self.apply(line)),
         }
     }
 }

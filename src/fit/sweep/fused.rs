@@ -9,14 +9,15 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::relaxation::Coefficients;
+use super::relaxation::{Coefficients, Step};
 use crate::fit::blocks::{LANES, Sums};
 use crate::fit::linear::banded::Banded;
 
-/// What a loop does with the residual: nothing but to measure it, a step, or one with momentum.
-const MEASURE: u8 = 0;
-const RELAX: u8 = 1;
-const MOMENTUM: u8 = 2;
+// What a loop is made for: the kinds of steps, of moves without momentum and with it.
+const KEEP: u8 = 0;
+const RESIDUAL: u8 = 1;
+const RELAX: u8 = 2;
+const MOMENTUM: u8 = 3;
 
 /// Fewer rows of a stretch are computed one by one.
 const SHORT: usize = 2 * LANES;
@@ -46,8 +47,8 @@ pub struct Rows<'a, const D: usize> {
 pub struct Update<'a> {
     /// B.
     pub matrix: &'a Banded,
-    /// Of the step; without, nothing moves, and X' is X.
-    pub coefficients: Option<Coefficients>,
+    /// What becomes of the residual.
+    pub step: Step,
     /// What residuals are multiplied with before they are squared.
     pub scale: f64,
 }
@@ -111,7 +112,7 @@ impl Update<'_> {
             b: from_fn(|k| self.matrix.diagonal(k, rows.clone())),
             x: given.x.map(|x| &x[first..]),
             range: rows.start - base..rows.end - base,
-            coefficients: self.coefficients,
+            step: self.step,
             scale: self.scale,
             rows: given,
             sums,
@@ -132,7 +133,7 @@ impl Update<'_> {
             let i = row - base;
             let x = given.x;
             let products = x.map(|x| self.matrix.dot_row(row, offset, x, given.base));
-            let square = finish(self.coefficients, self.scale, given, i, products);
+            let square = finish(self.step, self.scale, given, i, products);
             sums.add((given.place + i) % LANES, square);
         }
     }
@@ -146,7 +147,7 @@ struct Fused<'a, 'b, const D: usize, const W: usize> {
     x: [&'a [f64]; D],
     /// Which of the given rows they are.
     range: Range<usize>,
-    coefficients: Option<Coefficients>,
+    step: Step,
     scale: f64,
     rows: &'a mut Rows<'b, D>,
     sums: &'a mut Sums,
@@ -160,10 +161,11 @@ impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        match (self.0.coefficients, self.0.rows.step[0].is_empty()) {
-            (None, _) => self.0.run::<S, MEASURE>(simd),
-            (_, true) => self.0.run::<S, RELAX>(simd),
-            (_, false) => self.0.run::<S, MOMENTUM>(simd),
+        match (self.0.step, self.0.rows.step[0].is_empty()) {
+            (Step::Keep, _) => self.0.run::<S, KEEP>(simd),
+            (Step::Residual, _) => self.0.run::<S, RESIDUAL>(simd),
+            (Step::Move(_), true) => self.0.run::<S, RELAX>(simd),
+            (Step::Move(_), false) => self.0.run::<S, MOMENTUM>(simd),
         }
     }
 }
@@ -215,7 +217,10 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         let step = step.each_mut();
         let step = step.map(|it| &mut S::as_mut_simd_f64s(&mut it[start_step..]).0[..n_step]);
         let squares = &mut S::as_mut_simd_f64s(&mut squares[start..]).0[..n];
-        let Coefficients { momentum, gain } = self.coefficients.unwrap_or_default();
+        let Coefficients { momentum, gain } = match self.step {
+            Step::Move(coefficients) => coefficients,
+            Step::Keep | Step::Residual => Coefficients::default(),
+        };
         let [momentum, gain] = [momentum, gain].map(|factor| simd.splat_f64s(factor));
         let scale = simd.splat_f64s(self.scale);
         for round in 0..rounds {
@@ -230,7 +235,8 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
                     }
                     let delta = simd.sub_f64s(data[c][i], sum);
                     next[c][i] = match KIND {
-                        MEASURE => own[c][i],
+                        KEEP => own[c][i],
+                        RESIDUAL => delta,
                         RELAX => simd.add_f64s(own[c][i], simd.mul_f64s(gain, delta)),
                         _ => {
                             let kept = simd.mul_f64s(momentum, step[c][i]);
@@ -257,7 +263,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
             (1..W).fold(product(0), |sum, k| sum + product(k))
         });
         let place = self.rows.place + i;
-        let square = finish(self.coefficients, self.scale, self.rows, i, products);
+        let square = finish(self.step, self.scale, self.rows, i, products);
         self.sums.add(place % LANES, square);
     }
 }
@@ -265,7 +271,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
 /// What is done to a row when its products with X are known; returns its square.
 #[inline(always)]
 fn finish<const D: usize>(
-    coefficients: Option<Coefficients>,
+    step: Step,
     scale: f64,
     rows: &mut Rows<'_, D>,
     i: usize,
@@ -274,10 +280,11 @@ fn finish<const D: usize>(
     let mut square = 0.0;
     for (c, product) in products.into_iter().enumerate() {
         let delta = rows.data[c][i] - product;
-        rows.next[c][i] = match (coefficients, rows.step[c].get_mut(i)) {
-            (None, _) => rows.own[c][i],
-            (Some(Coefficients { gain, .. }), None) => rows.own[c][i] + gain * delta,
-            (Some(Coefficients { momentum, gain }), Some(step)) => {
+        rows.next[c][i] = match (step, rows.step[c].get_mut(i)) {
+            (Step::Keep, _) => rows.own[c][i],
+            (Step::Residual, _) => delta,
+            (Step::Move(Coefficients { gain, .. }), None) => rows.own[c][i] + gain * delta,
+            (Step::Move(Coefficients { momentum, gain }), Some(step)) => {
                 *step = momentum * *step + gain * delta;
                 rows.own[c][i] + *step
             }
@@ -355,10 +362,14 @@ mod tests {
             b: b.each_ref().map(|lane| &lane[5..N]),
             x: x.each_ref().map(|lane| &lane[4..]),
             range: 5..N,
-            coefficients: Some(Coefficients {
-                momentum: 0.3,
-                gain: 1.2,
-            }),
+            step: match KIND {
+                KEEP => Step::Keep,
+                RESIDUAL => Step::Residual,
+                _ => Step::Move(Coefficients {
+                    momentum: 0.3,
+                    gain: 1.2,
+                }),
+            },
             scale: 0.125,
             rows: &mut Rows {
                 x: x.each_ref().map(|lane| &lane[..]),
@@ -395,8 +406,12 @@ mod tests {
             let scalar = pulp::Scalar::new();
             let arch = Arch::new();
             assert_eq!(
-                bits::<_, MEASURE>(scalar, place),
-                arch.dispatch(Here::<MEASURE>(place))
+                bits::<_, KEEP>(scalar, place),
+                arch.dispatch(Here::<KEEP>(place))
+            );
+            assert_eq!(
+                bits::<_, RESIDUAL>(scalar, place),
+                arch.dispatch(Here::<RESIDUAL>(place))
             );
             assert_eq!(
                 bits::<_, RELAX>(scalar, place),

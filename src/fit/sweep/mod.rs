@@ -33,7 +33,7 @@ use super::points::Points;
 use super::system::System;
 use fused::Update;
 use parts::{LANES, Part};
-use relaxation::{Coefficients, Relaxation};
+use relaxation::{Relaxation, Step};
 use tiles::Room;
 
 /// Levels that are computed in one pass, at most: more would not be limited by memory any more.
@@ -88,7 +88,8 @@ pub type Measured = (FitError, f64);
 pub struct Sweep {
     relaxation: Relaxation,
     current: Vectors,
-    /// The next level if it is `ahead`; after several levels at once, the one before them.
+    /// The next level if it is `ahead`, or where all adjusting vectors are transformed together these;
+    /// after several levels at once, the one before them.
     spare: Vectors,
     ahead: bool,
     norms: Norms,
@@ -96,6 +97,8 @@ pub struct Sweep {
     /// Of each level of a pass.
     blocks: Vec<Vec<Block>>,
     rooms: Vec<Room>,
+    /// Of transforms.
+    scratch: Vec<f64>,
     plan: Plan,
 }
 
@@ -110,8 +113,8 @@ pub struct Pass<'a> {
     pub data: &'a Points,
     /// The level that the pass starts from.
     pub source: &'a Vectors,
-    /// Of each level.
-    pub coefficients: &'a [Coefficients],
+    /// From each level to the next.
+    pub steps: &'a [Step],
     /// What residuals are multiplied with before they are squared.
     pub scale: f64,
     /// The blocks of the errors.
@@ -142,6 +145,8 @@ impl Sweep {
         let step = || relaxation.has_momentum().then(zeros);
         let layout = Blocks::new(grid);
         let (lines, _) = layout.unit();
+        let transformed = relaxation.is_transformed();
+        let scratch = if transformed { system.scratch() } else { 0 };
         let mut sweep = Self {
             relaxation,
             spare: Vectors {
@@ -157,9 +162,14 @@ impl Sweep {
             layout,
             blocks: vec![vec![Block::default(); layout.count()]],
             rooms: Vec::new(),
+            scratch: vec![0.0; scratch],
             plan: Plan {
                 parts: plan.parts.clamp(1, grid.rows.div_ceil(lines)),
-                levels: plan.levels.clamp(1, LEVELS),
+                levels: if transformed {
+                    1
+                } else {
+                    plan.levels.clamp(1, LEVELS)
+                },
                 tile: plan.tile,
             },
         };
@@ -182,14 +192,19 @@ impl Sweep {
         if !self.ahead {
             self.look_ahead(system);
         }
-        std::mem::swap(&mut self.current, &mut self.spare);
+        if self.relaxation.is_transformed() {
+            system.transform_all(&mut self.spare.x, &mut self.scratch);
+            self.current.x.add(&self.spare.x);
+        } else {
+            std::mem::swap(&mut self.current, &mut self.spare);
+        }
         self.relaxation.advance();
         self.look_ahead(system)
     }
 
-    /// Measures the current level and computes the next one.
+    /// Measures the current level and computes the next one, or the residual.
     fn look_ahead(&mut self, system: &System) -> Measured {
-        self.run(system, &[self.relaxation.coefficients()], false);
+        self.run(system, &[self.relaxation.step()], false);
         self.ahead = true;
         self.measured(0)
     }
@@ -197,12 +212,12 @@ impl Sweep {
     /// Moves on by several levels, at most [`Self::levels`], in one pass; the errors are those of
     /// [`Self::measured`].
     pub fn steps(&mut self, system: &System, count: usize) {
-        let mut coefficients = [Coefficients::default(); LEVELS];
-        for coefficients in &mut coefficients[..count] {
-            *coefficients = self.relaxation.coefficients();
+        let mut steps = [Step::default(); LEVELS];
+        for step in &mut steps[..count] {
+            *step = self.relaxation.step();
             self.relaxation.advance();
         }
-        self.run(system, &coefficients[..count], true);
+        self.run(system, &steps[..count], true);
         std::mem::swap(&mut self.current, &mut self.spare);
         self.ahead = false;
     }
@@ -221,7 +236,7 @@ impl Sweep {
     }
 
     /// A pass from the current level to the spare one.
-    fn run(&mut self, system: &System, coefficients: &[Coefficients], tiled: bool) {
+    fn run(&mut self, system: &System, steps: &[Step], tiled: bool) {
         let tensor = system.collocation();
         let Collocation::Banded(u) = &tensor.u else {
             return;
@@ -232,7 +247,7 @@ impl Sweep {
             v,
             data: system.problem().data(),
             source: &self.current,
-            coefficients,
+            steps,
             scale: self.norms.scale(),
             layout: self.layout,
             tile: self.plan.tile,
@@ -241,7 +256,7 @@ impl Sweep {
         let rooms = self.rooms.iter_mut();
         rooms.for_each(|room| room.prepare(&pass, tiled, self.plan.levels));
         let blocks = &mut self.blocks;
-        blocks.resize_with(blocks.len().max(coefficients.len()), || {
+        blocks.resize_with(blocks.len().max(steps.len()), || {
             vec![Block::default(); self.layout.count()]
         });
         let part = Part::whole(&pass, &mut self.spare, blocks, &mut self.rooms);
@@ -267,7 +282,7 @@ impl<'a> Pass<'a> {
     fn update(&self, matrix: &'a Banded, level: usize) -> Update<'a> {
         Update {
             matrix,
-            coefficients: self.coefficients.get(level).copied(),
+            step: self.steps.get(level).copied().unwrap_or_default(),
             scale: self.scale,
         }
     }

@@ -1,4 +1,5 @@
-//! The steps of the methods that move every control point by its own adjusting vector.
+//! What methods do with the adjusting vectors: move every control point by its own, or transform all of
+//! them together.
 
 use crate::fit::method::Method;
 use crate::fit::system::{System, Transform};
@@ -11,6 +12,18 @@ pub struct Coefficients {
     pub momentum: f64,
     /// The factor of the residual.
     pub gain: f64,
+}
+
+/// What a pass does with the residual of a level.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Step {
+    /// Nothing: the control points stay.
+    #[default]
+    Keep,
+    /// It is written in the place of the next level.
+    Residual,
+    /// A step of each control point.
+    Move(Coefficients),
 }
 
 /// The coefficients of each level.
@@ -27,6 +40,8 @@ pub enum Relaxation {
         /// The level.
         level: usize,
     },
+    /// Direct and transpose: `X ← X + U Δ`.
+    Transformed,
 }
 
 impl Relaxation {
@@ -44,8 +59,14 @@ impl Relaxation {
                     level: 0,
                 })
             }
+            (Method::Direct | Method::Transpose, _) => Some(Self::Transformed),
             _ => None,
         }
+    }
+
+    /// Whether all adjusting vectors are transformed together.
+    pub fn is_transformed(&self) -> bool {
+        matches!(self, Self::Transformed)
     }
 
     /// Whether the last step matters.
@@ -53,18 +74,19 @@ impl Relaxation {
         matches!(self, Self::Chebyshev { .. })
     }
 
-    /// Of the step from the current level to the next.
-    pub fn coefficients(&self) -> Coefficients {
+    /// From the current level to the next.
+    pub fn step(&self) -> Step {
         match self {
-            Self::Scale(gain) => Coefficients {
+            Self::Scale(gain) => Step::Move(Coefficients {
                 momentum: 0.0,
                 gain: *gain,
-            },
+            }),
             Self::Chebyshev { now, .. } => {
                 let mut now = *now;
                 let (momentum, gain) = now.advance();
-                Coefficients { momentum, gain }
+                Step::Move(Coefficients { momentum, gain })
             }
+            Self::Transformed => Step::Residual,
         }
     }
 
@@ -84,25 +106,6 @@ impl Relaxation {
             for _ in 0..*level {
                 now.advance();
             }
-        }
-    }
-}
-
-impl Coefficients {
-    /// `X' = X + gain Δ`.
-    #[inline(always)]
-    pub fn relax(self, x: &[f64], delta: &[f64], next: &mut [f64]) {
-        for ((next, x), delta) in next.iter_mut().zip(x).zip(delta) {
-            *next = x + self.gain * delta;
-        }
-    }
-
-    /// `d ← momentum d + gain Δ`, `X' = X + d`.
-    #[inline(always)]
-    pub fn relax_with_momentum(self, x: &[f64], delta: &[f64], step: &mut [f64], next: &mut [f64]) {
-        for ((step, next), (x, delta)) in step.iter_mut().zip(next).zip(x.iter().zip(delta)) {
-            *step = self.momentum * *step + self.gain * delta;
-            *next = x + *step;
         }
     }
 }

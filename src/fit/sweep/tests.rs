@@ -42,6 +42,8 @@ fn method() -> impl Strategy<Value = Method> {
     prop_oneof![
         Just(Method::Global),
         Just(Method::Chebyshev),
+        Just(Method::Direct),
+        Just(Method::Transpose),
         Just(Method::Weighted { omega: None }),
         (0.1..1.9).prop_map(|omega| Method::Weighted { omega: Some(omega) }),
     ]

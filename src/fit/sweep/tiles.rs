@@ -87,7 +87,7 @@ pub fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
         ..
     } = part;
     let [room] = rooms else { return };
-    let levels = pass.coefficients.len();
+    let levels = pass.steps.len();
     let margin = margin(pass, levels);
     for start in lines.clone().step_by(pass.tile) {
         let end = lines.end.min(start + pass.tile);
@@ -151,7 +151,7 @@ impl Tile<'_, '_> {
 
     /// The pieces of a level, as far as later levels need it: points, and the row of the first.
     fn pieces(&self, level: usize) -> impl Iterator<Item = (Range<i64>, usize)> + use<> {
-        let left = self.pass.coefficients.len() - level;
+        let left = self.pass.steps.len() - level;
         let margin = (left * self.pass.u.reach()) as i64;
         let range = self.within(self.points.start - margin..self.points.end + margin);
         pieces(range, self.pass.u.rows() as i64, BLOCK as i64)
@@ -210,7 +210,7 @@ impl Tile<'_, '_> {
         let Self {
             pass, room, base, ..
         } = self;
-        let level = pass.coefficients.len();
+        let level = pass.steps.len();
         let first = self.points.start;
         for (block, start) in blocks.iter_mut().zip((first..).step_by(BLOCK)) {
             let end = self.points.end.min(start + BLOCK as i64);

@@ -150,11 +150,8 @@ pub fn start(system: &System) -> Points {
         Method::Extended {
             start: Start::Transformed,
         } => {
-            let mut scratch = vec![0.0; system.collocation().scratch()];
             let mut control_points = data.clone();
-            for (x, data) in control_points.lanes_mut().iter_mut().zip(data.lanes()) {
-                system.apply_transform(data, x, &mut scratch);
-            }
+            system.transform_all(&mut control_points, &mut vec![0.0; system.scratch()]);
             control_points
         }
         _ => data.clone(),

@@ -1,0 +1,90 @@
+//! Where numbers lie.
+
+/// Numbers that are compared side by side.
+const LANES: usize = 8;
+
+/// The least and the largest of some numbers; of none, infinity and minus infinity. Numbers that are
+/// none do not count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// The least.
+    pub low: f64,
+    /// The largest.
+    pub high: f64,
+    /// Whether all are finite.
+    pub is_finite: bool,
+}
+
+impl Extent {
+    /// Of all values.
+    pub fn of(values: &[f64]) -> Self {
+        pulp::Arch::new().dispatch(Look(values))
+    }
+
+    /// From the least to the largest.
+    pub fn length(&self) -> f64 {
+        if self.low <= self.high {
+            self.high - self.low
+        } else {
+            0.0
+        }
+    }
+}
+
+/// A look at all values, compiled for several instruction sets.
+struct Look<'a>(&'a [f64]);
+
+impl pulp::NullaryFnOnce for Look<'_> {
+    type Output = Extent;
+
+    #[inline(always)]
+    fn call(self) -> Extent {
+        let mut low = [f64::INFINITY; LANES];
+        let mut high = [f64::NEG_INFINITY; LANES];
+        let mut zero = [0.0; LANES];
+        let (chunks, rest) = self.0.as_chunks::<LANES>();
+        for chunk in chunks {
+            for k in 0..LANES {
+                let x = chunk[k];
+                low[k] = if x < low[k] { x } else { low[k] };
+                high[k] = if x > high[k] { x } else { high[k] };
+                // Zero, unless a number is infinite or none.
+                zero[k] += x * 0.0;
+            }
+        }
+        for (k, &x) in rest.iter().enumerate() {
+            low[k] = if x < low[k] { x } else { low[k] };
+            high[k] = if x > high[k] { x } else { high[k] };
+            zero[k] += x * 0.0;
+        }
+        Extent {
+            low: low.into_iter().fold(f64::INFINITY, f64::min),
+            high: high.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            is_finite: zero.iter().all(|x| *x == 0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_counts() {
+        for n in 0..40 {
+            for at in 0..n {
+                let mut values = vec![1.0; n];
+                values[at] = -3.0;
+                let extent = Extent::of(&values);
+                assert_eq!((extent.low, extent.is_finite), (-3.0, true));
+                assert_eq!(extent.high, if n == 1 { -3.0 } else { 1.0 });
+                for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    values[at] = bad;
+                    assert!(!Extent::of(&values).is_finite);
+                }
+            }
+        }
+        assert_eq!(Extent::of(&[]).length(), 0.0);
+        assert_eq!(Extent::of(&[2.0, -1.0]).length(), 3.0);
+    }
+}
