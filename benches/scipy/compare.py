@@ -3,12 +3,12 @@
     compare.py PROGRAM [--counts 1000000 …]   # PROGRAM is target/release/piad
 
 Points of a rippled spiral in space, chord length, not-a-knot. In process: from points to control points, with
-the method `direct` and with `chebyshev` to the accuracy that scipy reaches. Over HTTP: posted, fitted with
-`direct`, and the control points read in base64. Medians of runs that take turns. Needs ../requirements.txt.
+the method `direct` and with `chebyshev` to the accuracy that scipy reaches. Over HTTP: posted as JSON or as
+protobuf, fitted with `direct`, and the control points read in base64, from an array to an array. Medians of
+runs that take turns. Needs ../requirements.txt.
 """
 
 import argparse
-import base64
 import json
 import os
 import socket
@@ -21,6 +21,7 @@ import urllib.request
 
 import numpy as np
 import orjson
+import pybase64
 from scipy.interpolate import make_interp_spline
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -56,19 +57,41 @@ def library(points: np.ndarray, method: str, tolerance: float) -> tuple[float, n
         return answer["seconds"], np.fromfile(result, "<f8").reshape(-1, 3), answer["iterations"], answer["max"]
 
 
-def over_http(points: np.ndarray) -> tuple[float, np.ndarray]:
-    """From an array to an array: written as JSON, posted, fitted, and the result read."""
-    begin = time.perf_counter()
+def as_json(points: np.ndarray) -> bytes:
     basis = {"kind": "bspline", "degree": 3, "knots": "averaged"}
     job = {"curve": {"points": points, "basis": basis}, "method": {"kind": "direct"}}
-    body = orjson.dumps(job, option=orjson.OPT_SERIALIZE_NUMPY)
-    headers = {"Content-Type": "application/json", "Prefer": "wait=100"}
+    return orjson.dumps(job, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def as_protobuf(points: np.ndarray) -> bytes:
+    """The message JobInput: numbers stand in it as they stand in the array."""
+    def varint(number: int) -> bytes:
+        high, low = divmod(number, 128)
+        return bytes([low | 128]) + varint(high) if high else bytes([low])
+
+    def field(number: int, content: bytes) -> bytes:
+        return varint(number << 3 | 2) + varint(len(content)) + content
+
+    dimension, averaged = b"\x08\x03", b"\x18\x02"
+    curve = dimension + field(2, points.tobytes()) + field(3, averaged)
+    direct = field(9, b"")
+    return field(2, curve) + field(5, direct)
+
+
+POSTS = {"application/json": as_json, "application/x-protobuf": as_protobuf}
+
+
+def over_http(points: np.ndarray, language: str) -> tuple[float, np.ndarray]:
+    """From an array to an array: written, posted, fitted, and the result read."""
+    begin = time.perf_counter()
+    body = POSTS[language](points)
+    headers = {"Content-Type": language, "Accept": "application/json", "Prefer": "wait=100"}
     base = f"http://127.0.0.1:{PORT}"
     with urllib.request.urlopen(urllib.request.Request(f"{base}/v1/jobs", body, headers)) as answer:
         links = json.load(answer)["links"]
     with urllib.request.urlopen(f"{base}{links['result']}?encoding=base64") as answer:
         result = orjson.loads(answer.read())
-    found = np.frombuffer(base64.b64decode(result["control_points"]), "<f8").reshape(result["shape"])
+    found = np.frombuffer(pybase64.b64decode(result["control_points"], validate=True), "<f8").reshape(result["shape"])
     return time.perf_counter() - begin, found
 
 
@@ -86,7 +109,7 @@ def start(program: str) -> subprocess.Popen:
 
 def line(count: int) -> None:
     points = spiral(count)
-    taken: dict[str, list[float]] = {name: [] for name in ("scipy", "direct", "chebyshev", "http")}
+    taken: dict[str, list[float]] = {name: [] for name in ("scipy", "direct", "chebyshev", *POSTS)}
     for _ in range(ROUNDS):
         seconds, expected, distance = scipy(points)
         taken["scipy"].append(seconds)
@@ -99,11 +122,12 @@ def line(count: int) -> None:
         seconds, _, iterations, reached = library(points, "chebyshev", accuracy)
         assert reached <= accuracy, (reached, accuracy)
         taken["chebyshev"].append(seconds)
-        seconds, _ = over_http(points)
-        taken["http"].append(seconds)
+        for language in POSTS:
+            seconds, _ = over_http(points, language)
+            taken[language].append(seconds)
     medians = {name: statistics.median(seconds) for name, seconds in taken.items()}
-    cells = [f"{1e3 * medians[name]:.1f} | {medians['scipy'] / medians[name]:.1f}×" for name in ("direct", "chebyshev", "http")]
-    print(f"| {count} | {1e3 * medians['scipy']:.1f} | {cells[0]} | {cells[1]} ({iterations} iterations) | {cells[2]} |", flush=True)
+    cells = [f"{1e3 * medians[name]:.1f} | {medians['scipy'] / medians[name]:.1f}×" for name in ("direct", "chebyshev", *POSTS)]
+    print(f"| {count} | {1e3 * medians['scipy']:.1f} | {cells[0]} | {cells[1]} ({iterations} iterations) | {cells[2]} | {cells[3]} |", flush=True)
 
 
 def main() -> None:
@@ -113,8 +137,8 @@ def main() -> None:
     given = parser.parse_args()
     server = start(given.program)
     try:
-        print("| points | scipy, ms | direct, ms | faster | chebyshev, ms | faster | over HTTP, ms | faster |")
-        print("|---|---|---|---|---|---|---|---|")
+        print("| points | scipy, ms | direct, ms | faster | chebyshev, ms | faster | JSON over HTTP, ms | faster | protobuf over HTTP, ms | faster |")
+        print("|---|---|---|---|---|---|---|---|---|---|")
         for count in given.counts:
             line(count)
     finally:

@@ -18,6 +18,9 @@ use super::linear::qr::Orthogonal;
 use super::points::Grid;
 use super::problem::Problem;
 
+/// Eigenvalues of matrices with more columns are approximate.
+pub const LONG: usize = 1000;
+
 /// The collocation matrix of one direction.
 #[derive(Clone, Debug)]
 pub enum Collocation {
@@ -161,10 +164,18 @@ impl Collocation {
         }
     }
 
-    /// `(σ B − I)⁻¹`, for a square matrix.
+    /// `(σ B − I)⁻¹`, for a square matrix. Of long ones by elimination without pivots: with σ above
+    /// 1/λ_min all leading minors are positive, as those of B interlace their eigenvalues, but rounding
+    /// is larger.
     pub fn shifted_inverse(&self, sigma: f64) -> Option<Inverse> {
         match self {
-            Self::Banded(banded) => Some(Inverse::of_banded(&banded.shifted(sigma)?)),
+            Self::Banded(banded) => {
+                let shifted = banded.shifted(sigma)?;
+                Some(match banded.columns() {
+                    ..=LONG => Inverse::of_banded(&shifted),
+                    _ => Inverse::of_collocation(&shifted),
+                })
+            }
             Self::Dense { matrix, .. } => {
                 let identity = DMatrix::identity(matrix.nrows(), matrix.ncols());
                 Some(Inverse::of_dense(&(matrix * sigma - identity)))

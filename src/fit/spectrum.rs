@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 
 use super::basis::{Basis, Polynomial};
-use super::collocation::Collocation;
+use super::collocation::{Collocation, LONG};
 use super::direction::Direction;
 use super::invalid::Invalid;
 use super::linear::LineMap;
@@ -25,7 +25,7 @@ const REAL: f64 = 1e-9;
 fn effort(matrix: &Collocation) -> (f64, usize) {
     const WORK: usize = 200_000_000;
     let n = matrix.columns();
-    let accuracy = if n <= 1000 { 1e-13 } else { 1e-9 };
+    let accuracy = if n <= LONG { 1e-13 } else { 1e-9 };
     (accuracy, (WORK / matrix.entries()).clamp(20, 5000))
 }
 
@@ -48,9 +48,9 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 /// for even degrees. Of long curves nobody needs more than a few digits.
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
-        ..=1000 => (1e-13, 100),
-        1001..=20_000 => (1e-6, 20),
-        _ => (1e-3, 8),
+        ..=LONG => (1e-13, 100),
+        ..=20_000 => (1e-6, 20),
+        _ => (1e-2, 8),
     }
 }
 
@@ -66,9 +66,10 @@ const NEARLY: f64 = 1e-7;
 fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let n = matrix.columns();
     let (accuracy, shifts) = patience(matrix);
+    let inverse = matrix.inverse();
     let mut z: Vec<f64> = (0..n).map(alternating).collect();
     let mut w = z.clone();
-    matrix.inverse().apply(&mut w);
+    inverse.apply(&mut w);
     let mut upper = extremes(&w, &z).1;
     let mut step = f64::INFINITY;
     for _ in 0..shifts {
@@ -81,13 +82,17 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
         }
         step = least / upper;
         upper -= least;
-        if step <= accuracy {
-            return Some(upper);
-        }
         let size = length(&w);
         z.iter_mut().zip(&w).for_each(|(z, w)| *z = w / size);
+        if step <= accuracy {
+            break;
+        }
     }
-    Some(upper)
+    // The bound of the vector that was found holds whatever rounding there was on the way.
+    w.copy_from_slice(&z);
+    inverse.apply(&mut w);
+    let (least, largest) = extremes(&w, &z);
+    (least > 0.0).then_some(largest)
 }
 
 /// The least and the largest quotient of elements.
