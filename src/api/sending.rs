@@ -22,6 +22,9 @@ const SMALL: usize = 16 * 1024;
 /// So many pieces are made ahead of the one that is being sent.
 const AHEAD: usize = 3;
 
+/// Contents above this size are likely to be followed by many of that size.
+const FEW: usize = 1024;
+
 /// Pieces that are copied together are sent when they have this size.
 const ENOUGH: usize = 64 * 1024;
 
@@ -78,6 +81,11 @@ impl Outgoing {
 
     fn push_bytes(&mut self, bytes: Bytes) {
         if bytes.len() <= SMALL {
+            // Of a few large ones all of them will find room.
+            if self.together.capacity() < self.together.len() + bytes.len() {
+                let many = if bytes.len() > FEW { ENOUGH + SMALL } else { 0 };
+                self.together.reserve(bytes.len().max(many));
+            }
             self.together.extend_from_slice(&bytes);
         } else {
             self.cut();

@@ -131,6 +131,14 @@ impl Iteration {
         }
     }
 
+    /// The same, to be kept while the iteration goes on.
+    pub fn shared_control_points(&self) -> Arc<Points> {
+        match &self.engine {
+            Engine::Plain(plain) => Arc::new(plain.control_points().clone()),
+            Engine::Sweep(sweep) => Arc::clone(sweep.control_points()),
+        }
+    }
+
     /// How the plain loop moves control points.
     fn update(&self) -> Option<&dyn Update> {
         match &self.engine {

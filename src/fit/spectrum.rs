@@ -48,7 +48,7 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 /// for even degrees. Of long curves nobody needs more than a few digits.
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
-        ..=LONG => (1e-13, 100),
+        n if n <= LONG => (1e-13, 100),
         ..=20_000 => (1e-6, 20),
         _ => (1e-2, 8),
     }

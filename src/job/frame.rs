@@ -23,17 +23,14 @@ pub struct Frame {
 
 impl Frame {
     /// Bytes that a number of a frame takes: itself, and its decimal digits once somebody reads it.
-    const BYTES_PER_NUMBER: usize = 8 + 20;
+    const BYTES_PER_NUMBER: usize = 8 + 28;
 
     /// The current level of a fit.
     pub fn of(iteration: &Iteration) -> Self {
         Self {
             moved: iteration.moved().map(Arc::from),
             is_last: iteration.outcome().is_some(),
-            ..Self::last(
-                iteration.level(),
-                Arc::new(iteration.control_points().clone()),
-            )
+            ..Self::last(iteration.level(), iteration.shared_control_points())
         }
     }
 

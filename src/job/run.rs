@@ -241,7 +241,7 @@ impl Run {
         }
         let keep = self.keeps_unread || outcome.is_some() || state.is_read(level.iteration);
         if keep {
-            // Copying takes as long as a step, so it is not done under the lock.
+            // Copying can take as long as a step, so it is not done under the lock.
             drop(state);
             let frame = Arc::new(Frame::of(iteration));
             state = self.state.lock();
@@ -263,10 +263,8 @@ impl Run {
 
     /// Ends the run because it was stopped.
     fn end_stopped(&self, iteration: Option<&Iteration>) {
-        let frame = iteration.map(|it| {
-            let control_points = Arc::new(it.control_points().clone());
-            Arc::new(Frame::last(it.level(), control_points))
-        });
+        let frame =
+            iteration.map(|it| Arc::new(Frame::last(it.level(), it.shared_control_points())));
         let mut state = self.state.lock();
         state.last = frame;
         state.end(Ending::Stopped);

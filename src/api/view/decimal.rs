@@ -27,34 +27,35 @@ impl Rounding {
         power.is_finite().then_some(Self { places, power })
     }
 
-    /// Writes a number rounded, or in full if it has too many digits even so.
-    pub fn write(self, x: f64, json: &mut Vec<u8>) {
+    /// Writes a number rounded, or in full if it has too many digits even so, to the start of
+    /// [`LONGEST`] bytes; returns how many it takes.
+    pub fn write(self, x: f64, room: &mut [u8]) -> usize {
         let scaled = if self.places < 0 {
             x.abs() / self.power
         } else {
             x.abs() * self.power
         };
         if scaled.is_nan() || scaled >= LARGEST {
-            return write(x, json);
+            return write(x, room);
         }
         let mut number = (scaled + 0.5) as u64;
         if number == 0 {
-            return json.push(b'0');
+            room[0] = b'0';
+            return 1;
         }
         let mut exponent = -self.places;
         while number.is_multiple_of(10) {
             number /= 10;
             exponent += 1;
         }
-        if x < 0.0 {
-            json.push(b'-');
-        }
-        write_scientific(number, exponent, json);
+        let sign = usize::from(x < 0.0);
+        room[0] = b'-';
+        sign + write_scientific(number, exponent, &mut room[sign..])
     }
 }
 
 /// Writes `number · 10^exponent`, plainly where that is short. The last digit is not 0.
-fn write_scientific(mut number: u64, exponent: i32, json: &mut Vec<u8>) {
+fn write_scientific(mut number: u64, exponent: i32, room: &mut [u8]) -> usize {
     let mut digits = [0; 20];
     let mut start = digits.len();
     while number > 0 {
@@ -66,49 +67,55 @@ fn write_scientific(mut number: u64, exponent: i32, json: &mut Vec<u8>) {
     // Digits before the decimal point.
     let before = digits.len() as i32 + exponent;
     match (exponent, before) {
-        (0..=3, _) => {
-            json.extend_from_slice(digits);
-            json.extend((0..exponent).map(|_| b'0'));
-        }
+        (0..=3, _) => join(room, [digits, &b"000"[..exponent as usize], b""]),
         (..0, 1..) => {
             let (whole, part) = digits.split_at(before as usize);
-            json.extend_from_slice(whole);
-            json.push(b'.');
-            json.extend_from_slice(part);
+            join(room, [whole, b".", part])
         }
         (..0, -3..=0) => {
-            json.extend_from_slice(b"0.");
-            json.extend((before..0).map(|_| b'0'));
-            json.extend_from_slice(digits);
+            let zeros = &b"0.000"[..2 + before.unsigned_abs() as usize];
+            join(room, [zeros, digits, b""])
         }
         _ => {
-            json.extend_from_slice(digits);
-            json.extend_from_slice(format!("e{exponent}").as_bytes());
+            let exponent = format!("e{exponent}");
+            join(room, [digits, exponent.as_bytes(), b""])
         }
     }
 }
 
-/// Most numbers have between one and two times so many characters.
+/// Writes parts one behind the other; returns how many bytes they are.
+fn join(room: &mut [u8], parts: [&[u8]; 3]) -> usize {
+    let mut at = 0;
+    for part in parts {
+        room[at..at + part.len()].copy_from_slice(part);
+        at += part.len();
+    }
+    at
+}
+
+/// Room for any number.
+pub const LONGEST: usize = 2 * HALF + 1;
+
+/// Most numbers have between one and two times so many characters, none has more.
 const HALF: usize = 12;
 
-/// Writes a number with all the digits that tell it from others; `null` if it is not finite.
-pub fn write(x: f64, json: &mut Vec<u8>) {
+/// Writes a number with all the digits that tell it from others, `null` if it is not finite, to the
+/// start of [`LONGEST`] bytes; returns how many it takes.
+pub fn write(x: f64, room: &mut [u8]) -> usize {
     if !x.is_finite() {
-        return json.extend_from_slice(b"null");
+        return join(room, [b"null", b"", b""]);
     }
     let mut buffer = zmij::Buffer::new();
     let digits = buffer.format_finite(x).as_bytes();
     let length = digits.len();
-    if !(HALF..=2 * HALF).contains(&length) {
-        return json.extend_from_slice(digits);
+    if (HALF..=2 * HALF).contains(&length) {
+        // Copies of a known size are quicker than one that has to look at its size: two that overlap.
+        room[..HALF].copy_from_slice(&digits[..HALF]);
+        room[length - HALF..length].copy_from_slice(&digits[length - HALF..]);
+    } else {
+        room[..length].copy_from_slice(digits);
     }
-    // Copies of a known size are quicker than one that has to look at its size: two that overlap.
-    let start = json.len();
-    json.extend_from_slice(&[0; 2 * HALF]);
-    let room = &mut json[start..];
-    room[..HALF].copy_from_slice(&digits[..HALF]);
-    room[length - HALF..length].copy_from_slice(&digits[length - HALF..]);
-    json.truncate(start + length);
+    length
 }
 
 #[cfg(test)]
@@ -117,10 +124,10 @@ mod tests {
 
     use super::*;
 
-    fn text(write: impl FnOnce(&mut Vec<u8>)) -> String {
-        let mut json = Vec::new();
-        write(&mut json);
-        String::from_utf8(json).unwrap()
+    fn text(write: impl FnOnce(&mut [u8]) -> usize) -> String {
+        let mut json = [0; LONGEST];
+        let length = write(&mut json);
+        String::from_utf8(json[..length].to_vec()).unwrap()
     }
 
     fn rounded(x: f64, error: f64) -> String {

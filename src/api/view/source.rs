@@ -1,5 +1,6 @@
 //! Where large arrays of numbers come from: any part of them, at any time.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::fit::direction::Direction;
@@ -39,20 +40,30 @@ pub struct Net {
 }
 
 impl Net {
-    /// Calls `visit` with the free control point at each place of the net from `start` on.
-    fn each(&self, start: usize, count: usize, mut visit: impl FnMut(usize, usize)) {
-        let u = self.problem.u();
-        let Some(v) = self.problem.v() else {
-            return (0..count).for_each(|k| visit(k, u.free_index(start + k)));
-        };
-        let (across, free) = (v.basis.functions(), self.problem.control_grid().columns);
-        let (mut row, mut column) = (start / across, start % across);
-        for k in 0..count {
-            visit(k, u.free_index(row) * free + v.free_index(column));
-            column += 1;
-            if column == across {
-                (row, column) = (row + 1, 0);
-            }
+    /// Calls `visit` with each part of the net, from place `start` on, whose free control points follow
+    /// one another: its first place after `start`, and these points.
+    fn each(&self, start: usize, count: usize, mut visit: impl FnMut(usize, Range<usize>)) {
+        let (u, v) = (self.problem.u(), self.problem.v());
+        let across = v.map_or(usize::MAX, |v| v.basis.functions());
+        let free = self.problem.control_grid().columns;
+        let mut k = 0;
+        while k < count {
+            let (row, column) = ((start + k) / across, (start + k) % across);
+            let (along, place, first) = match v {
+                None => (u, column, 0),
+                Some(v) => (v, column, u.free_index(row) * free),
+            };
+            let most = (count - k).min(across - column);
+            let index = along.free_index(place);
+            let next = |n: &usize| along.free_index(place + n) == index + n;
+            // The first and the last of many tell of all: only ends are repeated.
+            let run = if next(&(most - 1)) {
+                most
+            } else {
+                (1..most).take_while(next).count() + 1
+            };
+            visit(k, first + index..first + index + run);
+            k += run;
         }
     }
 }
@@ -63,13 +74,16 @@ impl Source for Net {
         let lanes = self.control_points.lanes();
         let weights = lanes.last().filter(|_| self.problem.is_homogeneous());
         let count = numbers.len() / dimension;
-        self.each(start / dimension, count, |k, index| {
-            let place = &mut numbers[k * dimension..][..dimension];
-            for (x, lane) in place.iter_mut().zip(lanes) {
-                *x = lane[index];
-            }
-            if let Some(weights) = weights {
-                place.iter_mut().for_each(|x| *x /= weights[index]);
+        self.each(start / dimension, count, |k, points| {
+            let places = &mut numbers[k * dimension..][..points.len() * dimension];
+            for (c, lane) in lanes.iter().take(dimension).enumerate() {
+                let to = places.iter_mut().skip(c).step_by(dimension);
+                match weights {
+                    None => to.zip(&lane[points.clone()]).for_each(|(to, x)| *to = *x),
+                    Some(weights) => to
+                        .zip(lane[points.clone()].iter().zip(&weights[points.clone()]))
+                        .for_each(|(to, (x, weight))| *to = x / weight),
+                }
             }
         });
     }
@@ -82,7 +96,9 @@ impl Source for NetWeights {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         let Self(net) = self;
         if let Some(weights) = net.control_points.lanes().last() {
-            net.each(start, numbers.len(), |k, index| numbers[k] = weights[index]);
+            net.each(start, numbers.len(), |k, points| {
+                numbers[k..k + points.len()].copy_from_slice(&weights[points]);
+            });
         }
     }
 }

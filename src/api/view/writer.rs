@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base64_simd::STANDARD;
 use bytes::Bytes;
 
-use super::decimal::{self, Rounding};
+use super::decimal::{self, LONGEST, Rounding};
 use super::source::Source;
 use crate::job::content::{Content, Piece, Pieces};
 
@@ -31,10 +31,10 @@ pub enum Digits {
 }
 
 impl Digits {
-    /// How many bytes a number rarely exceeds, commas and brackets included.
+    /// How many bytes are filled for a number at most, commas and brackets included.
     pub fn size(self) -> usize {
         match self {
-            Self::Decimal(_) => 24,
+            Self::Decimal(_) => LONGEST + 3,
             Self::Base64 => 11,
             Self::Base64F32 => 6,
             Self::Raw => 8,
@@ -92,7 +92,7 @@ impl Writer {
     /// With room for so many bytes.
     pub fn with_capacity(bytes: usize) -> Self {
         Self {
-            text: Vec::with_capacity(bytes.min(512 + PIECE * 24)),
+            text: Vec::with_capacity(bytes.min(512 + PIECE * Digits::Decimal(None).size())),
             pieces: Vec::new(),
             length: Some(0),
         }
@@ -179,8 +179,8 @@ fn write(
     each_chunk(range, source, |start, numbers| match digits {
         Digits::Decimal(None) => lists(shape, start, numbers, text, decimal::write),
         Digits::Decimal(Some(rounding)) => {
-            lists(shape, start, numbers, text, |x, text| {
-                rounding.write(x, text)
+            lists(shape, start, numbers, text, |x, room| {
+                rounding.write(x, room)
             });
         }
         Digits::Base64 => base64(numbers, f64::to_le_bytes, text),
@@ -208,36 +208,60 @@ fn lists(
     start: usize,
     numbers: &[f64],
     text: &mut Vec<u8>,
-    write: impl Fn(f64, &mut Vec<u8>),
+    write: impl Fn(f64, &mut [u8]) -> usize,
 ) {
     let (total, (inner, outer)) = (shape.count(), shape.sizes());
     let nested = shape.depth > 1;
     let opens = |at: usize| outer.is_some_and(|outer| at.is_multiple_of(outer));
+    // Room for all of it at once: a number with its comma, and the brackets and the comma of a row.
+    let length = text.len();
+    let rows = numbers.len().div_ceil(inner);
+    text.resize(length + numbers.len() * (LONGEST + 1) + rows * 6, 0);
+    let mut room = Room {
+        bytes: &mut text[length..],
+        used: 0,
+    };
     let mut at = start;
     for row in numbers.chunks(inner) {
         if at == 0 {
-            text.push(b'[');
+            room.push(b'[');
         }
         if opens(at) {
-            text.push(b'[');
+            room.push(b'[');
         }
         if nested {
-            text.push(b'[');
+            room.push(b'[');
         }
         for (k, &x) in row.iter().enumerate() {
             if k > 0 {
-                text.push(b',');
+                room.push(b',');
             }
-            write(x, text);
+            room.used += write(x, &mut room.bytes[room.used..]);
         }
         at += inner;
         if nested {
-            text.push(b']');
+            room.push(b']');
         }
         if opens(at) {
-            text.push(b']');
+            room.push(b']');
         }
-        text.push(if at == total { b']' } else { b',' });
+        room.push(if at == total { b']' } else { b',' });
+    }
+    let used = room.used;
+    text.truncate(length + used);
+}
+
+/// Bytes that are filled from the start on.
+struct Room<'a> {
+    bytes: &'a mut [u8],
+    used: usize,
+}
+
+impl Room<'_> {
+    #[inline(always)]
+    fn push(&mut self, byte: u8) {
+        self.bytes[self.used] = byte;
+        self.used += 1;
     }
 }
 

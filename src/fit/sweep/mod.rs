@@ -25,6 +25,8 @@ pub mod surface;
 mod tests;
 pub mod tiles;
 
+use std::sync::Arc;
+
 use super::blocks::{BLOCK, Block, Blocks};
 use super::collocation::Collocation;
 use super::linear::banded::Banded;
@@ -74,10 +76,21 @@ impl Plan {
 /// What an iteration carries from level to level.
 #[derive(Debug)]
 pub struct Vectors {
-    /// The control points.
-    pub x: Points,
+    /// The control points, which readers may share.
+    pub x: Arc<Points>,
     /// The last step, of methods with momentum.
     pub step: Option<Points>,
+}
+
+impl Vectors {
+    /// Control points that nobody else sees, to be overwritten, and the steps: if there are readers of
+    /// these points, they keep them.
+    fn writable(&mut self) -> (&mut Points, Option<&mut Points>) {
+        if Arc::get_mut(&mut self.x).is_none() {
+            self.x = Arc::new(Points::zeros(self.x.dimension(), self.x.len()));
+        }
+        (Arc::make_mut(&mut self.x), self.step.as_mut())
+    }
 }
 
 /// The error of a level, and the length of its residual.
@@ -150,11 +163,11 @@ impl Sweep {
         let mut sweep = Self {
             relaxation,
             spare: Vectors {
-                x: zeros(),
+                x: Arc::new(zeros()),
                 step: step(),
             },
             current: Vectors {
-                x: control_points,
+                x: Arc::new(control_points),
                 step: step(),
             },
             ahead: false,
@@ -178,7 +191,7 @@ impl Sweep {
     }
 
     /// The control points.
-    pub fn control_points(&self) -> &Points {
+    pub fn control_points(&self) -> &Arc<Points> {
         &self.current.x
     }
 
@@ -193,8 +206,8 @@ impl Sweep {
             self.look_ahead(system);
         }
         if self.relaxation.is_transformed() {
-            system.transform_all(&mut self.spare.x, &mut self.scratch);
-            self.current.x.add(&self.spare.x);
+            system.transform_all(Arc::make_mut(&mut self.spare.x), &mut self.scratch);
+            Arc::make_mut(&mut self.current.x).add(&self.spare.x);
         } else {
             std::mem::swap(&mut self.current, &mut self.spare);
         }

@@ -36,8 +36,9 @@ impl<'a> Part<'a> {
     ) -> Self {
         let columns = pass.v.map_or(1, |v| v.columns());
         let mut blocks = blocks.iter_mut();
-        let mut x = target.x.lanes_mut().iter_mut();
-        let step = target.step.as_mut().map(|step| step.lanes_mut());
+        let (x, step) = target.writable();
+        let mut x = x.lanes_mut().iter_mut();
+        let step = step.map(|step| step.lanes_mut());
         let mut step = step.unwrap_or_default().iter_mut();
         Self {
             lines: 0..pass.data.len() / columns,

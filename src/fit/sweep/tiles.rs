@@ -190,7 +190,7 @@ impl Tile<'_, '_> {
             let base = *base - (points.start - row as i64);
             (&*front, base, local.clone())
         } else {
-            (&pass.source.x, 0, rows.clone())
+            (&*pass.source.x, 0, rows.clone())
         };
         let mut given = Rows::<D> {
             x: columns(x, 0..x.len()),
