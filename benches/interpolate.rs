@@ -25,6 +25,10 @@ use piad::fit::points::{Grid, Points};
 use piad::fit::problem::{Problem, Request, Tolerance, Weights};
 use piad::fit::system::System;
 
+/// As in the program.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 #[derive(Parser)]
 struct Options {
     points: PathBuf,

@@ -52,7 +52,7 @@ def library(points: np.ndarray, method: str, tolerance: float) -> tuple[float, n
     with tempfile.TemporaryDirectory() as directory:
         given, result = (os.path.join(directory, name) for name in ("points", "result"))
         points.astype("<f8").tofile(given)
-        command = [*INTERPOLATE, given, method, str(tolerance), result, "--runs", "3"]
+        command = [*INTERPOLATE, given, method, str(tolerance), result, "--runs", "9"]
         answer = json.loads(subprocess.run(command, cwd=HERE, check=True, stdout=subprocess.PIPE).stdout)
         return answer["seconds"], np.fromfile(result, "<f8").reshape(-1, 3), answer["iterations"], answer["max"]
 

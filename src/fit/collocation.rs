@@ -538,6 +538,28 @@ mod tests {
         }
     }
 
+    /// Several lines side by side, by elimination with and without pivots.
+    #[test]
+    fn long_matrices_are_solved() {
+        let n = 300;
+        for degree in 1..=8 {
+            for direction in [at_data(uneven(n), degree), averaged(uneven(n), degree)] {
+                let collocation = Collocation::new(&direction);
+                for lines in 1..=6 {
+                    let x: Vec<f64> = (0..lines * n).map(|i| (i as f64 * 0.7).sin()).collect();
+                    let mut y = vec![0.0; x.len()];
+                    collocation.apply_to_lines(&x, &mut y);
+                    let mut each: Vec<&mut [f64]> = y.chunks_mut(n).collect();
+                    collocation.inverse().apply_each(&mut each);
+                    // The condition numbers of the highest degrees are near 1e5.
+                    let far = x.iter().zip(&y).map(|(x, y)| (x - y).abs());
+                    let far = far.fold(0.0, f64::max);
+                    assert!(far < 1e-9, "degree {degree}, {lines} lines: {far}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn tensor_products_equal_kronecker_products() {
         let (rows, columns) = (6, 9);
