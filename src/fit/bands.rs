@@ -31,6 +31,7 @@ pub(super) fn banded(direction: &Direction) -> Banded {
             rows: start..rows.min(start + CHUNK),
             lanes: Vec::with_capacity(support),
             stretches: Vec::new(),
+            values: Vec::new(),
         })
         .collect();
     for lane in &mut lanes {
@@ -58,6 +59,8 @@ struct Chunk<'a> {
     /// Their first entries, their second ones, …
     lanes: Vec<&'a mut [f64]>,
     stretches: Vec<Stretch>,
+    /// Room for a single row.
+    values: Vec<f64>,
 }
 
 impl Chunk<'_> {
@@ -136,14 +139,16 @@ impl Chunk<'_> {
     fn single(&mut self, row: usize, evaluate: impl FnOnce(&mut [f64]) -> usize) {
         let direction = self.direction;
         let columns = direction.free();
-        let mut values = vec![0.0; self.lanes.len()];
+        let mut values = std::mem::take(&mut self.values);
+        values.resize(self.lanes.len(), 0.0);
         let start = evaluate(&mut values);
         let first = direction.free_index(start);
-        for (k, value) in values.into_iter().enumerate() {
+        for (k, value) in values.iter().enumerate() {
             let column = direction.free_index(start + k);
             let place = (column + columns - first) % columns;
             self.lanes[place][row - self.rows.start] += value;
         }
+        self.values = values;
         self.push(row, first);
     }
 

@@ -186,7 +186,7 @@ impl Block {
             ..Self::default()
         };
         if max > 0.0 {
-            block.at = start + pulp::Arch::new().dispatch(|| position(squares, max));
+            block.at = start + pulp::Arch::new().dispatch(Position(squares, max));
         }
         block
     }
@@ -216,13 +216,30 @@ fn add_up(lanes: [f64; LANES]) -> f64 {
 }
 
 /// The first place of a value that occurs; chunk by chunk, as comparing is quicker than leaving.
-#[inline(always)]
-fn position(values: &[f64], value: f64) -> usize {
-    let chunks = values.chunks(2 * LANES);
-    let holds = |chunk: &[f64]| chunk.iter().fold(false, |found, &x| found | (x == value));
-    let before = chunks.take_while(|chunk| !holds(chunk)).count() * 2 * LANES;
-    let within = values.iter().skip(before).position(|&x| x == value);
-    before + within.unwrap_or(0)
+struct Position<'a>(&'a [f64], f64);
+
+impl pulp::NullaryFnOnce for Position<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        const CHUNK: usize = 4 * LANES;
+        let Self(values, value) = self;
+        let (chunks, _) = values.as_chunks::<CHUNK>();
+        let mut before = 0;
+        for chunk in chunks {
+            let mut found = false;
+            for &x in chunk {
+                found |= x == value;
+            }
+            if found {
+                break;
+            }
+            before += CHUNK;
+        }
+        let within = values[before..].iter().position(|&x| x == value);
+        before + within.unwrap_or(0)
+    }
 }
 
 #[cfg(test)]

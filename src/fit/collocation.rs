@@ -1,11 +1,7 @@
 //! The collocation matrix `B[i][j] = B_j(t_i)` as an operator.
 //!
 //! A direction has one matrix, banded for B-splines and dense for polynomial bases: a row for each
-//! data point, a column for each free control point. The matrix of a surface is the tensor product
-//! `B_u ⊗ B_v`, applied one direction after the other and never formed: with the points as a grid
-//! `X`, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`.
-
-use std::sync::{Arc, OnceLock};
+//! data point, a column for each free control point.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
@@ -15,8 +11,6 @@ use super::linear::Inverse;
 use super::linear::banded::Banded;
 use super::linear::columns::Columns;
 use super::linear::qr::Orthogonal;
-use super::points::Grid;
-use super::problem::Problem;
 
 /// Eigenvalues of matrices with more columns are approximate.
 pub const LONG: usize = 1000;
@@ -138,7 +132,7 @@ impl Collocation {
     }
 
     /// The entries by columns.
-    fn by_columns(&self) -> Columns {
+    pub(super) fn by_columns(&self) -> Columns {
         match self {
             Self::Banded(banded) => Columns::new(banded.columns(), banded.entries()),
             Self::Dense { matrix, .. } => {
@@ -218,118 +212,15 @@ fn dense(direction: &Direction) -> DMatrix<f64> {
     matrix
 }
 
-/// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
-#[derive(Clone, Debug)]
-pub struct Tensor {
-    data: Grid,
-    control: Grid,
-    /// The matrix of a curve, or of the u direction.
-    pub u: Collocation,
-    /// The matrix of the v direction of a surface.
-    pub v: Option<Collocation>,
-    columns: OnceLock<Arc<TensorColumns>>,
-}
-
-/// The entries of both matrices by columns.
-#[derive(Debug)]
-pub struct TensorColumns {
-    /// Of a curve, or of the u direction.
-    pub u: Columns,
-    /// Of the v direction of a surface.
-    pub v: Option<Columns>,
-}
-
-impl TensorColumns {
-    /// Calls `visit` for every entry (row, value) of the column of control point `index`, where the
-    /// control points stand in so many columns.
-    pub fn visit(&self, index: usize, columns: usize, mut visit: impl FnMut(usize, f64)) {
-        match &self.v {
-            None => {
-                for &(i, value) in self.u.column(index) {
-                    visit(i as usize, value);
-                }
-            }
-            Some(v) => {
-                for &(i, a) in self.u.column(index / columns) {
-                    for &(j, b) in v.column(index % columns) {
-                        visit(i as usize * columns + j as usize, a * b);
-                    }
-                }
-            }
-        }
-    }
-}
-
-impl Tensor {
-    /// The collocation matrices of both directions of a problem.
-    pub fn new(problem: &Problem) -> Self {
-        Self {
-            data: problem.grid(),
-            control: problem.control_grid(),
-            u: Collocation::new(problem.u()),
-            v: problem.v().map(Collocation::new),
-            columns: OnceLock::new(),
-        }
-    }
-
-    /// The entries by columns, sorted when they are first needed.
-    pub fn columns(&self) -> &Arc<TensorColumns> {
-        self.columns.get_or_init(|| {
-            Arc::new(TensorColumns {
-                u: self.u.by_columns(),
-                v: self.v.as_ref().map(Collocation::by_columns),
-            })
-        })
-    }
-
-    /// One direction or both.
-    pub fn directions(&self) -> impl Iterator<Item = &Collocation> + Clone {
-        std::iter::once(&self.u).chain(&self.v)
-    }
-
-    /// Numbers of scratch space that the maps of this matrix need.
-    pub fn scratch(&self) -> usize {
-        self.v.as_ref().map_or(0, |_| {
-            let between = |grid: Grid, other: Grid| grid.rows * other.columns;
-            let either = between(self.control, self.data).max(between(self.data, self.control));
-            either.max(self.data.count())
-        })
-    }
-
-    /// `y = (B_u ⊗ B_v) x` for one coordinate of all control points.
-    pub fn apply(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
-        match &self.v {
-            None => self.u.apply_to_lines(x, y),
-            Some(v) => {
-                let scratch = &mut scratch[..self.data.rows * self.control.columns];
-                self.u.apply_across_lines(x, scratch);
-                v.apply_to_lines(scratch, y);
-            }
-        }
-    }
-
-    /// `y = (B_u ⊗ B_v)ᵀ x` for one coordinate of all data points.
-    pub fn apply_transposed(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
-        match &self.v {
-            None => self.u.apply_transposed_to_lines(x, y),
-            Some(v) => {
-                let scratch = &mut scratch[..self.control.rows * self.data.columns];
-                self.u.apply_transposed_across_lines(x, scratch);
-                v.apply_transposed_to_lines(scratch, y);
-            }
-        }
-    }
-}
-
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::fit::basis::{Polynomial, knots::Knots};
     use crate::fit::direction::{BasisChoice, DirectionChoice};
     use crate::fit::invalid::Axis;
-    use crate::fit::linear::{LineMap, apply_tensor};
+    use crate::fit::linear::LineMap;
     use crate::fit::parameters::Parametrization;
-    use crate::fit::points::Points;
+    use crate::fit::points::{Grid, Points};
 
     impl Collocation {
         /// The matrix itself, by applying the operator to the unit vectors.
@@ -403,14 +294,14 @@ mod tests {
     }
 
     /// Those, and bases that are not totally positive.
-    fn all_directions(n: usize) -> Vec<Direction> {
+    pub(in crate::fit) fn all_directions(n: usize) -> Vec<Direction> {
         let mut all = directions(n);
         all.push(polynomial(Polynomial::WangBall, n - 1));
         all.extend((1..n.min(6)).map(|degree| closed(n, degree)));
         all
     }
 
-    fn matrix(direction: &Direction) -> DMatrix<f64> {
+    pub(in crate::fit) fn matrix(direction: &Direction) -> DMatrix<f64> {
         Collocation::new(direction).to_matrix()
     }
 
@@ -556,49 +447,6 @@ mod tests {
                     let far = far.fold(0.0, f64::max);
                     assert!(far < 1e-9, "degree {degree}, {lines} lines: {far}");
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn tensor_products_equal_kronecker_products() {
-        let (rows, columns) = (6, 9);
-        let grid = Grid { rows, columns };
-        for u in all_directions(rows) {
-            for v in all_directions(columns) {
-                let kronecker = matrix(&u).kronecker(&matrix(&v));
-                let tensor = Tensor {
-                    data: grid,
-                    control: grid,
-                    u: Collocation::new(&u),
-                    v: Some(Collocation::new(&v)),
-                    columns: OnceLock::new(),
-                };
-                let x: Vec<f64> = (0..rows * columns)
-                    .map(|i| (i as f64 * 0.7).sin())
-                    .collect();
-                let mut scratch = vec![0.0; tensor.scratch()];
-                let mut y = vec![0.0; x.len()];
-                let vector = nalgebra::DVector::from_column_slice(&x);
-                let assert_equal = |y: &[f64], expected: nalgebra::DVector<f64>, tolerance| {
-                    for (y, expected) in y.iter().zip(expected.iter()) {
-                        assert!((y - expected).abs() < tolerance);
-                    }
-                };
-                tensor.apply(&x, &mut y, &mut scratch);
-                assert_equal(&y, &kronecker * &vector, 1e-14);
-                let mut back = y.clone();
-                let (inverse_u, inverse_v) = (tensor.u.inverse(), Collocation::new(&v).inverse());
-                apply_tensor(
-                    &inverse_u,
-                    Some(&inverse_v),
-                    grid,
-                    &mut [&mut back],
-                    &mut scratch,
-                );
-                assert_equal(&back, vector.clone(), 1e-8);
-                tensor.apply_transposed(&x, &mut y, &mut scratch);
-                assert_equal(&y, kronecker.transpose() * &vector, 1e-14);
             }
         }
     }

@@ -65,5 +65,6 @@ mod properties;
 pub mod spectrum;
 pub mod sweep;
 pub mod system;
+pub mod tensor;
 pub mod update;
 pub mod weights;

@@ -79,14 +79,14 @@ fn by_distance(
     if axis == Axis::V || grid.columns == 1 {
         // Lines along the direction are contiguous.
         for start in (0..grid.count()).step_by(count) {
-            sums.add_along(start, count);
+            sums.add_pairs(start, start + 1, count - 1, |i| i + 1);
             if steps == count {
-                sums.add_pair(steps, start + count - 1, start);
+                sums.add_pairs(start + count - 1, start, 1, |_| steps);
             }
         }
     } else {
         for k in 1..=steps {
-            sums.add_across(k, (k - 1) * lines, k % count * lines, lines);
+            sums.add_pairs((k - 1) * lines, k % count * lines, lines, |_| k);
         }
     }
     let Sums {
@@ -133,34 +133,22 @@ struct Sums<'a, F> {
 }
 
 impl<F: Fn(f64) -> f64> Sums<'_, F> {
-    /// The steps of a line of consecutive points.
-    fn add_along(&mut self, start: usize, count: usize) {
+    /// The distances between points `from + i` and `to + i`, which belong to step `step_of(i)`.
+    fn add_pairs(
+        &mut self,
+        from: usize,
+        to: usize,
+        count: usize,
+        step_of: impl Fn(usize) -> usize,
+    ) {
         let mut buffer = [0.0; BLOCK];
-        for first in (1..count).step_by(BLOCK) {
+        for first in (0..count).step_by(BLOCK) {
             let distances = &mut buffer[..BLOCK.min(count - first)];
-            let (from, to) = (start + first - 1, start + first);
-            self.points.distances(from, to, distances);
-            for (i, &distance) in distances.iter().enumerate() {
-                self.add(first + i, from + i, to + i, distance);
+            self.points.distances(from + first, to + first, distances);
+            for (i, &distance) in (first..).zip(&*distances) {
+                self.add(step_of(i), from + i, to + i, distance);
             }
         }
-    }
-
-    /// Step `k` of all lines, whose points are consecutive.
-    fn add_across(&mut self, k: usize, from: usize, to: usize, lines: usize) {
-        let mut buffer = [0.0; BLOCK];
-        for first in (0..lines).step_by(BLOCK) {
-            let distances = &mut buffer[..BLOCK.min(lines - first)];
-            let (from, to) = (from + first, to + first);
-            self.points.distances(from, to, distances);
-            for (i, &distance) in distances.iter().enumerate() {
-                self.add(k, from + i, to + i, distance);
-            }
-        }
-    }
-
-    fn add_pair(&mut self, k: usize, from: usize, to: usize) {
-        self.add(k, from, to, self.points.distance(from, to));
     }
 
     fn add(&mut self, k: usize, from: usize, to: usize, distance: f64) {

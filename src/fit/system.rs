@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::collocation::Tensor;
 use super::linear::{Inverse, apply_tensor, qr::Orthogonal};
 use super::method::{Method, Start};
 use super::points::Points;
 use super::problem::Problem;
 use super::spectrum;
+use super::tensor::Tensor;
 
 /// Up to this number of points in a direction λ_min is computed for the forecast alone; methods
 /// that need it always have it.

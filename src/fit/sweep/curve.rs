@@ -10,10 +10,10 @@ pub fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
     let Vectors { x, step } = pass.source;
     let first = part.lines.start;
     let mut start = first;
+    let mut squares = Squares::new();
     for block in part.blocks[0].iter_mut() {
         let end = part.lines.end.min(start + BLOCK);
         let (from, to) = (start..end, start - first..end - first);
-        let mut squares = Squares::new();
         let squares = squares.first(end - start);
         let mut next_step = ranges::<D>(&mut part.step, to.clone());
         if let Some(step) = step {

@@ -13,12 +13,6 @@ use super::relaxation::{Coefficients, Step};
 use crate::fit::blocks::{LANES, Sums};
 use crate::fit::linear::banded::Banded;
 
-// What a loop is made for: the kinds of steps, of moves without momentum and with it.
-const KEEP: u8 = 0;
-const RESIDUAL: u8 = 1;
-const RELAX: u8 = 2;
-const MOMENTUM: u8 = 3;
-
 /// Fewer rows of a stretch are computed one by one.
 const SHORT: usize = 2 * LANES;
 
@@ -161,11 +155,10 @@ impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        match (self.0.step, self.0.rows.step[0].is_empty()) {
-            (Step::Keep, _) => self.0.run::<S, KEEP>(simd),
-            (Step::Residual, _) => self.0.run::<S, RESIDUAL>(simd),
-            (Step::Move(_), true) => self.0.run::<S, RELAX>(simd),
-            (Step::Move(_), false) => self.0.run::<S, MOMENTUM>(simd),
+        if self.0.rows.step[0].is_empty() {
+            self.0.run::<S, false>(simd);
+        } else {
+            self.0.run::<S, true>(simd);
         }
     }
 }
@@ -173,7 +166,7 @@ impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
 impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     /// Rows up to a whole multiple of the lanes, then vectors, then what is left.
     #[inline(always)]
-    fn run<S: Simd, const KIND: u8>(&mut self, simd: S) {
+    fn run<S: Simd, const MOMENTUM: bool>(&mut self, simd: S) {
         let Range { start, end } = self.range;
         let place = self.rows.place + start;
         let head = (start + place.next_multiple_of(LANES) - place).min(end);
@@ -182,7 +175,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
             self.row(i);
         }
         if tail > head {
-            self.vectors::<S, KIND>(simd, head..tail);
+            self.vectors::<S, MOMENTUM>(simd, head..tail);
         }
         for i in tail..end {
             self.row(i);
@@ -190,7 +183,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     }
 
     #[inline(always)]
-    fn vectors<S: Simd, const KIND: u8>(&mut self, simd: S, range: Range<usize>) {
+    fn vectors<S: Simd, const MOMENTUM: bool>(&mut self, simd: S, range: Range<usize>) {
         let (start, rounds) = (range.start, range.len() / LANES);
         let behind = start - self.range.start;
         // Vectors that fill the lanes.
@@ -213,11 +206,12 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         let own = own.map(|own| &S::as_simd_f64s(&own[start..]).0[..n]);
         let next = next.each_mut();
         let next = next.map(|next| &mut S::as_mut_simd_f64s(&mut next[start..]).0[..n]);
-        let (start_step, n_step) = if KIND == MOMENTUM { (start, n) } else { (0, 0) };
+        let (start_step, n_step) = if MOMENTUM { (start, n) } else { (0, 0) };
         let step = step.each_mut();
         let step = step.map(|it| &mut S::as_mut_simd_f64s(&mut it[start_step..]).0[..n_step]);
         let squares = &mut S::as_mut_simd_f64s(&mut squares[start..]).0[..n];
-        let Coefficients { momentum, gain } = match self.step {
+        let becomes = self.step;
+        let Coefficients { momentum, gain } = match becomes {
             Step::Move(coefficients) => coefficients,
             Step::Keep | Step::Residual => Coefficients::default(),
         };
@@ -234,14 +228,18 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
                         sum = simd.add_f64s(sum, simd.mul_f64s(row[k], x[c][k][i]));
                     }
                     let delta = simd.sub_f64s(data[c][i], sum);
-                    next[c][i] = match KIND {
-                        KEEP => own[c][i],
-                        RESIDUAL => delta,
-                        RELAX => simd.add_f64s(own[c][i], simd.mul_f64s(gain, delta)),
-                        _ => {
-                            let kept = simd.mul_f64s(momentum, step[c][i]);
-                            step[c][i] = simd.add_f64s(kept, simd.mul_f64s(gain, delta));
-                            simd.add_f64s(own[c][i], step[c][i])
+                    // The same branch in all rounds costs less than a loop for each.
+                    next[c][i] = match becomes {
+                        Step::Keep => own[c][i],
+                        Step::Residual => delta,
+                        Step::Move(_) => {
+                            let mut move_by = simd.mul_f64s(gain, delta);
+                            if MOMENTUM {
+                                let kept = simd.mul_f64s(momentum, step[c][i]);
+                                move_by = simd.add_f64s(kept, move_by);
+                                step[c][i] = move_by;
+                            }
+                            simd.add_f64s(own[c][i], move_by)
                         }
                     };
                     let scaled = simd.mul_f64s(delta, scale);
@@ -354,22 +352,16 @@ mod tests {
     }
 
     /// The bits of all that a loop computes, with the given instruction set.
-    fn bits<S: Simd, const KIND: u8>(simd: S, place: usize) -> Vec<u64> {
+    fn bits<S: Simd>(simd: S, place: usize, step: Step, momentum: bool) -> Vec<u64> {
         let [b, x, data, own] = [0, 3, 6, 9].map(|seed| [0, 1, 2].map(|c| lane(seed + c)));
-        let [mut next, mut step] = [12, 15].map(|seed| [0, 1, 2].map(|c| lane(seed + c)));
+        let [mut next, mut last] = [12, 15].map(|seed| [0, 1, 2].map(|c| lane(seed + c)));
         let (mut squares, mut sums) = (Squares::new(), Sums::default());
+        let steps = if momentum { N } else { 0 };
         let mut fused = Fused::<3, 3> {
             b: b.each_ref().map(|lane| &lane[5..N]),
             x: x.each_ref().map(|lane| &lane[4..]),
             range: 5..N,
-            step: match KIND {
-                KEEP => Step::Keep,
-                RESIDUAL => Step::Residual,
-                _ => Step::Move(Coefficients {
-                    momentum: 0.3,
-                    gain: 1.2,
-                }),
-            },
+            step,
             scale: 0.125,
             rows: &mut Rows {
                 x: x.each_ref().map(|lane| &lane[..]),
@@ -377,14 +369,14 @@ mod tests {
                 data: data.each_ref().map(|lane| &lane[..N]),
                 own: own.each_ref().map(|lane| &lane[..N]),
                 next: next.each_mut().map(|lane| &mut lane[..N]),
-                step: step.each_mut().map(|lane| &mut lane[..N]),
+                step: last.each_mut().map(|lane| &mut lane[..steps]),
                 squares: squares.first(N),
                 place,
             },
             sums: &mut sums,
         };
-        fused.run::<S, KIND>(simd);
-        let written = next.iter().chain(&step).flatten();
+        Run(&mut fused).with_simd(simd);
+        let written = next.iter().chain(&last).flatten();
         let sums = [sums.max, sums.squares, sums.roots];
         let squares = squares.first(N).iter();
         let all = written.chain(squares).chain(sums.iter().flatten());
@@ -394,33 +386,29 @@ mod tests {
     /// Vectors of any length compute the same bits.
     #[test]
     fn instruction_sets_agree() {
-        struct Here<const KIND: u8>(usize);
-        impl<const KIND: u8> WithSimd for Here<KIND> {
+        struct Here(usize, Step, bool);
+        impl WithSimd for Here {
             type Output = Vec<u64>;
 
             fn with_simd<S: Simd>(self, simd: S) -> Vec<u64> {
-                bits::<S, KIND>(simd, self.0)
+                bits(simd, self.0, self.1, self.2)
             }
         }
-        for place in [0, 3, 1001] {
-            let scalar = pulp::Scalar::new();
-            let arch = Arch::new();
-            assert_eq!(
-                bits::<_, KEEP>(scalar, place),
-                arch.dispatch(Here::<KEEP>(place))
-            );
-            assert_eq!(
-                bits::<_, RESIDUAL>(scalar, place),
-                arch.dispatch(Here::<RESIDUAL>(place))
-            );
-            assert_eq!(
-                bits::<_, RELAX>(scalar, place),
-                arch.dispatch(Here::<RELAX>(place))
-            );
-            assert_eq!(
-                bits::<_, MOMENTUM>(scalar, place),
-                arch.dispatch(Here::<MOMENTUM>(place))
-            );
+        let coefficients = Coefficients {
+            momentum: 0.3,
+            gain: 1.2,
+        };
+        let moves = Step::Move(coefficients);
+        for (step, momentum) in [
+            (Step::Keep, false),
+            (Step::Residual, false),
+            (moves, false),
+            (moves, true),
+        ] {
+            for place in [0, 3, 1001] {
+                let here = Arch::new().dispatch(Here(place, step, momentum));
+                assert_eq!(bits(pulp::Scalar::new(), place, step, momentum), here);
+            }
         }
     }
 }

@@ -26,10 +26,10 @@ pub fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<'_>) {
     let (lines, strips) = pass.layout.unit();
     let units = part.blocks[0].len() / strips;
     let first_unit = part.lines.start / lines;
+    let mut squares = Squares::new();
     for strip in 0..strips {
         for unit in 0..units {
             let points = pass.layout.points((first_unit + unit) * strips + strip);
-            let mut squares = Squares::new();
             let squares = squares.first(points.len());
             let sums = block::<D>(pass, v, &mut part, points.clone(), squares);
             part.blocks[0][unit * strips + strip] = Block::new(points.start, squares, &sums);

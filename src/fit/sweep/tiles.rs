@@ -159,10 +159,10 @@ impl Tile<'_, '_> {
 
     /// From a level to the next one, and its norms (those of the first level are known).
     fn level<const D: usize>(&mut self, level: usize, blocks: &mut [Block]) {
+        let mut squares = Squares::new();
         for (points, row) in self.pieces(level) {
             let inside = points.start >= self.points.start && points.end <= self.points.end;
             let index = (points.start - self.points.start) / BLOCK as i64;
-            let mut squares = Squares::new();
             let squares = squares.first((points.end - points.start) as usize);
             let sums = self.piece::<D>(level, points, row, squares);
             if let Some(block) = blocks.get_mut(index as usize).filter(|_| inside) {
@@ -212,12 +212,12 @@ impl Tile<'_, '_> {
         } = self;
         let level = pass.steps.len();
         let first = self.points.start;
+        let mut squares = Squares::new();
         for (block, start) in blocks.iter_mut().zip((first..).step_by(BLOCK)) {
             let end = self.points.end.min(start + BLOCK as i64);
             let rows = start as usize..end as usize;
             let local = (start - *base) as usize..(end - *base) as usize;
             let own = (start - first) as usize..(end - first) as usize;
-            let mut squares = Squares::new();
             let squares = squares.first(rows.len());
             let mut given = Rows::<D> {
                 x: columns(&room.front, 0..room.front.len()),

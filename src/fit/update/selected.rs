@@ -6,10 +6,10 @@
 use std::sync::Arc;
 
 use super::{Change, State, Update};
-use crate::fit::collocation::TensorColumns;
 use crate::fit::linear::columns::Columns;
 use crate::fit::norms::Norms;
 use crate::fit::system::System;
+use crate::fit::tensor::TensorColumns;
 
 /// Moves selected control points by their adjusting vectors.
 #[derive(Debug)]

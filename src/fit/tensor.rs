@@ -1,0 +1,164 @@
+//! The collocation matrix of a surface.
+//!
+//! It is the tensor product `B_u ⊗ B_v`, applied one direction after the other and never formed: with
+//! the points as a grid `X`, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`.
+
+use std::sync::{Arc, OnceLock};
+
+use super::collocation::Collocation;
+use super::linear::columns::Columns;
+use super::points::Grid;
+use super::problem::Problem;
+
+/// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
+#[derive(Clone, Debug)]
+pub struct Tensor {
+    data: Grid,
+    control: Grid,
+    /// The matrix of a curve, or of the u direction.
+    pub u: Collocation,
+    /// The matrix of the v direction of a surface.
+    pub v: Option<Collocation>,
+    columns: OnceLock<Arc<TensorColumns>>,
+}
+
+/// The entries of both matrices by columns.
+#[derive(Debug)]
+pub struct TensorColumns {
+    /// Of a curve, or of the u direction.
+    pub u: Columns,
+    /// Of the v direction of a surface.
+    pub v: Option<Columns>,
+}
+
+impl TensorColumns {
+    /// Calls `visit` for every entry (row, value) of the column of control point `index`, where the
+    /// control points stand in so many columns.
+    pub fn visit(&self, index: usize, columns: usize, mut visit: impl FnMut(usize, f64)) {
+        match &self.v {
+            None => {
+                for &(i, value) in self.u.column(index) {
+                    visit(i as usize, value);
+                }
+            }
+            Some(v) => {
+                for &(i, a) in self.u.column(index / columns) {
+                    for &(j, b) in v.column(index % columns) {
+                        visit(i as usize * columns + j as usize, a * b);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Tensor {
+    /// The collocation matrices of both directions of a problem.
+    pub fn new(problem: &Problem) -> Self {
+        Self {
+            data: problem.grid(),
+            control: problem.control_grid(),
+            u: Collocation::new(problem.u()),
+            v: problem.v().map(Collocation::new),
+            columns: OnceLock::new(),
+        }
+    }
+
+    /// The entries by columns, sorted when they are first needed.
+    pub fn columns(&self) -> &Arc<TensorColumns> {
+        self.columns.get_or_init(|| {
+            Arc::new(TensorColumns {
+                u: self.u.by_columns(),
+                v: self.v.as_ref().map(Collocation::by_columns),
+            })
+        })
+    }
+
+    /// One direction or both.
+    pub fn directions(&self) -> impl Iterator<Item = &Collocation> + Clone {
+        std::iter::once(&self.u).chain(&self.v)
+    }
+
+    /// Numbers of scratch space that the maps of this matrix need.
+    pub fn scratch(&self) -> usize {
+        self.v.as_ref().map_or(0, |_| {
+            let between = |grid: Grid, other: Grid| grid.rows * other.columns;
+            let either = between(self.control, self.data).max(between(self.data, self.control));
+            either.max(self.data.count())
+        })
+    }
+
+    /// `y = (B_u ⊗ B_v) x` for one coordinate of all control points.
+    pub fn apply(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
+        match &self.v {
+            None => self.u.apply_to_lines(x, y),
+            Some(v) => {
+                let scratch = &mut scratch[..self.data.rows * self.control.columns];
+                self.u.apply_across_lines(x, scratch);
+                v.apply_to_lines(scratch, y);
+            }
+        }
+    }
+
+    /// `y = (B_u ⊗ B_v)ᵀ x` for one coordinate of all data points.
+    pub fn apply_transposed(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
+        match &self.v {
+            None => self.u.apply_transposed_to_lines(x, y),
+            Some(v) => {
+                let scratch = &mut scratch[..self.control.rows * self.data.columns];
+                self.u.apply_transposed_across_lines(x, scratch);
+                v.apply_transposed_to_lines(scratch, y);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::collocation::tests::{all_directions, matrix};
+    use crate::fit::linear::apply_tensor;
+
+    #[test]
+    fn tensor_products_equal_kronecker_products() {
+        let (rows, columns) = (6, 9);
+        let grid = Grid { rows, columns };
+        for u in all_directions(rows) {
+            for v in all_directions(columns) {
+                let kronecker = matrix(&u).kronecker(&matrix(&v));
+                let tensor = Tensor {
+                    data: grid,
+                    control: grid,
+                    u: Collocation::new(&u),
+                    v: Some(Collocation::new(&v)),
+                    columns: OnceLock::new(),
+                };
+                let x: Vec<f64> = (0..rows * columns)
+                    .map(|i| (i as f64 * 0.7).sin())
+                    .collect();
+                let mut scratch = vec![0.0; tensor.scratch()];
+                let mut y = vec![0.0; x.len()];
+                let vector = nalgebra::DVector::from_column_slice(&x);
+                let assert_equal = |y: &[f64], expected: nalgebra::DVector<f64>, tolerance| {
+                    for (y, expected) in y.iter().zip(expected.iter()) {
+                        assert!((y - expected).abs() < tolerance);
+                    }
+                };
+                tensor.apply(&x, &mut y, &mut scratch);
+                assert_equal(&y, &kronecker * &vector, 1e-14);
+                let mut back = y.clone();
+                let (inverse_u, inverse_v) = (tensor.u.inverse(), Collocation::new(&v).inverse());
+                apply_tensor(
+                    &inverse_u,
+                    Some(&inverse_v),
+                    grid,
+                    &mut [&mut back],
+                    &mut scratch,
+                );
+                assert_equal(&back, vector.clone(), 1e-8);
+                tensor.apply_transposed(&x, &mut y, &mut scratch);
+                assert_equal(&y, kronecker.transpose() * &vector, 1e-14);
+            }
+        }
+    }
+}
