@@ -31,7 +31,7 @@ pub enum Digits {
 }
 
 impl Digits {
-    /// How many bytes are filled for a number at most, commas and brackets included.
+    /// How many bytes are made ready for a number of a point, commas and brackets included.
     pub fn size(self) -> usize {
         match self {
             Self::Decimal(_) => LONGEST + 3,

@@ -10,7 +10,7 @@
 //! included, so that levels do not depend on the path, on the number of threads, or on how many
 //! levels were computed at once. No product is fused with a sum, with whatever instructions.
 //!
-//! - [`relaxation`]: the steps of global, weighted and Chebyshev-accelerated PIA;
+//! - [`relaxation`]: what global, weighted, Chebyshev-accelerated, direct and transpose PIA do with Δ;
 //! - [`parts`]: what a thread writes;
 //! - [`fused`]: the innermost loop, of all coordinates;
 //! - [`curve`] and [`surface`]: a level in one pass;
