@@ -64,7 +64,7 @@ impl Update<'_> {
                 .inside(offset, span.clone(), columns, given.base);
             let fused = match self.matrix.width() {
                 _ if whole.len() < SHORT => span.start..span.start,
-                2..=6 => whole,
+                2..=7 => whole,
                 _ => span.start..span.start,
             };
             self.one_by_one(offset, span.start..fused.start, rows.start, given, sums);
@@ -90,7 +90,8 @@ impl Update<'_> {
             3 => self.fused_width::<D, 3>(rows, base, first, given, sums),
             4 => self.fused_width::<D, 4>(rows, base, first, given, sums),
             5 => self.fused_width::<D, 5>(rows, base, first, given, sums),
-            _ => self.fused_width::<D, 6>(rows, base, first, given, sums),
+            6 => self.fused_width::<D, 6>(rows, base, first, given, sums),
+            _ => self.fused_width::<D, 7>(rows, base, first, given, sums),
         }
     }
 
