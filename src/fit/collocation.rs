@@ -158,18 +158,13 @@ impl Collocation {
         }
     }
 
-    /// `(σ B − I)⁻¹`, for a square matrix. Of long ones by elimination without pivots: with σ above
-    /// 1/λ_min all leading minors are positive, as those of B interlace their eigenvalues, but rounding
-    /// is larger.
+    /// `(σ B − I)⁻¹`, for a square matrix and σ above 1/λ_min.
     pub fn shifted_inverse(&self, sigma: f64) -> Option<Inverse> {
         match self {
-            Self::Banded(banded) => {
-                let shifted = banded.shifted(sigma)?;
-                Some(match banded.columns() {
-                    ..=LONG => Inverse::of_banded(&shifted),
-                    _ => Inverse::of_collocation(&shifted),
-                })
+            Self::Banded(banded) if banded.columns() <= LONG => {
+                banded.shifted(sigma).as_ref().map(Inverse::of_banded)
             }
+            Self::Banded(banded) => Inverse::of_shifted(banded, sigma),
             Self::Dense { matrix, .. } => {
                 let identity = DMatrix::identity(matrix.nrows(), matrix.ncols());
                 Some(Inverse::of_dense(&(matrix * sigma - identity)))

@@ -1,15 +1,20 @@
 //! LU decomposition of totally positive banded matrices, which needs no pivots: elimination makes no
 //! entry larger (de Boor, Pinkus 1977).
 //!
+//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle: read
+//! backwards a totally positive matrix is one, too. What is left there is a small system.
+//!
 //! Rows of a fixed number of entries, and as many lines as registers hold: each step waits for the one
 //! before, so that several lines take as long as one.
 
 use std::array::from_fn;
+use std::ops::Range;
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::LineMap;
-use super::banded::{Banded, Diagonal};
+use super::banded::Banded;
+use super::{Inverse, LineMap};
 
 /// Lines that are solved side by side.
 const LINES: usize = 4;
@@ -17,106 +22,237 @@ const LINES: usize = 4;
 /// Groups of lines with fewer numbers in all are solved by one thread.
 const PARALLEL: usize = 100_000;
 
-/// `L U = B` with at most H entries on each side of the diagonal; the diagonal of U is one.
+/// Matrices with fewer rows are eliminated from one end.
+const HALVED: usize = 16_384;
+
+/// Rows that are looked at together.
+const CHUNK: usize = 1024;
+
+/// `σ B − τ I`.
+#[derive(Clone, Copy)]
+pub(super) struct Shifted<'a> {
+    pub matrix: &'a Banded,
+    pub sigma: f64,
+    pub tau: f64,
+}
+
+/// A decomposed matrix with at most H entries on each side of the diagonal.
 #[derive(Debug)]
-pub(super) struct Elimination<const H: usize> {
-    /// The entries of each row of L left of the diagonal, nearest first, divided by the one on it.
-    lower: Vec<[f64; H]>,
-    /// The reciprocal of the diagonal of L.
-    pivots: Vec<f64>,
-    /// The entries of each row of U right of the diagonal.
+struct Elimination<const H: usize> {
+    front: Half<H, false>,
+    back: Half<H, true>,
+    /// The last H rows of both halves, the unknowns in the order of the matrix.
+    middle: Option<Inverse>,
+}
+
+/// `L U` of consecutive rows from one end on, in the order in which they are eliminated; the diagonal
+/// of U is one. The last H rows of U reach into the other half.
+#[derive(Debug)]
+struct Half<const H: usize, const BACK: bool> {
+    lower: Vec<Lower<H>>,
+    /// The entries of each row of U behind the diagonal, nearest first.
     upper: Vec<[f64; H]>,
 }
 
+/// A row of L.
+#[derive(Debug)]
+struct Lower<const H: usize> {
+    /// The reciprocal of the entry on the diagonal.
+    pivot: f64,
+    /// The entries before it, nearest first, divided by it.
+    entries: [f64; H],
+}
+
 /// Decomposes a square matrix that is totally positive and not cyclic, if its band is narrow.
-pub(super) fn decompose(matrix: &Banded) -> Option<Box<dyn LineMap>> {
-    let diagonals: Vec<Diagonal> = matrix.diagonals().collect();
-    let filled = |it: &&Diagonal| it.values.iter().any(|&x| x != 0.0);
-    let offsets = diagonals.iter().filter(filled).map(|it| it.offset);
-    let reach = offsets.map(i64::unsigned_abs).max().unwrap_or(0);
-    let n = matrix.rows();
+pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn LineMap>> {
+    let filled = |values: &[f64]| values.iter().any(|&x| x != 0.0);
+    let filled = given.matrix.diagonals().filter(|it| filled(it.values));
+    let reach = filled.map(|it| it.offset.unsigned_abs()).max().unwrap_or(0);
     Some(match reach {
-        0 | 1 => Box::new(Elimination::<1>::new(n, &diagonals)),
-        2 => Box::new(Elimination::<2>::new(n, &diagonals)),
-        3 => Box::new(Elimination::<3>::new(n, &diagonals)),
-        4 => Box::new(Elimination::<4>::new(n, &diagonals)),
+        0 | 1 => Box::new(Elimination::<1>::new(given)),
+        2 => Box::new(Elimination::<2>::new(given)),
+        3 => Box::new(Elimination::<3>::new(given)),
+        4 => Box::new(Elimination::<4>::new(given)),
         _ => return None,
     })
 }
 
 impl<const H: usize> Elimination<H> {
-    fn new(n: usize, diagonals: &[Diagonal<'_>]) -> Self {
-        let zeros = [0.0; H];
-        let (mut lower, mut upper) = (vec![zeros; n], vec![zeros; n]);
-        let mut pivots = vec![0.0; n];
-        for it in diagonals {
-            let end = it.start + it.values.len();
-            let place = it.offset.unsigned_abs() as usize;
-            if place > H {
-                // Nothing but zeros.
-                continue;
-            }
-            let pivots = pivots[it.start..end].iter_mut().zip(it.values);
-            let lower = lower[it.start..end].iter_mut().zip(it.values);
-            let upper = upper[it.start..end].iter_mut().zip(it.values);
-            match it.offset {
-                0 => pivots.for_each(|(to, value)| *to = *value),
-                1.. => upper.for_each(|(to, value)| to[place - 1] = *value),
-                _ => lower.for_each(|(to, value)| to[place - 1] = *value),
-            }
+    fn new(given: Shifted<'_>) -> Self {
+        let n = given.matrix.rows();
+        let middle = if n < HALVED { n } else { n / 2 };
+        let (front, back) = rayon::join(
+            || Half::new(given, 0..middle),
+            || Half::new(given, middle..n),
+        );
+        let meets = middle < n;
+        let middle = meets.then(|| Inverse::of_dense(&Self::middle(&front, &back)));
+        Self {
+            front,
+            back,
+            middle,
         }
-        let mut all = Self {
-            lower,
-            pivots,
-            upper,
+    }
+
+    fn middle(front: &Half<H, false>, back: &Half<H, true>) -> DMatrix<f64> {
+        let mut middle = DMatrix::identity(2 * H, 2 * H);
+        for (above, row) in front.upper.iter().rev().take(H).enumerate() {
+            let i = H - 1 - above;
+            (0..H).for_each(|k| middle[(i, i + 1 + k)] = row[k]);
+        }
+        for (below, row) in back.upper.iter().rev().take(H).enumerate() {
+            let i = H + below;
+            (0..H).for_each(|k| middle[(i, i - 1 - k)] = row[k]);
+        }
+        middle
+    }
+
+    /// Solves N lines in place.
+    fn solve<const N: usize>(&self, lines: [&mut [f64]; N]) {
+        let Self {
+            front,
+            back,
+            middle,
+        } = self;
+        let (mut first, mut second) = split(lines, front.lower.len());
+        let Some(middle) = middle else {
+            front.forward(&mut first);
+            return front.backward(&mut first, 0);
         };
-        all.eliminate();
-        all
+        rayon::join(|| front.forward(&mut first), || back.forward(&mut second));
+        for (first, second) in first.iter_mut().zip(&mut second) {
+            let last = first.len() - H;
+            let (first, second) = (&mut first[last..], &mut second[..H]);
+            let mut unknowns = [&*first, &*second].concat();
+            middle.apply(&mut unknowns);
+            first.copy_from_slice(&unknowns[..H]);
+            second.copy_from_slice(&unknowns[H..]);
+        }
+        rayon::join(
+            || front.backward(&mut first, H),
+            || back.backward(&mut second, H),
+        );
+    }
+
+    fn solve_group(&self, lines: &mut [&mut [f64]]) {
+        let (n, count) = (self.front.lower.len() + self.back.lower.len(), lines.len());
+        // One length for all, so that places need no checks.
+        let mut cut = lines.iter_mut().map(|line| &mut line[..n]);
+        let mut next = || cut.next().unwrap_or_default();
+        match count {
+            0 => {}
+            1 => self.solve([next()]),
+            2 => self.solve([next(), next()]),
+            3 => self.solve([next(), next(), next()]),
+            _ => self.solve([next(), next(), next(), next()]),
+        }
+    }
+}
+
+impl<const H: usize, const BACK: bool> Half<H, BACK> {
+    fn new(given: Shifted<'_>, rows: Range<usize>) -> Self {
+        let mut half = Self {
+            lower: Vec::with_capacity(rows.len()),
+            upper: Vec::with_capacity(rows.len()),
+        };
+        let spans = given.matrix.spans(rows);
+        let mut spans: Vec<(i32, Range<usize>)> = spans
+            .flat_map(|(offset, span)| {
+                let starts = span.clone().step_by(CHUNK);
+                starts.map(move |start| (offset, start..span.end.min(start + CHUNK)))
+            })
+            .collect();
+        if BACK {
+            spans.reverse();
+        }
+        // The last rows of U, the nearest first.
+        let mut before = [[0.0; H]; H];
+        for (offset, span) in spans {
+            half.eliminate(given, offset, span, &mut before);
+        }
+        half
     }
 
     /// Row by row, by the rows of U before it, the farthest first.
-    fn eliminate(&mut self) {
-        // The last rows of U, the nearest first.
-        let mut before = [[0.0; H]; H];
-        let rows = self.lower.iter_mut().zip(&mut self.upper);
-        for ((lower, upper), pivot) in rows.zip(&mut self.pivots) {
+    fn eliminate(
+        &mut self,
+        Shifted { matrix, sigma, tau }: Shifted<'_>,
+        offset: i32,
+        span: Range<usize>,
+        before: &mut [[f64; H]; H],
+    ) {
+        const NONE: [f64; CHUNK] = [0.0; CHUNK];
+        let n = span.len();
+        // Entries so far behind the diagonal, as this half is read.
+        let diagonal = |behind: i32| {
+            let place = if BACK { -behind } else { behind } - offset;
+            let place = usize::try_from(place).ok();
+            let place = place.filter(|&place| place < matrix.width());
+            place.map_or(&NONE[..n], |k| &matrix.diagonal(k, span.clone())[..n])
+        };
+        let own = diagonal(0);
+        let lefts: [&[f64]; H] = from_fn(|k| diagonal(-1 - k as i32));
+        let rights: [&[f64]; H] = from_fn(|k| diagonal(1 + k as i32));
+        for row in 0..n {
+            let i = if BACK { n - 1 - row } else { row };
+            let mut pivot = sigma * own[i] - tau;
+            let mut lower = lefts.map(|entries| sigma * entries[i]);
+            let mut upper = rights.map(|entries| sigma * entries[i]);
             for k in (0..H).rev() {
                 let factor = lower[k];
-                let row = before[k];
                 // Entry j of that row is k − j columns left of the diagonal.
-                for (j, entry) in row.into_iter().enumerate() {
+                for (j, entry) in before[k].into_iter().enumerate() {
                     match k.cmp(&j) {
                         std::cmp::Ordering::Greater => lower[k - j - 1] -= factor * entry,
-                        std::cmp::Ordering::Equal => *pivot -= factor * entry,
+                        std::cmp::Ordering::Equal => pivot -= factor * entry,
                         std::cmp::Ordering::Less => upper[j - k - 1] -= factor * entry,
                     }
                 }
             }
-            let reciprocal = 1.0 / *pivot;
-            *pivot = reciprocal;
-            *upper = upper.map(|x| x * reciprocal);
-            *lower = lower.map(|x| x * reciprocal);
+            let pivot = 1.0 / pivot;
+            let entries = lower.map(|x| x * pivot);
+            let upper = upper.map(|x| x * pivot);
+            self.lower.push(Lower { pivot, entries });
+            self.upper.push(upper);
             before.rotate_right(1);
-            before[0] = *upper;
+            before[0] = upper;
         }
     }
 
-    /// Solves N lines in place.
-    fn solve<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
+    /// Where a row stands in lines.
+    fn place(&self, row: usize) -> usize {
+        if BACK {
+            self.lower.len() - 1 - row
+        } else {
+            row
+        }
+    }
+
+    /// `L⁻¹` of N lines.
+    fn forward<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
         let mut before = [[0.0; N]; H];
-        let rows = self.lower.iter().zip(&self.pivots);
-        for (i, (lower, pivot)) in rows.enumerate() {
+        for (row, Lower { pivot, entries }) in self.lower.iter().enumerate() {
+            let i = self.place(row);
             // The nearest one, which all wait for, comes last.
             let mut x: [f64; N] = from_fn(|line| lines[line][i] * pivot);
             for k in (0..H).rev() {
-                x = from_fn(|line| x[line] - lower[k] * before[k][line]);
+                x = from_fn(|line| x[line] - entries[k] * before[k][line]);
             }
             before.rotate_right(1);
             before[0] = x;
             (0..N).for_each(|line| lines[line][i] = x[line]);
         }
+    }
+
+    /// `U⁻¹` of N lines, the last places of which are known.
+    fn backward<const N: usize>(&self, lines: &mut [&mut [f64]; N], known: usize) {
+        let rows = self.upper.len() - known;
         let mut behind = [[0.0; N]; H];
-        for (i, upper) in self.upper.iter().enumerate().rev() {
+        for (row, behind) in (rows..).zip(&mut behind[..known]) {
+            *behind = from_fn(|line| lines[line][self.place(row)]);
+        }
+        for (row, upper) in self.upper[..rows].iter().enumerate().rev() {
+            let i = self.place(row);
             let mut x: [f64; N] = from_fn(|line| lines[line][i]);
             for k in (0..H).rev() {
                 x = from_fn(|line| x[line] - upper[k] * behind[k][line]);
@@ -126,30 +262,29 @@ impl<const H: usize> Elimination<H> {
             (0..N).for_each(|line| lines[line][i] = x[line]);
         }
     }
+}
 
-    fn solve_group(&self, lines: &mut [&mut [f64]]) {
-        let (n, count) = (self.pivots.len(), lines.len());
-        // One length for all, so that places need no checks.
-        let mut cut = lines.iter_mut().map(|line| &mut line[..n]);
-        let mut next = || cut.next().unwrap_or_default();
-        match count {
-            0 => {}
-            1 => self.solve(&mut [next()]),
-            2 => self.solve(&mut [next(), next()]),
-            3 => self.solve(&mut [next(), next(), next()]),
-            _ => self.solve(&mut [next(), next(), next(), next()]),
-        }
-    }
+/// Splits all lines at the same place.
+fn split<const N: usize>(
+    lines: [&mut [f64]; N],
+    at: usize,
+) -> ([&mut [f64]; N], [&mut [f64]; N]) {
+    let mut parts = lines.map(|line| line.split_at_mut(at));
+    let mut fronts = parts.iter_mut().map(|(front, _)| std::mem::take(front));
+    let fronts = from_fn(|_| fronts.next().unwrap_or_default());
+    (fronts, parts.map(|(_, back)| back))
 }
 
 impl<const H: usize> LineMap for Elimination<H> {
     fn apply(&self, lines: &mut [f64]) {
-        let mut lines: Vec<&mut [f64]> = lines.chunks_exact_mut(self.pivots.len()).collect();
+        let n = self.front.lower.len() + self.back.lower.len();
+        let mut lines: Vec<&mut [f64]> = lines.chunks_exact_mut(n).collect();
         self.apply_each(&mut lines);
     }
 
     fn apply_each(&self, lines: &mut [&mut [f64]]) {
-        if lines.len() > LINES && lines.len() * self.pivots.len() >= PARALLEL {
+        let numbers = lines.iter().map(|line| line.len()).sum::<usize>();
+        if lines.len() > LINES && numbers >= PARALLEL {
             let groups = lines.par_chunks_mut(LINES);
             groups.for_each(|group| self.solve_group(group));
         } else {

@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 use super::points::Grid;
 pub use band::{folded, unfolded};
 use banded::Banded;
+use elimination::Shifted;
 
 /// A linear map of lines, applied in place.
 pub trait LineMap: Debug + Send + Sync {
@@ -84,12 +85,25 @@ impl Inverse {
         Self::Banded(lu::BandedLu::new(matrix))
     }
 
-    /// Factorizes a collocation matrix. Those of open B-splines are totally positive; around the end
-    /// of closed ones there is no order of the columns in which they would be.
+    /// Factorizes a collocation matrix.
     pub fn of_collocation(matrix: &Banded) -> Self {
-        let positive = || elimination::decompose(matrix);
-        let positive = (!matrix.is_cyclic()).then(positive).flatten();
-        positive.map_or_else(|| Self::of_banded(matrix), Self::Positive)
+        Self::of_positive(matrix, 1.0, 0.0).unwrap_or_else(|| Self::of_banded(matrix))
+    }
+
+    /// Factorizes `σ B − I` of a long collocation matrix, by elimination without pivots: with σ above
+    /// 1/λ_min all leading minors are positive, as those of B interlace their eigenvalues, but rounding
+    /// is larger.
+    pub fn of_shifted(matrix: &Banded, sigma: f64) -> Option<Self> {
+        let pivoted = || matrix.shifted(sigma).as_ref().map(Self::of_banded);
+        Self::of_positive(matrix, sigma, 1.0).or_else(pivoted)
+    }
+
+    /// Collocation matrices of open B-splines are totally positive; around the end of closed ones
+    /// there is no order of the columns in which they would be.
+    fn of_positive(matrix: &Banded, sigma: f64, tau: f64) -> Option<Self> {
+        let shifted = Shifted { matrix, sigma, tau };
+        let positive = (!matrix.is_cyclic()).then(|| elimination::decompose(shifted));
+        positive.flatten().map(Self::Positive)
     }
 
     /// Factorizes a dense matrix.
