@@ -18,9 +18,10 @@ use std::{fs, io};
 use clap::Parser;
 use piad::fit::basis::knots::Knots;
 use piad::fit::direction::{BasisChoice, DirectionChoice};
+use piad::fit::invalid::Axis;
 use piad::fit::iteration::Iteration;
 use piad::fit::method::Method;
-use piad::fit::parameters::Parametrization;
+use piad::fit::parameters::{Parametrization, parameters};
 use piad::fit::points::{Grid, Points};
 use piad::fit::problem::{Problem, Request, Tolerance, Weights};
 use piad::fit::system::System;
@@ -78,15 +79,17 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
         rows: points.len(),
         columns: 1,
     };
-    let parameters = chord_length(&points);
+    let chord_length = Parametrization::ChordLength;
+    let placed = parameters(chord_length, &points, grid, None, Axis::U, false);
+    let parameters = placed.map_err(|reason| format!("{reason:?}"))?.values;
     let knots = not_a_knot(&parameters);
     let request = Request {
-        points,
+        points: Arc::new(points),
         grid,
         u: DirectionChoice {
             basis: BasisChoice::BSpline {
                 degree: 3,
-                knots: Knots::Explicit(knots),
+                knots: Knots::Explicit(Arc::new(knots)),
             },
             parameters: Parametrization::Explicit(parameters),
             closed: false,
@@ -111,24 +114,12 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
     Ok(iteration)
 }
 
-fn chord_length(points: &Points) -> Vec<f64> {
-    let mut parameters = vec![0.0; points.len()];
-    points.distances(0, 1, &mut parameters[1..]);
-    let mut t = 0.0;
-    for parameter in &mut parameters {
-        t += *parameter;
-        *parameter = t;
-    }
-    parameters
-}
-
 /// The knots of a cubic spline at its data, without the second and the last but one (the default
 /// of `scipy.interpolate.make_interp_spline`).
 fn not_a_knot(parameters: &[f64]) -> Vec<f64> {
     let n = parameters.len();
-    let inner = parameters[2..n - 2].iter().copied();
-    let first = [parameters[0]; 4].into_iter();
-    first.chain(inner).chain([parameters[n - 1]; 4]).collect()
+    let (first, inner, last) = (parameters[0], &parameters[2..n - 2], parameters[n - 1]);
+    [&[first; 4], inner, &[last; 4]].concat()
 }
 
 fn read(path: &PathBuf) -> io::Result<Points> {

@@ -49,7 +49,7 @@ fn cubic() -> DirectionChoice {
 /// Cubic, or bicubic if the grid has more than one column.
 pub(crate) fn request(points: Points, grid: Grid, method: Method) -> Request {
     Request {
-        points,
+        points: Arc::new(points),
         grid,
         u: cubic(),
         v: (grid.columns > 1).then(cubic),

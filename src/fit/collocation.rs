@@ -209,6 +209,8 @@ fn dense(direction: &Direction) -> DMatrix<f64> {
 
 #[cfg(test)]
 pub(super) mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::fit::basis::{Polynomial, knots::Knots};
     use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -233,7 +235,7 @@ pub(super) mod tests {
         let grid = Grid { rows, columns: 1 };
         let choice = DirectionChoice {
             basis,
-            parameters: Parametrization::Explicit(t),
+            parameters: Parametrization::Explicit(Arc::new(t)),
             closed,
             control_points: None,
             weights: None,

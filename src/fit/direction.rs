@@ -1,6 +1,7 @@
 //! One direction of the parameter domain: its basis at the parameters of the data.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::basis::{
     Basis, MAX_DEGREE, Polynomial,
@@ -46,7 +47,7 @@ pub struct Direction {
     /// The basis, without weights.
     pub basis: Basis,
     /// Strictly increasing parameters of the data, within the domain of the basis.
-    pub parameters: Vec<f64>,
+    pub parameters: Arc<Vec<f64>>,
     free: usize,
     ends: Ends,
     /// Weights of the basis functions, for rational bases.
@@ -112,10 +113,11 @@ impl Direction {
     }
 
     /// The parameters as they would be given: on closed curves with the end of the period.
-    pub fn explicit_parameters(&self) -> Vec<f64> {
-        let mut values = self.parameters.clone();
+    pub fn explicit_parameters(&self) -> Arc<Vec<f64>> {
+        let mut values = Arc::clone(&self.parameters);
         if let Ends::Closed { period } = self.ends {
-            values.push(values[0] + period);
+            let end = values[0] + period;
+            Arc::make_mut(&mut values).push(end);
         }
         values
     }
@@ -234,7 +236,7 @@ impl Direction {
         }
     }
 
-    fn open(basis: Basis, parameters: Vec<f64>, free: usize, front_copies: usize) -> Self {
+    fn open(basis: Basis, parameters: Arc<Vec<f64>>, free: usize, front_copies: usize) -> Self {
         Self {
             basis,
             parameters,
@@ -247,13 +249,13 @@ impl Direction {
 
 fn polynomial(
     kind: Polynomial,
-    mut t: Vec<f64>,
+    mut t: Arc<Vec<f64>>,
     free: usize,
     axis: Axis,
 ) -> Result<Direction, Invalid> {
     let degree = free - 1;
     check_degree(degree, false, axis)?;
-    rescale(&mut t, 0.0, 1.0, axis)?;
+    rescale(Arc::make_mut(&mut t).as_mut_slice(), 0.0, 1.0, axis)?;
     Ok(Direction::open(
         Basis::Polynomial { kind, degree },
         t,
@@ -265,7 +267,7 @@ fn polynomial(
 fn clamped(
     degree: usize,
     choice: Knots,
-    mut t: Vec<f64>,
+    mut t: Arc<Vec<f64>>,
     parameters_given: bool,
     axis: Axis,
 ) -> Result<Direction, Invalid> {
@@ -275,11 +277,11 @@ fn clamped(
         Knots::Usual | Knots::Data => {
             // ⌈(p−1)/2⌉ copies of the first control point in front, ⌊(p−1)/2⌋ of the last behind.
             front_copies = degree / 2;
-            knots::at_data(&t, degree)
+            Arc::new(knots::at_data(&t, degree))
         }
         Knots::Averaged => {
             check_enough(degree, free, axis)?;
-            knots::averaged(&t, degree)
+            Arc::new(knots::averaged(&t, degree))
         }
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
@@ -295,7 +297,7 @@ fn clamped(
 fn least_squares(
     degree: usize,
     choice: Knots,
-    mut t: Vec<f64>,
+    mut t: Arc<Vec<f64>>,
     free: usize,
     parameters_given: bool,
     axis: Axis,
@@ -304,7 +306,7 @@ fn least_squares(
         return Err(Invalid::TooFewControlPoints { axis, free, degree });
     }
     let knots = match choice {
-        Knots::Usual => knots::least_squares(&t, degree, free),
+        Knots::Usual => Arc::new(knots::least_squares(&t, degree, free)),
         Knots::Data | Knots::Averaged => return Err(Invalid::LeastSquaresKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
@@ -351,7 +353,10 @@ fn periodic(
     }
     let knots = knots::periodic(&placed.values, placed.period, degree, free);
     Ok(Direction {
-        basis: Basis::BSpline { degree, knots },
+        basis: Basis::BSpline {
+            degree,
+            knots: Arc::new(knots),
+        },
         parameters: placed.values,
         free,
         ends: Ends::Closed {
@@ -365,14 +370,15 @@ fn periodic(
 fn explicit(
     knots: &[f64],
     degree: usize,
-    t: &mut [f64],
+    t: &mut Arc<Vec<f64>>,
     free: usize,
     parameters_given: bool,
     axis: Axis,
 ) -> Result<(), Invalid> {
     knots::check(knots, degree, free, axis)?;
     if !parameters_given {
-        rescale(t, knots[0], knots[knots.len() - 1], axis)?;
+        let (low, high) = (knots[0], knots[knots.len() - 1]);
+        rescale(Arc::make_mut(t).as_mut_slice(), low, high, axis)?;
     }
     Ok(())
 }

@@ -81,7 +81,7 @@ impl Iteration {
         Self::with_plain(system, control_points)
     }
 
-    fn with_plain(system: Arc<System>, control_points: Points) -> Self {
+    fn with_plain(system: Arc<System>, control_points: Arc<Points>) -> Self {
         let (plain, error) = Plain::start(&system, control_points);
         let length = plain.residual_length();
         Self::begin(system, Engine::Plain(Box::new(plain)), error, length)

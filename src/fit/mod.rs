@@ -56,6 +56,7 @@ pub mod linear;
 pub mod method;
 pub mod missing;
 pub mod norms;
+pub mod order;
 pub mod parameters;
 pub mod plain;
 pub mod points;

@@ -4,7 +4,8 @@
 
 use super::blocks::{BLOCK, Block, Blocks};
 use super::lane::Lane;
-use super::points::{self, Grid, Points};
+use super::points::{self, Points};
+use super::problem::Problem;
 
 /// Distances of the curve from the data, in data units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,29 +44,24 @@ pub struct Norms {
 }
 
 impl Norms {
-    /// For data with the given bounding diagonal; `counted` says which points count.
-    pub fn new(
-        data: &Points,
-        grid: Grid,
-        diagonal: f64,
-        homogeneous: bool,
-        counted: Option<Vec<bool>>,
-    ) -> Self {
+    /// Of the data of a problem; `counted` says which points count.
+    pub fn new(problem: &Problem, counted: Option<Vec<bool>>) -> Self {
+        let (data, homogeneous) = (problem.data(), problem.is_homogeneous());
         let count = counted.as_ref().map_or(data.len(), |counted| {
             counted.iter().filter(|counted| **counted).count()
         });
-        let extents = data.extents();
-        let largest = points::magnitude(&extents);
+        let extents = problem.extents();
+        let largest = points::magnitude(extents);
         // Equal points leave rounding errors of their magnitude.
         let noise = f64::EPSILON
             * match homogeneous {
                 true => projected_magnitude(data),
                 false => largest,
             };
-        let homogeneous_length = points::diagonal(&extents).max(largest * f64::EPSILON);
-        let layout = Blocks::new(grid);
+        let homogeneous_length = points::diagonal(extents).max(largest * f64::EPSILON);
+        let layout = Blocks::new(problem.grid());
         Self {
-            scale: normalizing_scale(diagonal.max(noise)),
+            scale: normalizing_scale(problem.diagonal().max(noise)),
             homogeneous_scale: normalizing_scale(homogeneous_length),
             homogeneous,
             counted,

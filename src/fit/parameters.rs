@@ -1,7 +1,10 @@
 //! Parameters of data points: where on the curve each of them lies.
 
+use std::sync::Arc;
+
 use super::invalid::{Axis, Invalid};
 use super::missing::Missing;
+use super::order;
 use super::points::{Grid, Points};
 
 /// How the parameters of one direction are chosen.
@@ -15,14 +18,14 @@ pub enum Parametrization {
     /// Steps are square roots of the distances (Lee 1989), averaged likewise.
     Centripetal,
     /// Given values, strictly increasing.
-    Explicit(Vec<f64>),
+    Explicit(Arc<Vec<f64>>),
 }
 
 /// Parameters of data points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parametrized {
     /// One for each data point, finite and strictly increasing.
-    pub values: Vec<f64>,
+    pub values: Arc<Vec<f64>>,
     /// How much later a closed curve is back at its first point.
     pub period: f64,
 }
@@ -40,7 +43,9 @@ pub fn parameters(
     let count = grid.along(axis);
     let steps = if closed { count } else { count - 1 };
     let all = match choice {
-        Parametrization::Uniform => (0..=steps).map(|i| i as f64 / steps as f64).collect(),
+        Parametrization::Uniform => {
+            Arc::new((0..=steps).map(|i| i as f64 / steps as f64).collect())
+        }
         Parametrization::ChordLength => {
             by_distance(points, grid, missing, axis, steps, "chord-length", |d| d)?
         }
@@ -51,7 +56,9 @@ pub fn parameters(
     };
     let period = all[steps] - all[0];
     let mut values = all;
-    values.truncate(count);
+    if closed {
+        Arc::make_mut(&mut values).truncate(count);
+    }
     Ok(Parametrized { values, period })
 }
 
@@ -65,7 +72,7 @@ fn by_distance(
     steps: usize,
     rule: &'static str,
     step: impl Fn(f64) -> f64,
-) -> Result<Vec<f64>, Invalid> {
+) -> Result<Arc<Vec<f64>>, Invalid> {
     let count = grid.along(axis);
     let mut sums = Sums {
         points,
@@ -116,7 +123,7 @@ fn by_distance(
         *t = next;
         last = next;
     }
-    Ok(totals)
+    Ok(Arc::new(totals))
 }
 
 /// Distances that are computed at a time.
@@ -163,11 +170,11 @@ impl<F: Fn(f64) -> f64> Sums<'_, F> {
 }
 
 fn explicit(
-    values: Vec<f64>,
+    values: Arc<Vec<f64>>,
     expected: usize,
     closed: bool,
     axis: Axis,
-) -> Result<Vec<f64>, Invalid> {
+) -> Result<Arc<Vec<f64>>, Invalid> {
     if values.len() != expected {
         let given = values.len();
         return Err(if closed {
@@ -183,6 +190,10 @@ fn explicit(
                 expected,
             }
         });
+    }
+    let ends = values.first().into_iter().chain(values.last());
+    if order::increases(&values) && ends.into_iter().all(|end| end.is_finite()) {
+        return Ok(values);
     }
     for (index, &value) in values.iter().enumerate() {
         if !value.is_finite() {
@@ -214,7 +225,7 @@ pub fn rescale(t: &mut [f64], low: f64, high: f64, axis: Axis) -> Result<(), Inv
         *end = high;
     }
     // Neighbours may fall together when they differ by less than the rounding of the new range.
-    if length.is_finite() && t.windows(2).all(|pair| pair[0] < pair[1]) {
+    if length.is_finite() && order::increases(t) {
         Ok(())
     } else {
         Err(Invalid::ParameterRange { axis })
@@ -243,14 +254,14 @@ mod tests {
                 .unwrap()
                 .values
         };
-        assert_eq!(t(Parametrization::ChordLength), [0.0, 5.0, 6.0, 15.0]);
+        assert_eq!(*t(Parametrization::ChordLength), [0.0, 5.0, 6.0, 15.0]);
         let root = 5f64.sqrt();
         assert_eq!(
-            t(Parametrization::Centripetal),
+            *t(Parametrization::Centripetal),
             [0.0, root, root + 1.0, root + 4.0]
         );
         assert_eq!(
-            t(Parametrization::Uniform),
+            *t(Parametrization::Uniform),
             [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]
         );
     }
@@ -260,9 +271,12 @@ mod tests {
         let (points, grid) = curve(&[[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]);
         let closed = |choice| parameters(choice, &points, grid, None, Axis::U, true).unwrap();
         let chord = closed(Parametrization::ChordLength);
-        assert_eq!((chord.values, chord.period), (vec![0.0, 3.0, 7.0], 12.0));
+        assert_eq!(
+            (&chord.values[..], chord.period),
+            (&[0.0, 3.0, 7.0][..], 12.0)
+        );
         let uniform = closed(Parametrization::Uniform);
-        assert_eq!(uniform.values, [0.0, 1.0 / 3.0, 2.0 / 3.0]);
+        assert_eq!(*uniform.values, [0.0, 1.0 / 3.0, 2.0 / 3.0]);
         assert_eq!(uniform.period, 1.0);
     }
 
@@ -299,8 +313,8 @@ mod tests {
                 .values
         };
         let (u, v) = (steps(Axis::U), steps(Axis::V));
-        assert_eq!(u, [0.0, 2.0]);
-        assert_eq!(v, [0.0, (1.0 + 5f64.sqrt()) / 2.0]);
+        assert_eq!(*u, [0.0, 2.0]);
+        assert_eq!(*v, [0.0, (1.0 + 5f64.sqrt()) / 2.0]);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 //!
 //! It does for every method and every basis; the [sweeps](super::sweep) are measured by it.
 
+use std::sync::Arc;
+
 use super::method::Method;
 use super::norms::{FitError, Norms};
 use super::points::Points;
@@ -18,24 +20,18 @@ pub struct Plain {
 
 impl Plain {
     /// Level 0, from given control points, and its error.
-    pub fn start(system: &System, control_points: Points) -> (Self, FitError) {
+    pub fn start(system: &System, control_points: Arc<Points>) -> (Self, FitError) {
         let problem = system.problem();
         let data = problem.data();
         let mut plain = Self {
             update: update::new(system),
             state: State {
-                control_points,
+                control_points: Arc::unwrap_or_clone(control_points),
                 residual: Points::zeros(data.dimension(), data.len()),
                 scratch: vec![0.0; system.scratch()],
                 changed: Vec::new(),
             },
-            norms: Norms::new(
-                data,
-                problem.grid(),
-                problem.diagonal(),
-                problem.is_homogeneous(),
-                update::counted(system),
-            ),
+            norms: Norms::new(problem, update::counted(system)),
         };
         compute_residual(system, &mut plain.state);
         if matches!(problem.method(), Method::Adaptive { .. }) {

@@ -41,7 +41,7 @@ pub enum Weights {
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The data points; of a surface row by row.
-    pub points: Points,
+    pub points: Arc<Points>,
     /// Their arrangement.
     pub grid: Grid,
     /// Indices of points that are not known, for least-squares fits; their coordinates are not
@@ -75,7 +75,9 @@ pub struct Problem {
     /// What was asked for; missing points have got a place.
     request: Request,
     /// The data in homogeneous coordinates.
-    lifted: Option<Points>,
+    lifted: Option<Arc<Points>>,
+    /// Of the coordinates of the data.
+    extents: Vec<Extent>,
     missing: Option<Missing>,
     u: Direction,
     v: Option<Direction>,
@@ -98,7 +100,7 @@ impl Problem {
         let missing = Missing::new(&request.missing, grid.count());
         if let Some(missing) = &missing {
             check_missing(&request)?;
-            missing.fill(&mut request.points, grid);
+            missing.fill(Arc::make_mut(&mut request.points), grid);
         }
         let extents = request.points.extents();
         check_finite(&request.points, &extents)?;
@@ -111,12 +113,14 @@ impl Problem {
         check_method(&request)?;
         let (u, v) = directions(&request, missing.as_ref())?;
         let lifted = match &request.weights {
-            Weights::Homogeneous(values) => Some(weights::lift(&request.points, values)?),
+            Weights::Homogeneous(values) => Some(Arc::new(weights::lift(&request.points, values)?)),
             _ => None,
         };
+        let extents = lifted.as_ref().map_or(extents, |it| it.extents());
         let problem = Self {
             request,
             lifted,
+            extents,
             missing,
             u,
             v,
@@ -152,8 +156,13 @@ impl Problem {
 
     /// The points that the iteration approaches; of a surface row by row. In homogeneous fits they
     /// are `(w_i P_i, w_i)`, with one coordinate more than the data.
-    pub fn data(&self) -> &Points {
+    pub fn data(&self) -> &Arc<Points> {
         self.lifted.as_ref().unwrap_or(&self.request.points)
+    }
+
+    /// The extent of each coordinate of [`data`](Self::data).
+    pub fn extents(&self) -> &[Extent] {
+        &self.extents
     }
 
     /// Whether the last coordinate of data and control points is a weight.

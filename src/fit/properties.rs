@@ -63,7 +63,7 @@ fn problem() -> impl Strategy<Value = Request> {
                 points.push(&point);
             }
             Request {
-                points,
+                points: Arc::new(points),
                 grid,
                 u: u.clone(),
                 v: (grid.columns > 1).then(|| v.clone()),
@@ -119,7 +119,7 @@ proptest! {
                 .collect()
         };
         let mut image = request.clone();
-        image.points = map(&request.points, affine);
+        image.points = Arc::new(map(&request.points, affine));
         let (mut original, mut image) = (start(request), start(image));
         for _ in 0..20 {
             let expected = map(original.control_points(), affine);
@@ -181,7 +181,8 @@ proptest! {
     fn every_order_of_magnitude_is_alike(request in problem(), exponent in -290..290) {
         let scale = 10f64.powi(exponent);
         let mut scaled = request.clone();
-        scaled.points = map(&request.points, |x| x.iter().map(|x| x * scale).collect());
+        let scale_all = |x: &[f64]| x.iter().map(|x| x * scale).collect();
+        scaled.points = Arc::new(map(&request.points, scale_all));
         let (mut original, mut scaled) = (start(request), start(scaled));
         for _ in 0..10 {
             let expected = map(original.control_points(), |x| x.iter().map(|x| x * scale).collect());
@@ -211,7 +212,7 @@ fn cubic_splines_converge_within_the_expected_iterations() {
         };
         let direction = choice(basis, Parametrization::Uniform);
         let mut iteration = start(Request {
-            points,
+            points: Arc::new(points),
             grid: Grid {
                 rows: n as usize,
                 columns: 1,

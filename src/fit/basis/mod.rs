@@ -5,6 +5,8 @@ pub mod bernstein;
 pub mod bspline;
 pub mod knots;
 
+use std::sync::Arc;
+
 /// The highest degree that is accepted: up to here the evaluation is checked to full accuracy.
 pub const MAX_DEGREE: usize = 1000;
 
@@ -25,7 +27,7 @@ pub enum Basis {
         degree: usize,
         /// Non-decreasing knots. Open curves: the first and the last p + 1 are equal. Closed ones:
         /// the knots of a period, continued periodically by p on both sides.
-        knots: Vec<f64>,
+        knots: Arc<Vec<f64>>,
     },
 }
 
@@ -128,7 +130,7 @@ impl Basis {
                 Some(knots)
             }
             Self::Polynomial { .. } => None,
-            Self::BSpline { knots, .. } => Some(knots.clone()),
+            Self::BSpline { knots, .. } => Some(knots.to_vec()),
         }
     }
 }

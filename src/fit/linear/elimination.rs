@@ -265,10 +265,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
 }
 
 /// Splits all lines at the same place.
-fn split<const N: usize>(
-    lines: [&mut [f64]; N],
-    at: usize,
-) -> ([&mut [f64]; N], [&mut [f64]; N]) {
+fn split<const N: usize>(lines: [&mut [f64]; N], at: usize) -> ([&mut [f64]; N], [&mut [f64]; N]) {
     let mut parts = lines.map(|line| line.split_at_mut(at));
     let mut fronts = parts.iter_mut().map(|(front, _)| std::mem::take(front));
     let fronts = from_fn(|_| fronts.next().unwrap_or_default());

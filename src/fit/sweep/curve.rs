@@ -2,12 +2,13 @@
 
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
-use super::{Pass, Vectors};
+use super::{Pass, Vectors, Way};
 use crate::fit::blocks::{BLOCK, Block, Squares};
 
 /// For each block: `Δ = P − B X`, its norms, and the next level.
 pub fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
     let Vectors { x, step } = pass.source;
+    let [room] = part.rooms else { return };
     let first = part.lines.start;
     let mut start = first;
     let mut squares = Squares::new();
@@ -21,12 +22,16 @@ pub fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
             let steps = next_step.iter_mut().zip(last);
             steps.for_each(|(next, last)| next.copy_from_slice(last));
         }
+        let next = match pass.way {
+            Way::Measure => ranges(room.back.lanes_mut(), 0..end - start),
+            _ => ranges(&mut part.x, to),
+        };
         let mut rows = Rows {
             x: columns(x, 0..x.len()),
             base: 0,
             data: columns(pass.data, from.clone()),
             own: columns(x, from.clone()),
-            next: ranges(&mut part.x, to),
+            next,
             step: next_step,
             squares,
             place: 0,

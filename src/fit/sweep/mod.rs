@@ -115,6 +115,17 @@ pub struct Sweep {
     plan: Plan,
 }
 
+/// How far a pass goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// The level is measured, and nothing written.
+    Measure,
+    /// To the next level, or to the residual.
+    Level,
+    /// Through several levels, tile by tile.
+    Tiles,
+}
+
 /// What all parts of a pass share.
 #[derive(Clone, Copy)]
 pub struct Pass<'a> {
@@ -134,20 +145,25 @@ pub struct Pass<'a> {
     pub layout: Blocks,
     /// Points of a tile.
     pub tile: usize,
+    /// How far it goes.
+    pub way: Way,
 }
 
 impl Sweep {
     /// Level 0, from given control points, and its error, if there are sweeps for this problem.
-    pub fn start(system: &System, control_points: Points) -> Result<(Self, Measured), Points> {
+    pub fn start(
+        system: &System,
+        control_points: Arc<Points>,
+    ) -> Result<(Self, Measured), Arc<Points>> {
         Self::with_plan(system, control_points, Plan::of(system))
     }
 
     /// The same with a plan of one's own. Gives the control points back if there are no sweeps.
     pub fn with_plan(
         system: &System,
-        control_points: Points,
+        control_points: Arc<Points>,
         plan: Plan,
-    ) -> Result<(Self, Measured), Points> {
+    ) -> Result<(Self, Measured), Arc<Points>> {
         let problem = system.problem();
         let relaxation = Relaxation::new(system);
         let (Some(relaxation), true) = (relaxation, is_plain(system)) else {
@@ -167,11 +183,11 @@ impl Sweep {
                 step: step(),
             },
             current: Vectors {
-                x: Arc::new(control_points),
+                x: control_points,
                 step: step(),
             },
             ahead: false,
-            norms: Norms::new(data, grid, problem.diagonal(), false, None),
+            norms: Norms::new(problem, None),
             layout,
             blocks: vec![vec![Block::default(); layout.count()]],
             rooms: Vec::new(),
@@ -205,19 +221,27 @@ impl Sweep {
         if !self.ahead {
             self.look_ahead(system);
         }
-        if self.relaxation.is_transformed() {
-            system.transform_all(Arc::make_mut(&mut self.spare.x), &mut self.scratch);
-            Arc::make_mut(&mut self.current.x).add(&self.spare.x);
-        } else {
-            std::mem::swap(&mut self.current, &mut self.spare);
+        let transformed = self.relaxation.is_transformed();
+        if transformed {
+            let residual = Arc::make_mut(&mut self.spare.x);
+            system.transform_all(residual, &mut self.scratch);
+            residual.add(&self.current.x);
         }
+        std::mem::swap(&mut self.current, &mut self.spare);
         self.relaxation.advance();
-        self.look_ahead(system)
+        if transformed {
+            // These take few steps, so that most residuals are only measured.
+            self.run(system, &[Step::Keep], Way::Measure);
+            self.ahead = false;
+            self.measured(0)
+        } else {
+            self.look_ahead(system)
+        }
     }
 
     /// Measures the current level and computes the next one, or the residual.
     fn look_ahead(&mut self, system: &System) -> Measured {
-        self.run(system, &[self.relaxation.step()], false);
+        self.run(system, &[self.relaxation.step()], Way::Level);
         self.ahead = true;
         self.measured(0)
     }
@@ -230,7 +254,7 @@ impl Sweep {
             *step = self.relaxation.step();
             self.relaxation.advance();
         }
-        self.run(system, &steps[..count], true);
+        self.run(system, &steps[..count], Way::Tiles);
         std::mem::swap(&mut self.current, &mut self.spare);
         self.ahead = false;
     }
@@ -249,7 +273,7 @@ impl Sweep {
     }
 
     /// A pass from the current level to the spare one.
-    fn run(&mut self, system: &System, steps: &[Step], tiled: bool) {
+    fn run(&mut self, system: &System, steps: &[Step], way: Way) {
         let tensor = system.collocation();
         let Collocation::Banded(u) = &tensor.u else {
             return;
@@ -264,29 +288,30 @@ impl Sweep {
             scale: self.norms.scale(),
             layout: self.layout,
             tile: self.plan.tile,
+            way,
         };
         self.rooms.resize_with(self.plan.parts, Room::default);
         let rooms = self.rooms.iter_mut();
-        rooms.for_each(|room| room.prepare(&pass, tiled, self.plan.levels));
+        rooms.for_each(|room| room.prepare(&pass, self.plan.levels));
         let blocks = &mut self.blocks;
         blocks.resize_with(blocks.len().max(steps.len()), || {
             vec![Block::default(); self.layout.count()]
         });
         let part = Part::whole(&pass, &mut self.spare, blocks, &mut self.rooms);
         part.divide(&|part: Part| match pass.data.dimension() {
-            1 => pass.sweep::<1>(part, tiled),
-            2 => pass.sweep::<2>(part, tiled),
-            _ => pass.sweep::<LANES>(part, tiled),
+            1 => pass.sweep::<1>(part),
+            2 => pass.sweep::<2>(part),
+            _ => pass.sweep::<LANES>(part),
         });
     }
 }
 
 impl<'a> Pass<'a> {
     /// The work of one thread, in D dimensions.
-    fn sweep<const D: usize>(&self, part: Part<'_>, tiled: bool) {
+    fn sweep<const D: usize>(&self, part: Part<'_>) {
         match self.v {
             Some(v) => surface::sweep::<D>(self, v, part),
-            None if tiled => tiles::sweep::<D>(self, part),
+            None if self.way == Way::Tiles => tiles::sweep::<D>(self, part),
             None => curve::sweep::<D>(self, part),
         }
     }

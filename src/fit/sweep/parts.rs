@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use super::{LEVELS, Pass, Room, Vectors};
+use super::{LEVELS, Pass, Room, Vectors, Way};
 use crate::fit::blocks::Block;
 use crate::fit::points::Points;
 
 /// The most coordinates of a point.
 pub const LANES: usize = 3;
 
-/// Consecutive lines of the next level, and the norms of their points.
+/// Consecutive lines of the next level, and the norms of their points; without points, the norms alone.
 pub struct Part<'a> {
     /// The lines: of a curve, its points.
     pub lines: Range<usize>,
@@ -36,10 +36,13 @@ impl<'a> Part<'a> {
     ) -> Self {
         let columns = pass.v.map_or(1, |v| v.columns());
         let mut blocks = blocks.iter_mut();
-        let (x, step) = target.writable();
-        let mut x = x.lanes_mut().iter_mut();
-        let step = step.map(|step| step.lanes_mut());
-        let mut step = step.unwrap_or_default().iter_mut();
+        let target = (pass.way != Way::Measure).then(|| target.writable());
+        let (x, step) = target.unzip();
+        let lanes = |points: Option<&'a mut Points>| {
+            let lanes = points.map(Points::lanes_mut);
+            lanes.unwrap_or_default().iter_mut()
+        };
+        let (mut x, mut step) = (lanes(x), lanes(step.flatten()));
         Self {
             lines: 0..pass.data.len() / columns,
             x: std::array::from_fn(|_| slice(x.next())),

@@ -8,10 +8,10 @@ use std::ops::Range;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use super::Pass;
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
 use super::tiles::pieces;
+use super::{Pass, Way};
 use crate::fit::blocks::{BLOCK, Block, Squares, Sums};
 use crate::fit::linear::banded::Banded;
 use crate::fit::points::Points;
@@ -77,6 +77,10 @@ fn segment<const D: usize>(
     combine_all(pass, row, line, reached.clone(), &mut room.front);
     let to = points.start - origin..points.end - origin;
     let mut step = ranges::<D>(&mut part.step, to.clone());
+    let next = match pass.way {
+        Way::Measure => ranges(room.back.lanes_mut(), 0..to.len()),
+        _ => ranges(&mut part.x, to),
+    };
     if let Some(last) = &pass.source.step {
         let last = columns::<D>(last, points.clone());
         let steps = step.iter_mut().zip(last);
@@ -87,7 +91,7 @@ fn segment<const D: usize>(
         base: reached.start,
         data: columns(pass.data, points.clone()),
         own: columns(&pass.source.x, points),
-        next: ranges(&mut part.x, to),
+        next,
         step,
         squares,
         place,

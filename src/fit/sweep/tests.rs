@@ -75,7 +75,7 @@ prop_compose! {
             points.push(&point);
         }
         Request {
-            points,
+            points: Arc::new(points),
             grid,
             u,
             v: (grid.columns > 1).then_some(v),

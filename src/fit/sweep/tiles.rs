@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
-use super::{Pass, Vectors};
+use super::{Pass, Vectors, Way};
 use crate::fit::blocks::{BLOCK, Block, LANES, Squares, Sums};
 use crate::fit::points::Points;
 
@@ -19,7 +19,7 @@ use crate::fit::points::Points;
 pub struct Room {
     /// Of tiles: a level. Of surfaces: a part of a line of `B_u X`.
     pub front: Points,
-    /// The next level.
+    /// The next level. If it is to be forgotten: of a block.
     pub back: Points,
     /// Steps of methods with momentum.
     pub step: Points,
@@ -38,23 +38,23 @@ impl Default for Room {
 
 impl Room {
     /// Makes room for a kind of pass, once.
-    pub fn prepare(&mut self, pass: &Pass<'_>, tiled: bool, levels: usize) {
-        let (count, is_tile) = match pass.v {
-            Some(v) => (super::surface::room(v), false),
-            None if tiled => (pass.tile + 2 * margin(pass, levels), true),
-            None => return,
+    pub fn prepare(&mut self, pass: &Pass<'_>, levels: usize) {
+        let tile = pass.tile + 2 * margin(pass, levels);
+        let tile = if pass.way == Way::Tiles { tile } else { 0 };
+        let back = if pass.way == Way::Measure {
+            BLOCK
+        } else {
+            tile
         };
-        if self.front.len() == count {
-            return;
-        }
-        let zeros = || Points::zeros(pass.data.dimension(), count);
-        self.front = zeros();
-        if is_tile {
-            self.back = zeros();
-            if pass.source.step.is_some() {
-                self.step = zeros();
+        let step = pass.source.step.as_ref().map_or(0, |_| tile);
+        let make = |points: &mut Points, count: usize| {
+            if points.len() < count {
+                *points = Points::zeros(pass.data.dimension(), count);
             }
-        }
+        };
+        make(&mut self.front, pass.v.map_or(tile, super::surface::room));
+        make(&mut self.back, back);
+        make(&mut self.step, step);
     }
 }
 

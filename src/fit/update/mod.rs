@@ -13,6 +13,7 @@ pub mod linear;
 pub mod selected;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use super::method::{Method, Start};
 use super::missing::Missing;
@@ -139,21 +140,21 @@ pub fn counted(system: &System) -> Option<Vec<bool>> {
 }
 
 /// The control points of level 0: given ones, or those of the method.
-pub fn start(system: &System) -> Points {
+pub fn start(system: &System) -> Arc<Points> {
     let problem = system.problem();
     let data = problem.data();
     if let Some(start) = problem.start() {
-        return Points::clone(start);
+        return Arc::clone(start);
     }
     match problem.method() {
-        Method::LeastSquares(_) => least_squares::start(problem),
+        Method::LeastSquares(_) => Arc::new(least_squares::start(problem)),
         Method::Extended {
             start: Start::Transformed,
         } => {
-            let mut control_points = data.clone();
+            let mut control_points = Points::clone(data);
             system.transform_all(&mut control_points, &mut vec![0.0; system.scratch()]);
-            control_points
+            Arc::new(control_points)
         }
-        _ => data.clone(),
+        _ => Arc::clone(data),
     }
 }

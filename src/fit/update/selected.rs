@@ -142,10 +142,7 @@ impl Selected {
 }
 
 fn all_points(system: &System) -> Norms {
-    let problem = system.problem();
-    let homogeneous = problem.is_homogeneous();
-    let (grid, diagonal) = (problem.grid(), problem.diagonal());
-    Norms::new(problem.data(), grid, diagonal, homogeneous, None)
+    Norms::new(system.problem(), None)
 }
 
 impl Update for Selected {

@@ -1,0 +1,62 @@
+//! Whether long rows of numbers are in order: many comparisons at a time, as nearly all of them are.
+
+use rayon::prelude::*;
+
+/// Numbers that a thread compares at a time.
+const CHUNK: usize = 1 << 16;
+
+/// Whether each number is less than the one after it; then none of them is not a number.
+pub fn increases(values: &[f64]) -> bool {
+    values.len() < 2 || all_less(&values[..values.len() - 1], &values[1..])
+}
+
+/// Whether no number is greater than the one after it; then none of them is not a number.
+pub fn never_decreases(values: &[f64]) -> bool {
+    values.len() < 2 || all(&values[..values.len() - 1], &values[1..], |a, b| a <= b)
+}
+
+/// Whether each number is less than the other one at its place, as far as both rows reach.
+pub fn all_less(these: &[f64], others: &[f64]) -> bool {
+    all(these, others, |a, b| a < b)
+}
+
+fn all(these: &[f64], others: &[f64], compare: impl Fn(f64, f64) -> bool + Copy + Sync) -> bool {
+    let chunk = |(these, others): (&[f64], &[f64])| {
+        let pairs = these.iter().zip(others);
+        // Without a branch for each, so that they are compared side by side.
+        pairs.fold(true, |all, (a, b)| all & compare(*a, *b))
+    };
+    if these.len() <= CHUNK {
+        return chunk((these, others));
+    }
+    let chunks = these.par_chunks(CHUNK).zip(others.par_chunks(CHUNK));
+    chunks.all(chunk)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_counts() {
+        for count in [1, 2, 9, CHUNK + 3, 3 * CHUNK] {
+            let ordered: Vec<f64> = (0..count).map(|i| i as f64).collect();
+            assert!(increases(&ordered) && never_decreases(&ordered));
+            for at in [1, 2, count / 2, count - 1]
+                .into_iter()
+                .filter(|at| (1..count).contains(at))
+            {
+                let with = |value: f64| {
+                    let mut values = ordered.clone();
+                    values[at] = value;
+                    values
+                };
+                let equal = with(ordered[at - 1]);
+                assert!(!increases(&equal) && never_decreases(&equal));
+                for bad in [ordered[at - 1] - 0.5, f64::NAN] {
+                    assert!(!increases(&with(bad)) && !never_decreases(&with(bad)));
+                }
+            }
+        }
+    }
+}
