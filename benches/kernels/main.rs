@@ -25,14 +25,14 @@ use std::time::Duration;
 use clap::Parser;
 use piad::fit::iteration::Iteration;
 use piad::fit::method::Method;
-use piad::fit::sweep::{Plan, Sweep};
+use piad::fit::sweep::{LEVELS, Plan, Sweep};
 use piad::fit::system::System;
 use piad::fit::update;
 use timing::{Candidate, medians};
 use traffic::Traffic;
 
-/// Levels in one pass, where there are several.
-const LEVELS: usize = 4;
+/// Levels in one pass, where there are several: some, and as many as fits take.
+const SEVERAL: [usize; 2] = [4, LEVELS];
 
 #[derive(Parser)]
 struct Options {
@@ -56,8 +56,10 @@ fn main() {
         println!(
             "\n{threads} thread(s): ns per point and iteration, and ratio to the traffic alone\n"
         );
-        println!("| | traffic | sweep | ratio | plain loop | {LEVELS} levels in a pass | gain |");
-        println!("|---|---|---|---|---|---|---|");
+        let [some, most] = SEVERAL;
+        print!("| | traffic | sweep | ratio | plain loop ");
+        println!("| {some} levels in a pass | gain | {most} levels in a pass | gain |");
+        println!("|---|---|---|---|---|---|---|---|---|");
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().expect("threads").install(|| sweeps(time));
     }
@@ -90,7 +92,8 @@ fn line(name: &str, system: &Arc<System>, time: Duration) {
             .expect("there are sweeps for this")
             .0
     };
-    let (mut one, mut several) = (sweep(1), sweep(LEVELS));
+    let mut one = sweep(1);
+    let mut several = SEVERAL.map(|levels| (levels, sweep(levels)));
     let mut plain = Iteration::start_plain(Arc::clone(system));
     let dimension = problem.dimension();
     let steps = if matches!(problem.method(), Method::Chebyshev) {
@@ -122,7 +125,9 @@ fn line(name: &str, system: &Arc<System>, time: Duration) {
         ),
     ];
     if is_curve {
-        candidates.push(("several", Box::new(|| several.steps(system, LEVELS))));
+        for (levels, sweep) in &mut several {
+            candidates.push(("several", Box::new(|| sweep.steps(system, *levels))));
+        }
     }
     let each = medians(&mut candidates, time);
     let each: Vec<f64> = each
@@ -134,11 +139,14 @@ fn line(name: &str, system: &Arc<System>, time: Duration) {
         "| {name} | {traffic:.2} | {sweep:.2} | {:.2} | {plain:.2} |",
         sweep / traffic
     );
-    match each.get(3) {
-        Some(several) => {
-            let several = several / LEVELS as f64;
-            println!(" {several:.2} | {:.2}× |", sweep / several);
+    for (index, levels) in SEVERAL.into_iter().enumerate() {
+        match each.get(3 + index) {
+            Some(pass) => {
+                let several = pass / levels as f64;
+                print!(" {several:.2} | {:.2}× |", sweep / several);
+            }
+            None => print!(" | |"),
         }
-        None => println!(" | |"),
     }
+    println!();
 }

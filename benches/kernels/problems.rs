@@ -47,9 +47,9 @@ fn cubic() -> DirectionChoice {
 }
 
 /// Cubic, or bicubic if the grid has more than one column.
-pub(crate) fn request(points: Points, grid: Grid, method: Method) -> Request {
+pub(crate) fn request(points: impl Into<Arc<Points>>, grid: Grid, method: Method) -> Request {
     Request {
-        points: Arc::new(points),
+        points: points.into(),
         grid,
         u: cubic(),
         v: (grid.columns > 1).then(cubic),

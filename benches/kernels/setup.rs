@@ -35,12 +35,6 @@ fn line(count: usize, time: Duration) {
     let mut iteration = Iteration::start(Arc::clone(&system));
     let mut candidates: Vec<Candidate> = vec![
         (
-            "copy",
-            Box::new(|| {
-                black_box(request());
-            }),
-        ),
-        (
             "problem",
             Box::new(|| {
                 black_box(Problem::new(request()).expect("valid"));
@@ -72,13 +66,13 @@ fn line(count: usize, time: Duration) {
         ),
     ];
     let seconds = medians(&mut candidates, time);
-    let [copy, problem, collocation, spectrum, level, step] = seconds[..] else {
-        unreachable!("six were measured");
+    let [problem, collocation, spectrum, level, step] = seconds[..] else {
+        unreachable!("five were measured");
     };
     let ms = |seconds: f64| seconds * 1e3;
     println!(
         "| {count} | {:.3} | {:.3} | {:.3} | {:.3} | {:.4} |",
-        ms(problem - copy),
+        ms(problem),
         ms(collocation),
         ms(spectrum),
         ms(level),

@@ -249,6 +249,8 @@ fn to_bezier(direction: &Direction) -> Option<ToBezier> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::fit::basis::knots::Knots;
     use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -277,7 +279,7 @@ mod tests {
                 rows: points.len(),
                 columns: 1,
             },
-            points,
+            points: Arc::new(points),
             missing: Vec::new(),
             u,
             v: None,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::basis::{Basis, bspline};
 use super::direction::Direction;
-use super::lane::Lane;
+use super::lane::{self, Lane};
 use super::linear::banded::{Banded, Stretch};
 
 /// Rows that a thread evaluates at a time.
@@ -23,7 +23,7 @@ const SHORT: usize = 8;
 /// column of the control point that they copy.
 pub(super) fn banded(direction: &Direction) -> Banded {
     let (rows, support) = (direction.parameters.len(), direction.basis.support_width());
-    let mut lanes: Vec<Lane> = (0..support).map(|_| Lane::zeros(rows)).collect();
+    let mut lanes = lane::lanes(support, rows, |_| Lane::zeros(rows));
     let mut chunks: Vec<Chunk> = (0..rows)
         .step_by(CHUNK)
         .map(|start| Chunk {

@@ -1,37 +1,95 @@
-//! Numbers in a row, from the start of a cache line on.
+//! Numbers in a row, placed in memory so that vectors of them are quickly loaded.
 
 use std::borrow::Borrow;
 use std::ops::{Deref, DerefMut};
 use std::slice::{Iter, IterMut};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use aligned_vec::{AVec, CACHELINE_ALIGN, avec};
+use aligned_vec::{AVec, CACHELINE_ALIGN};
+use rayon::prelude::*;
+
+/// Shorter lanes do not start with a memory page.
+const LONG: usize = 1024;
+
+/// Lanes of so many numbers are made by several threads.
+const PARALLEL: usize = 100_000;
+
+/// The starts of long lanes are a few cache lines from one another: so many numbers.
+const STEP: usize = 40;
+
+/// So many of them are within a page.
+const STEPS: usize = 12;
+
+/// Counts the long lanes.
+static LANES: AtomicUsize = AtomicUsize::new(0);
 
 /// All values of a coordinate, or of a diagonal of a matrix.
 ///
 /// They start at a cache line: a vector of numbers that lies across two of them takes twice as long
-/// to load, which is as much as everything else in a sweep.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lane(AVec<f64>);
+/// to load, which is as much as everything else in a sweep. And long lanes start at different places of
+/// a memory page. Allocators would start all of them with one, but a load waits for an earlier store to
+/// the same place of another page as if it were the same address ("4K aliasing").
+#[derive(Debug)]
+pub struct Lane {
+    numbers: AVec<f64>,
+    /// Where they start.
+    start: usize,
+}
 
 impl Lane {
     /// No numbers yet.
     pub fn new() -> Self {
-        Self(avec![])
+        Self::with_room(0)
     }
 
     /// So many zeros.
     pub fn zeros(count: usize) -> Self {
-        Self(avec![0.0; count])
+        let mut lane = Self::with_room(count);
+        lane.numbers.resize(lane.start + count, 0.0);
+        lane
+    }
+
+    /// No numbers yet, and room for so many.
+    fn with_room(count: usize) -> Self {
+        let start = match count {
+            LONG.. => LANES.fetch_add(1, Ordering::Relaxed) % STEPS * STEP,
+            _ => 0,
+        };
+        let mut numbers = AVec::with_capacity(CACHELINE_ALIGN, start + count);
+        numbers.resize(start, 0.0);
+        Self { numbers, start }
     }
 
     /// Appends a number.
     pub fn push(&mut self, value: f64) {
-        self.0.push(value);
+        self.numbers.push(value);
     }
 
     /// Gives back memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
-        self.0.shrink_to_fit();
+        self.numbers.shrink_to_fit();
+    }
+}
+
+/// Makes so many lanes of a length, long ones by several threads: memory that is used for the first
+/// time takes longer than writing it.
+pub fn lanes(count: usize, length: usize, lane: impl Fn(usize) -> Lane + Send + Sync) -> Vec<Lane> {
+    if length < PARALLEL {
+        (0..count).map(lane).collect()
+    } else {
+        (0..count).into_par_iter().map(lane).collect()
+    }
+}
+
+impl Clone for Lane {
+    fn clone(&self) -> Self {
+        Self::from(&self[..])
+    }
+}
+
+impl PartialEq for Lane {
+    fn eq(&self, other: &Self) -> bool {
+        self[..] == other[..]
     }
 }
 
@@ -43,7 +101,9 @@ impl Default for Lane {
 
 impl From<&[f64]> for Lane {
     fn from(values: &[f64]) -> Self {
-        Self(AVec::from_slice(CACHELINE_ALIGN, values))
+        let mut lane = Self::with_room(values.len());
+        lane.numbers.extend_from_slice(values);
+        lane
     }
 }
 
@@ -55,7 +115,10 @@ impl From<Vec<f64>> for Lane {
 
 impl FromIterator<f64> for Lane {
     fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
-        Self(AVec::from_iter(CACHELINE_ALIGN, values))
+        let values = values.into_iter();
+        let mut lane = Self::with_room(values.size_hint().0);
+        values.for_each(|value| lane.push(value));
+        lane
     }
 }
 
@@ -63,25 +126,25 @@ impl Deref for Lane {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
-        &self.0
+        &self.numbers[self.start..]
     }
 }
 
 impl DerefMut for Lane {
     fn deref_mut(&mut self) -> &mut [f64] {
-        &mut self.0
+        &mut self.numbers[self.start..]
     }
 }
 
 impl AsMut<[f64]> for Lane {
     fn as_mut(&mut self) -> &mut [f64] {
-        &mut self.0
+        self
     }
 }
 
 impl Borrow<[f64]> for Lane {
     fn borrow(&self) -> &[f64] {
-        &self.0
+        self
     }
 }
 
@@ -90,7 +153,7 @@ impl<'a> IntoIterator for &'a Lane {
     type IntoIter = Iter<'a, f64>;
 
     fn into_iter(self) -> Self::IntoIter {
-        self.0.iter()
+        self.iter()
     }
 }
 
@@ -99,6 +162,6 @@ impl<'a> IntoIterator for &'a mut Lane {
     type IntoIter = IterMut<'a, f64>;
 
     fn into_iter(self) -> Self::IntoIter {
-        self.0.iter_mut()
+        self.iter_mut()
     }
 }

@@ -1,4 +1,4 @@
-//! Whether long rows of numbers are in order: many comparisons at a time, as nearly all of them are.
+//! Whether long rows of numbers are in order, or zero: many comparisons at a time, as nearly all of them are.
 
 use rayon::prelude::*;
 
@@ -20,6 +20,13 @@ pub fn all_less(these: &[f64], others: &[f64]) -> bool {
     all(these, others, |a, b| a < b)
 }
 
+/// Whether there is nothing but zeros.
+pub fn is_zero(values: &[f64]) -> bool {
+    const LOOK: usize = 256;
+    let mut looks = values.chunks(LOOK);
+    looks.all(|values| values.iter().fold(true, |all, x| all & (*x == 0.0)))
+}
+
 fn all(these: &[f64], others: &[f64], compare: impl Fn(f64, f64) -> bool + Copy + Sync) -> bool {
     let chunk = |(these, others): (&[f64], &[f64])| {
         let pairs = these.iter().zip(others);
@@ -36,6 +43,23 @@ fn all(these: &[f64], others: &[f64], compare: impl Fn(f64, f64) -> bool + Copy 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_number_can_differ_from_zero() {
+        for count in [0, 1, 255, 256, 257, 1000] {
+            let mut values = vec![0.0; count];
+            assert!(is_zero(&values));
+            for at in [0, count / 2, count.saturating_sub(1)] {
+                for x in [1e-300, f64::NAN] {
+                    if let Some(place) = values.get_mut(at) {
+                        *place = x;
+                        assert!(!is_zero(&values));
+                        values[at] = 0.0;
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn every_place_counts() {

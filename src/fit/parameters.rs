@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::invalid::{Axis, Invalid};
 use super::missing::Missing;
 use super::order;
@@ -71,7 +73,7 @@ fn by_distance(
     axis: Axis,
     steps: usize,
     rule: &'static str,
-    step: impl Fn(f64) -> f64,
+    step: impl Fn(f64) -> f64 + Sync,
 ) -> Result<Arc<Vec<f64>>, Invalid> {
     let count = grid.along(axis);
     let mut sums = Sums {
@@ -86,7 +88,7 @@ fn by_distance(
     if axis == Axis::V || grid.columns == 1 {
         // Lines along the direction are contiguous.
         for start in (0..grid.count()).step_by(count) {
-            sums.add_pairs(start, start + 1, count - 1, |i| i + 1);
+            sums.add_line(start, count);
             if steps == count {
                 sums.add_pairs(start + count - 1, start, 1, |_| steps);
             }
@@ -129,6 +131,9 @@ fn by_distance(
 /// Distances that are computed at a time.
 const BLOCK: usize = 256;
 
+/// Shorter lines are looked at by one thread.
+const PARALLEL: usize = 100_000;
+
 /// Sums of functions of the distances that lead to each point of a line, over all lines.
 struct Sums<'a, F> {
     points: &'a Points,
@@ -139,7 +144,24 @@ struct Sums<'a, F> {
     pairs: Vec<u32>,
 }
 
-impl<F: Fn(f64) -> f64> Sums<'_, F> {
+impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
+    /// The distances of the successive points of a line.
+    fn add_line(&mut self, start: usize, count: usize) {
+        let Self { points, step, .. } = self;
+        if self.missing.is_some() || count < PARALLEL {
+            return self.add_pairs(start, start + 1, count - 1, |i| i + 1);
+        }
+        let totals = self.totals[1..count].par_chunks_mut(BLOCK).enumerate();
+        totals.for_each(|(block, totals)| {
+            let mut buffer = [0.0; BLOCK];
+            let distances = &mut buffer[..totals.len()];
+            let first = start + block * BLOCK;
+            points.distances(first, first + 1, distances);
+            let totals = totals.iter_mut().zip(distances);
+            totals.for_each(|(total, distance)| *total += step(*distance));
+        });
+    }
+
     /// The distances between points `from + i` and `to + i`, which belong to step `step_of(i)`.
     fn add_pairs(
         &mut self,

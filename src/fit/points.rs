@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::extent::Extent;
 use super::invalid::Axis;
-use super::lane::Lane;
+use super::lane::{self, Lane};
 
 /// Fewer points are looked at by one thread.
 const PARALLEL: usize = 100_000;
@@ -31,7 +31,7 @@ impl Points {
     /// `count` points at the origin.
     pub fn zeros(dimension: usize, count: usize) -> Self {
         Self {
-            lanes: each_lane(dimension, count, |_| Lane::zeros(count)),
+            lanes: lane::lanes(dimension, count, |_| Lane::zeros(count)),
         }
     }
 
@@ -99,7 +99,7 @@ impl Points {
         });
         let extent = Extent::of(distances);
         if SAFE.contains(&extent.low) && SAFE.contains(&extent.high) && extent.is_finite {
-            distances.iter_mut().for_each(|x| *x = x.sqrt());
+            pulp::Arch::new().dispatch(|| distances.iter_mut().for_each(|x| *x = x.sqrt()));
         } else {
             for (i, distance) in distances.iter_mut().enumerate() {
                 *distance = self.distance(from + i, to + i);
@@ -155,22 +155,8 @@ impl Clone for Points {
     fn clone(&self) -> Self {
         let lane = |c: usize| self.lanes[c].clone();
         Self {
-            lanes: each_lane(self.dimension(), self.len(), lane),
+            lanes: lane::lanes(self.dimension(), self.len(), lane),
         }
-    }
-}
-
-/// Makes lanes, long ones by several threads: memory that is used for the first time takes longer
-/// than writing it.
-fn each_lane(
-    dimension: usize,
-    count: usize,
-    lane: impl Fn(usize) -> Lane + Send + Sync,
-) -> Vec<Lane> {
-    if count < PARALLEL {
-        (0..dimension).map(lane).collect()
-    } else {
-        (0..dimension).into_par_iter().map(lane).collect()
     }
 }
 

@@ -469,7 +469,7 @@ mod tests {
             columns: 1,
         };
         Problem::new(Request {
-            points,
+            points: Arc::new(points),
             grid,
             u,
             v: None,

@@ -226,7 +226,7 @@ impl Move {
                 return wrong("/point", detail);
             }
             let coordinates = point.into_iter().map(|Number(x)| x);
-            request.points.set(index, coordinates);
+            Arc::make_mut(&mut request.points).set(index, coordinates);
             request.missing.retain(|&missing| missing != index);
         }
         Ok(index)

@@ -190,7 +190,7 @@ impl JobRequest {
         };
         let places = shape.places;
         let request = fit::Request {
-            points: shape.points,
+            points: Arc::new(shape.points),
             grid: shape.grid,
             missing: shape.missing,
             u: shape.u,
@@ -435,7 +435,7 @@ fn basis(request: Option<Object<BasisRequest>>, pointer: &str) -> Result<BasisCh
 fn knots(request: Option<NameOrNumbers>, basis: &str) -> Result<Knots, Problem> {
     match request {
         None => Ok(Knots::Usual),
-        Some(NameOrNumbers::Numbers(knots)) => Ok(Knots::Explicit(knots)),
+        Some(NameOrNumbers::Numbers(knots)) => Ok(Knots::Explicit(Arc::new(knots))),
         Some(NameOrNumbers::Name(name)) => match name.as_str() {
             "data" => Ok(Knots::Data),
             "averaged" => Ok(Knots::Averaged),
@@ -453,7 +453,7 @@ fn parametrization(
 ) -> Result<Parametrization, Problem> {
     match request {
         None => Ok(Parametrization::ChordLength),
-        Some(NameOrNumbers::Numbers(values)) => Ok(Parametrization::Explicit(values)),
+        Some(NameOrNumbers::Numbers(values)) => Ok(Parametrization::Explicit(Arc::new(values))),
         Some(NameOrNumbers::Name(name)) => match name.as_str() {
             "chord_length" => Ok(Parametrization::ChordLength),
             "centripetal" => Ok(Parametrization::Centripetal),

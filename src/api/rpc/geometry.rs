@@ -213,7 +213,7 @@ mod tests {
                 false => Weights::None,
             };
             let problem = Problem::new(Request {
-                points,
+                points: Arc::new(points),
                 grid: Grid {
                     rows: count,
                     columns: 1,

@@ -91,7 +91,7 @@ fn basis(choice: &BasisChoice) -> pb::Basis {
         Knots::Usual => (pb::KnotRule::Unspecified, Vec::new()),
         Knots::Data => (pb::KnotRule::Data, Vec::new()),
         Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
-        Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.clone()),
+        Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
     };
     pb::Basis {
         kind,
@@ -106,7 +106,7 @@ fn parameters(choice: &Parametrization) -> pb::Parameters {
         Parametrization::ChordLength => (pb::ParameterRule::ChordLength, Vec::new()),
         Parametrization::Centripetal => (pb::ParameterRule::Centripetal, Vec::new()),
         Parametrization::Uniform => (pb::ParameterRule::Uniform, Vec::new()),
-        Parametrization::Explicit(values) => (pb::ParameterRule::Explicit, values.clone()),
+        Parametrization::Explicit(values) => (pb::ParameterRule::Explicit, values.to_vec()),
     };
     pb::Parameters {
         rule: rule.into(),

@@ -173,7 +173,7 @@ pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDire
         control_points: count(basis.functions()),
         knots: basis.knots().unwrap_or_default(),
         parameters: match with_parameters {
-            true => direction.parameters.clone(),
+            true => direction.parameters.to_vec(),
             false => Vec::new(),
         },
         weights: direction.weights().unwrap_or_default().to_vec(),

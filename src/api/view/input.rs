@@ -148,7 +148,7 @@ fn basis(choice: &DirectionChoice) -> Value {
                 Knots::Usual => {}
                 Knots::Data => value["knots"] = json!("data"),
                 Knots::Averaged => value["knots"] = json!("averaged"),
-                Knots::Explicit(knots) => value["knots"] = json!(knots),
+                Knots::Explicit(knots) => value["knots"] = json!(**knots),
             }
             value
         }
@@ -160,7 +160,7 @@ fn parameters(choice: &DirectionChoice) -> Value {
         Parametrization::ChordLength => json!("chord_length"),
         Parametrization::Centripetal => json!("centripetal"),
         Parametrization::Uniform => json!("uniform"),
-        Parametrization::Explicit(values) => json!(values),
+        Parametrization::Explicit(values) => json!(**values),
     }
 }
 

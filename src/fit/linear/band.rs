@@ -1,6 +1,7 @@
 //! Square matrices on their way into a factorization: cyclic ones are folded flat.
 
 use super::banded::{Banded, Diagonal};
+use crate::fit::order;
 
 /// An order of rows and columns in which a cyclic band is an ordinary one of twice the width: the
 /// circle is folded flat, 0, n−1, 1, n−2, …
@@ -49,11 +50,7 @@ impl Band {
                 .map(|(i, j, value)| (fold(i), fold(j), value))
         };
         // How far to the right of the diagonal there is something, or to the left.
-        let filled = || {
-            matrix
-                .diagonals()
-                .filter(|it| it.values.iter().any(|&x| x != 0.0))
-        };
+        let filled = || matrix.diagonals().filter(|it| !order::is_zero(it.values));
         let reach = |sign: i64| match cyclic {
             true => entries()
                 .map(|(i, j, _)| sign * (j as i64 - i as i64))

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::banded::Banded;
 use super::{Inverse, LineMap};
+use crate::fit::order;
 
 /// Lines that are solved side by side.
 const LINES: usize = 4;
@@ -58,15 +59,33 @@ struct Half<const H: usize, const BACK: bool> {
 #[derive(Debug)]
 struct Lower<const H: usize> {
     /// The reciprocal of the entry on the diagonal.
-    pivot: f64,
+    reciprocal: f64,
     /// The entries before it, nearest first, divided by it.
     entries: [f64; H],
 }
 
+/// A row of U that later ones need, not yet divided by its pivot.
+#[derive(Clone, Copy)]
+struct Before<const H: usize> {
+    entries: [f64; H],
+    reciprocal: f64,
+}
+
+impl<const H: usize> Before<H> {
+    fn none() -> Self {
+        Self {
+            entries: [0.0; H],
+            reciprocal: 1.0,
+        }
+    }
+}
+
 /// Decomposes a square matrix that is totally positive and not cyclic, if its band is narrow.
 pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn LineMap>> {
-    let filled = |values: &[f64]| values.iter().any(|&x| x != 0.0);
-    let filled = given.matrix.diagonals().filter(|it| filled(it.values));
+    let filled = given
+        .matrix
+        .diagonals()
+        .filter(|it| !order::is_zero(it.values));
     let reach = filled.map(|it| it.offset.unsigned_abs()).max().unwrap_or(0);
     Some(match reach {
         0 | 1 => Box::new(Elimination::<1>::new(given)),
@@ -165,8 +184,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         if BACK {
             spans.reverse();
         }
-        // The last rows of U, the nearest first.
-        let mut before = [[0.0; H]; H];
+        let mut before = [Before::none(); H];
         for (offset, span) in spans {
             half.eliminate(given, offset, span, &mut before);
         }
@@ -179,7 +197,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         Shifted { matrix, sigma, tau }: Shifted<'_>,
         offset: i32,
         span: Range<usize>,
-        before: &mut [[f64; H]; H],
+        before: &mut [Before<H>; H],
     ) {
         const NONE: [f64; CHUNK] = [0.0; CHUNK];
         let n = span.len();
@@ -200,22 +218,32 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
             let mut upper = rights.map(|entries| sigma * entries[i]);
             for k in (0..H).rev() {
                 let factor = lower[k];
+                let Before {
+                    entries,
+                    reciprocal,
+                } = before[k];
                 // Entry j of that row is k − j columns left of the diagonal.
-                for (j, entry) in before[k].into_iter().enumerate() {
+                for (j, entry) in entries.into_iter().enumerate() {
+                    // The reciprocal is what all wait for.
+                    let product = factor * entry * reciprocal;
                     match k.cmp(&j) {
-                        std::cmp::Ordering::Greater => lower[k - j - 1] -= factor * entry,
-                        std::cmp::Ordering::Equal => pivot -= factor * entry,
-                        std::cmp::Ordering::Less => upper[j - k - 1] -= factor * entry,
+                        std::cmp::Ordering::Greater => lower[k - j - 1] -= product,
+                        std::cmp::Ordering::Equal => pivot -= product,
+                        std::cmp::Ordering::Less => upper[j - k - 1] -= product,
                     }
                 }
             }
-            let pivot = 1.0 / pivot;
-            let entries = lower.map(|x| x * pivot);
-            let upper = upper.map(|x| x * pivot);
-            self.lower.push(Lower { pivot, entries });
-            self.upper.push(upper);
+            let reciprocal = 1.0 / pivot;
+            self.lower.push(Lower {
+                reciprocal,
+                entries: lower.map(|x| x * reciprocal),
+            });
+            self.upper.push(upper.map(|x| x * reciprocal));
             before.rotate_right(1);
-            before[0] = upper;
+            before[0] = Before {
+                entries: upper,
+                reciprocal,
+            };
         }
     }
 
@@ -231,10 +259,17 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
     /// `L⁻¹` of N lines.
     fn forward<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
         let mut before = [[0.0; N]; H];
-        for (row, Lower { pivot, entries }) in self.lower.iter().enumerate() {
+        for (
+            row,
+            Lower {
+                reciprocal,
+                entries,
+            },
+        ) in self.lower.iter().enumerate()
+        {
             let i = self.place(row);
             // The nearest one, which all wait for, comes last.
-            let mut x: [f64; N] = from_fn(|line| lines[line][i] * pivot);
+            let mut x: [f64; N] = from_fn(|line| lines[line][i] * reciprocal);
             for k in (0..H).rev() {
                 x = from_fn(|line| x[line] - entries[k] * before[k][line]);
             }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::banded::{Banded, Stretch};
 use crate::fit::lane::Lane;
+use crate::fit::order;
 
 /// Stretches of fewer rows than this, on average, are worth zeros that join them.
 const LONG: usize = 64;
@@ -65,7 +66,7 @@ fn parts(stretches: &[Stretch], rows: usize) -> impl Iterator<Item = (Stretch, R
 
 impl Run {
     fn new(stretch: Stretch, rows: Range<usize>, lanes: &[Lane]) -> Self {
-        let filled = |lane: &Lane| lane[rows.clone()].iter().any(|&x| x != 0.0);
+        let filled = |lane: &Lane| !order::is_zero(&lane[rows.clone()]);
         let low = lanes.iter().position(filled).unwrap_or(0);
         let high = lanes.iter().rposition(filled).unwrap_or(0);
         Self {

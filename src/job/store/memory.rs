@@ -98,7 +98,7 @@ impl Entry {
     fn bytes(&self) -> u64 {
         let problem = &self.problem;
         let result = self.result.as_deref();
-        let coordinates = [Some(problem.data()), result]
+        let coordinates = [Some(&**problem.data()), result]
             .into_iter()
             .flatten()
             .map(|points| points.dimension() * points.len())

@@ -218,7 +218,7 @@ impl Input {
         let selected = self.selects.then(|| narrow(self.selected)).transpose()?;
         let start = self.start.map(PointsMessage::into_points).transpose()?;
         Ok(Request {
-            points: points.into_points()?,
+            points: Arc::new(points.into_points()?),
             grid: Grid {
                 rows: number(self.rows)?,
                 columns: number(self.columns)?,
@@ -287,7 +287,7 @@ impl From<&DirectionChoice> for DirectionMessage {
                     Knots::Usual => (KnotsCode::Usual, Vec::new()),
                     Knots::Data => (KnotsCode::Data, Vec::new()),
                     Knots::Averaged => (KnotsCode::Averaged, Vec::new()),
-                    Knots::Explicit(values) => (KnotsCode::Explicit, values.clone()),
+                    Knots::Explicit(values) => (KnotsCode::Explicit, values.to_vec()),
                 };
                 (BasisCode::BSpline, *degree, code, values)
             }
@@ -296,7 +296,7 @@ impl From<&DirectionChoice> for DirectionMessage {
             Parametrization::ChordLength => (ParametersCode::ChordLength, Vec::new()),
             Parametrization::Centripetal => (ParametersCode::Centripetal, Vec::new()),
             Parametrization::Uniform => (ParametersCode::Uniform, Vec::new()),
-            Parametrization::Explicit(values) => (ParametersCode::Explicit, values.clone()),
+            Parametrization::Explicit(values) => (ParametersCode::Explicit, values.to_vec()),
         };
         Self {
             basis: basis as i32,
@@ -320,7 +320,9 @@ impl TryFrom<DirectionMessage> for DirectionChoice {
             ParametersCode::ChordLength => Parametrization::ChordLength,
             ParametersCode::Centripetal => Parametrization::Centripetal,
             ParametersCode::Uniform => Parametrization::Uniform,
-            ParametersCode::Explicit => Parametrization::Explicit(message.parameter_values.clone()),
+            ParametersCode::Explicit => {
+                Parametrization::Explicit(Arc::new(message.parameter_values.clone()))
+            }
         };
         let basis = match message.basis() {
             BasisCode::Bernstein => BasisChoice::Polynomial(Polynomial::Bernstein),
@@ -332,7 +334,7 @@ impl TryFrom<DirectionMessage> for DirectionChoice {
                     KnotsCode::Usual => Knots::Usual,
                     KnotsCode::Data => Knots::Data,
                     KnotsCode::Averaged => Knots::Averaged,
-                    KnotsCode::Explicit => Knots::Explicit(message.knot_values),
+                    KnotsCode::Explicit => Knots::Explicit(Arc::new(message.knot_values)),
                 },
             },
         };
