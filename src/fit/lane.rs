@@ -14,11 +14,9 @@ const LONG: usize = 1024;
 /// Lanes of so many numbers are made by several threads.
 const PARALLEL: usize = 100_000;
 
-/// The starts of long lanes are a few cache lines from one another: so many numbers.
-const STEP: usize = 40;
-
-/// So many of them are within a page.
-const STEPS: usize = 12;
+/// Long lanes start at the beginning of a page or after a third of it or two: so many numbers, whole
+/// cache lines, lie between.
+const THIRD: usize = 168;
 
 /// Counts the long lanes.
 static LANES: AtomicUsize = AtomicUsize::new(0);
@@ -27,8 +25,9 @@ static LANES: AtomicUsize = AtomicUsize::new(0);
 ///
 /// They start at a cache line: a vector of numbers that lies across two of them takes twice as long
 /// to load, which is as much as everything else in a sweep. And long lanes start at different places of
-/// a memory page. Allocators would start all of them with one, but a load waits for an earlier store to
-/// the same place of another page as if it were the same address ("4K aliasing").
+/// a memory page. Allocators would start all of them with one, but places at the same distance from
+/// the start of a page share few cache lines, and a load waits for an earlier store to the same place of
+/// another page as if it were the same address ("4K aliasing").
 #[derive(Debug)]
 pub struct Lane {
     numbers: AVec<f64>,
@@ -52,7 +51,7 @@ impl Lane {
     /// No numbers yet, and room for so many.
     fn with_room(count: usize) -> Self {
         let start = match count {
-            LONG.. => LANES.fetch_add(1, Ordering::Relaxed) % STEPS * STEP,
+            LONG.. => LANES.fetch_add(1, Ordering::Relaxed) % 3 * THIRD,
             _ => 0,
         };
         let mut numbers = AVec::with_capacity(CACHELINE_ALIGN, start + count);
