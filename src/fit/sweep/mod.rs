@@ -84,12 +84,34 @@ pub struct Vectors {
 
 impl Vectors {
     /// Control points that nobody else sees, to be overwritten, and the steps: if there are readers of
-    /// these points, they keep them.
-    fn writable(&mut self) -> (&mut Points, Option<&mut Points>) {
+    /// these points, they keep them, and those of an earlier level are taken, or new ones.
+    fn writable(&mut self, earlier: &mut Earlier) -> (&mut Points, Option<&mut Points>) {
         if Arc::get_mut(&mut self.x).is_none() {
-            self.x = Arc::new(Points::zeros(self.x.dimension(), self.x.len()));
+            earlier.exchange(&mut self.x);
         }
         (Arc::make_mut(&mut self.x), self.step.as_mut())
+    }
+}
+
+/// Control points of earlier levels, which readers may still have. Memory that has been used before is
+/// quicker than what comes from the system.
+#[derive(Debug, Default)]
+pub struct Earlier(Vec<Arc<Points>>);
+
+impl Earlier {
+    /// What nobody sees any more is not kept beyond this number.
+    const FREE: usize = 1;
+
+    /// Points that nobody sees for points that somebody sees.
+    fn exchange(&mut self, points: &mut Arc<Points>) {
+        let free = self.0.extract_if(.., |it| Arc::get_mut(it).is_some());
+        let mut free: Vec<Arc<Points>> = free.collect();
+        let other = free.pop();
+        free.truncate(Self::FREE);
+        self.0.append(&mut free);
+        let new = || Arc::new(Points::zeros(points.dimension(), points.len()));
+        let other = other.unwrap_or_else(new);
+        self.0.push(std::mem::replace(points, other));
     }
 }
 
@@ -104,6 +126,7 @@ pub struct Sweep {
     /// The next level if it is `ahead`, or where all adjusting vectors are transformed together these;
     /// after several levels at once, the one before them.
     spare: Vectors,
+    earlier: Earlier,
     ahead: bool,
     norms: Norms,
     layout: Blocks,
@@ -186,6 +209,7 @@ impl Sweep {
                 x: control_points,
                 step: step(),
             },
+            earlier: Earlier::default(),
             ahead: false,
             norms: Norms::new(problem, None),
             layout,
@@ -297,7 +321,12 @@ impl Sweep {
         blocks.resize_with(blocks.len().max(steps.len()), || {
             vec![Block::default(); self.layout.count()]
         });
-        let part = Part::whole(&pass, &mut self.spare, blocks, &mut self.rooms);
+        let part = Part::whole(
+            &pass,
+            (&mut self.spare, &mut self.earlier),
+            blocks,
+            &mut self.rooms,
+        );
         part.divide(&|part: Part| match pass.data.dimension() {
             1 => pass.sweep::<1>(part),
             2 => pass.sweep::<2>(part),
