@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use futures_util::FutureExt;
 use tokio::sync::watch;
 use tokio::time::{Duration, Instant, sleep_until};
 use tracing::error;
@@ -123,19 +124,21 @@ impl Feed {
 
     /// Waits for the next frame, the next heartbeat or the end of the server.
     async fn advance(&mut self) {
+        // What is at hand is taken at once: timers and wake-ups are only for waiting.
+        let at_hand = match *self.stopping.borrow() {
+            true => None,
+            false => self.cursor.next().now_or_never(),
+        };
+        if let Some(next) = at_hand {
+            return self.take_next(next).await;
+        }
         let happened = tokio::select! {
             next = self.cursor.next() => Happened::Next(next),
             () = sleep_until(self.quiet_until) => Happened::Nothing,
             _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
         };
         match happened {
-            Happened::Next(next) => {
-                if let Err(reason) = self.push_next(next).await {
-                    // Without an end the client comes back.
-                    error!(job = %self.job.id(), %reason, "a stream broke off");
-                    self.stage = Stage::Over;
-                }
-            }
+            Happened::Next(next) => self.take_next(next).await,
             Happened::Nothing => {
                 self.quiet_until += self.heartbeat;
                 self.pending.push_back(Event::Quiet);
@@ -144,6 +147,15 @@ impl Feed {
                 self.pending.push_back(Event::Stopping);
                 self.stage = Stage::Over;
             }
+        }
+    }
+
+    /// Something has been read, or could not be.
+    async fn take_next(&mut self, next: Result<Next, StoreError>) {
+        if let Err(reason) = self.push_next(next).await {
+            // Without an end the client comes back.
+            error!(job = %self.job.id(), %reason, "a stream broke off");
+            self.stage = Stage::Over;
         }
     }
 

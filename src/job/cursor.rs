@@ -144,6 +144,10 @@ async fn attempt(
     status: &mut watch::Receiver<Status>,
     job_ended: bool,
 ) -> Attempt {
+    // Nearly always it is there.
+    if let Read::Frame(frame) = run.read(index) {
+        return Attempt::Frame(frame);
+    }
     let mut advanced = std::pin::pin!(run.changed());
     // From here on no advance goes unnoticed.
     advanced.as_mut().enable();
