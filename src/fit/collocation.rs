@@ -158,10 +158,11 @@ impl Collocation {
         }
     }
 
-    /// `(σ B − I)⁻¹`, for a square matrix and σ above 1/λ_min.
-    pub fn shifted_inverse(&self, sigma: f64) -> Option<Inverse> {
+    /// `(σ B − I)⁻¹`, for a square matrix and σ above 1/λ_min: `exact` if it is near, of matrices that
+    /// are not long.
+    pub fn shifted_inverse(&self, sigma: f64, exact: bool) -> Option<Inverse> {
         match self {
-            Self::Banded(banded) if banded.columns() <= LONG => {
+            Self::Banded(banded) if exact && banded.columns() <= LONG => {
                 banded.shifted(sigma).as_ref().map(Inverse::of_banded)
             }
             Self::Banded(banded) => Inverse::of_shifted(banded, sigma),

@@ -54,6 +54,9 @@ fn patience(matrix: &Collocation) -> (f64, usize) {
     }
 }
 
+/// After a larger step the shift is far enough from the eigenvalue for any elimination.
+const NEAR: f64 = 1e-3;
+
 /// A step by less than this part is one of the last two: the next one is below rounding.
 const NEARLY: f64 = 1e-7;
 
@@ -74,7 +77,8 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let mut step = f64::INFINITY;
     for _ in 0..shifts {
         matrix.apply_to_lines(&z, &mut w);
-        matrix.shifted_inverse(upper)?.apply(&mut w);
+        let exact = step < NEAR;
+        matrix.shifted_inverse(upper, exact)?.apply(&mut w);
         let (least, largest) = extremes(&z, &w);
         if !(least > 0.0 && largest.is_finite()) {
             // Where the shift is the eigenvalue but for rounding, signs are a matter of luck.

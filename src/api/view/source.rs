@@ -55,17 +55,30 @@ impl Net {
             };
             let most = (count - k).min(across - column);
             let index = along.free_index(place);
-            let next = |n: &usize| along.free_index(place + n) == index + n;
-            // The first and the last of many tell of all: only ends are repeated.
-            let run = if next(&(most - 1)) {
-                most
-            } else {
-                (1..most).take_while(next).count() + 1
-            };
+            let next = |n: usize| along.free_index(place + n) == index + n;
+            // Only ends are repeated: those that follow are found by halving.
+            let run = first_not(most, next);
             visit(k, first + index..first + index + run);
             k += run;
         }
     }
+}
+
+/// The first number from 1 on, at most `most`, for which something does not hold that holds for all
+/// before it and for none behind it.
+fn first_not(most: usize, holds: impl Fn(usize) -> bool) -> usize {
+    if holds(most - 1) {
+        return most;
+    }
+    let (mut low, mut high) = (1, most - 1);
+    while low < high {
+        let middle = (low + high) / 2;
+        match holds(middle) {
+            true => low = middle + 1,
+            false => high = middle,
+        }
+    }
+    low
 }
 
 impl Source for Net {

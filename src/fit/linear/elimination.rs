@@ -100,11 +100,14 @@ impl<const H: usize> Elimination<H> {
     fn new(given: Shifted<'_>) -> Self {
         let n = given.matrix.rows();
         let middle = if n < HALVED { n } else { n / 2 };
-        let (front, back) = rayon::join(
-            || Half::new(given, 0..middle),
-            || Half::new(given, middle..n),
-        );
+        let front = || Half::new(given, 0..middle);
+        let back = || Half::new(given, middle..n);
         let meets = middle < n;
+        let (front, back) = if meets {
+            rayon::join(front, back)
+        } else {
+            (front(), back())
+        };
         let middle = meets.then(|| Inverse::of_dense(&Self::middle(&front, &back)));
         Self {
             front,
