@@ -99,7 +99,10 @@ impl Vectors {
 pub struct Earlier(Vec<Arc<Points>>);
 
 impl Earlier {
-    /// What nobody sees any more is not kept beyond this number.
+    /// So many are looked after; those that are read for long are left to their readers.
+    const MOST: usize = 8;
+
+    /// So many that nobody sees any more are kept.
     const FREE: usize = 1;
 
     /// Points that nobody sees for points that somebody sees.
@@ -111,7 +114,10 @@ impl Earlier {
         self.0.append(&mut free);
         let new = || Arc::new(Points::zeros(points.dimension(), points.len()));
         let other = other.unwrap_or_else(new);
-        self.0.push(std::mem::replace(points, other));
+        let seen = std::mem::replace(points, other);
+        if self.0.len() < Self::MOST {
+            self.0.push(seen);
+        }
     }
 }
 
