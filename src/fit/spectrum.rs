@@ -245,6 +245,30 @@ mod tests {
         Collocation::new(&Direction::new(choice, &points, grid, None, Axis::U).unwrap())
     }
 
+    /// Inner rows of equal knot spans are (1, 4, 1) / 6, so that the least eigenvalue of many is 1/3.
+    #[test]
+    fn shifts_find_the_least_eigenvalue_of_long_curves() {
+        let mut points = Points::new(1);
+        (0..20_000).for_each(|i| points.push(&[f64::from(i)]));
+        let grid = Grid {
+            rows: points.len(),
+            columns: 1,
+        };
+        let choice = DirectionChoice {
+            basis: BasisChoice::BSpline {
+                degree: 3,
+                knots: Knots::Usual,
+            },
+            parameters: Parametrization::ChordLength,
+            closed: false,
+            control_points: None,
+            weights: None,
+        };
+        let direction = Direction::new(choice, &points, grid, None, Axis::U).unwrap();
+        let found = least_eigenvalue(&Collocation::new(&direction));
+        assert!((3.0 * found - 1.0).abs() < 1e-5, "{found}");
+    }
+
     /// The eigenvalues of the dense matrix, by the QR algorithm. Those of even degrees nearly
     /// coincide, which costs half of the digits there.
     #[test]
