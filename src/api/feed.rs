@@ -4,6 +4,7 @@
 //! data of an iteration are made once for each form and shared by all feeds.
 
 use std::collections::VecDeque;
+use std::pin::pin;
 use std::sync::Arc;
 
 use futures_util::FutureExt;
@@ -124,21 +125,29 @@ impl Feed {
 
     /// Waits for the next frame, the next heartbeat or the end of the server.
     async fn advance(&mut self) {
-        // What is at hand is taken at once: timers and wake-ups are only for waiting.
-        let at_hand = match *self.stopping.borrow() {
-            true => None,
-            false => self.cursor.next().now_or_never(),
-        };
-        if let Some(next) = at_hand {
-            return self.take_next(next).await;
-        }
-        let happened = tokio::select! {
-            next = self.cursor.next() => Happened::Next(next),
-            () = sleep_until(self.quiet_until) => Happened::Nothing,
-            _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
+        let happened = {
+            let mut next = pin!(self.cursor.next());
+            // What is at hand is taken at once: timers and wake-ups are only for waiting. A feed that
+            // leaves out frames looks at its timer in between.
+            let waits = *self.stopping.borrow() || self.milestones.is_some();
+            let at_hand = (!waits).then(|| next.as_mut().now_or_never());
+            match at_hand.flatten() {
+                Some(next) => Happened::Next(next),
+                None => tokio::select! {
+                    next = next => Happened::Next(next),
+                    () = sleep_until(self.quiet_until) => Happened::Nothing,
+                    _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
+                },
+            }
         };
         match happened {
-            Happened::Next(next) => self.take_next(next).await,
+            Happened::Next(next) => {
+                if let Err(reason) = self.push_next(next).await {
+                    // Without an end the client comes back.
+                    error!(job = %self.job.id(), %reason, "a stream broke off");
+                    self.stage = Stage::Over;
+                }
+            }
             Happened::Nothing => {
                 self.quiet_until += self.heartbeat;
                 self.pending.push_back(Event::Quiet);
@@ -147,15 +156,6 @@ impl Feed {
                 self.pending.push_back(Event::Stopping);
                 self.stage = Stage::Over;
             }
-        }
-    }
-
-    /// Something has been read, or could not be.
-    async fn take_next(&mut self, next: Result<Next, StoreError>) {
-        if let Err(reason) = self.push_next(next).await {
-            // Without an end the client comes back.
-            error!(job = %self.job.id(), %reason, "a stream broke off");
-            self.stage = Stage::Over;
         }
     }
 

@@ -139,6 +139,15 @@ impl Iteration {
         }
     }
 
+    /// Takes back shared control points that nobody else has any more, for a level to come.
+    pub fn take_back(&mut self, control_points: Arc<Points>) {
+        if let (Engine::Sweep(sweep), Some(points)) =
+            (&mut self.engine, Arc::into_inner(control_points))
+        {
+            sweep.take_back(points);
+        }
+    }
+
     /// How the plain loop moves control points.
     fn update(&self) -> Option<&dyn Update> {
         match &self.engine {

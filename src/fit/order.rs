@@ -5,12 +5,12 @@ use rayon::prelude::*;
 /// Numbers that a thread compares at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Whether each number is less than the one after it; then none of them is not a number.
+/// Whether each number is less than the one after it; of two and more none is not a number then.
 pub fn increases(values: &[f64]) -> bool {
     values.len() < 2 || all_less(&values[..values.len() - 1], &values[1..])
 }
 
-/// Whether no number is greater than the one after it; then none of them is not a number.
+/// Whether no number is greater than the one after it; of two and more none is not a number then.
 pub fn never_decreases(values: &[f64]) -> bool {
     values.len() < 2 || all(&values[..values.len() - 1], &values[1..], |a, b| a <= b)
 }

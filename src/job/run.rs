@@ -227,7 +227,7 @@ impl Run {
     }
 
     /// A level is reached: keeps its frame if it can be of use.
-    fn publish(&self, iteration: &Iteration) {
+    fn publish(&self, iteration: &mut Iteration) {
         let level = iteration.level();
         let outcome = iteration.outcome();
         let mut state = self.state.lock();
@@ -239,6 +239,7 @@ impl Run {
             self.changed.notify_waiters();
             return;
         }
+        let mut oldest = None;
         let keep = self.keeps_unread || outcome.is_some() || state.is_read(level.iteration);
         if keep {
             // Copying can take as long as a step, so it is not done under the lock.
@@ -248,7 +249,7 @@ impl Run {
             state.last = outcome.map(|_| Arc::clone(&frame));
             state.ring.push_back(frame);
             while state.ring.len() > self.capacity {
-                state.ring.pop_front();
+                oldest = state.ring.pop_front();
             }
         } else {
             state.ring.clear();
@@ -259,6 +260,10 @@ impl Run {
         }
         drop(state);
         self.changed.notify_waiters();
+        // Unless somebody is still sending it.
+        if let Some(frame) = oldest.and_then(Arc::into_inner) {
+            iteration.take_back(frame.control_points);
+        }
     }
 
     /// Ends the run because it was stopped.
@@ -332,7 +337,7 @@ impl Work for Run {
                 self.end_stopped(current.as_ref());
                 return Turn::Done;
             }
-            let iteration = match current.take() {
+            let mut iteration = match current.take() {
                 None => {
                     self.resources.counters.iterations.inc();
                     Iteration::start(self.system.get())
@@ -342,7 +347,7 @@ impl Work for Run {
                     iteration
                 }
             };
-            self.publish(&iteration);
+            self.publish(&mut iteration);
             let mut state = self.state.lock();
             if state.ending.is_some() {
                 return Turn::Done;

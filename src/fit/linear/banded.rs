@@ -279,21 +279,16 @@ impl Banded {
     /// Row `i` of a span times x.
     pub fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
         let first = i as i64 + i64::from(offset) - base;
-        let dot = |x: &mut dyn Iterator<Item = f64>| {
-            let entries = self.entries.iter().map(|lane| lane[i]);
-            let products = entries.zip(x).map(|(b, x)| b * x);
-            products.reduce(|sum, product| sum + product).unwrap_or(0.0)
+        let inside = usize::try_from(first).ok();
+        let inside = inside.and_then(|first| x.get(first..first + self.width));
+        let product = |k: usize| {
+            let x = match inside {
+                Some(x) => x[k],
+                None => x[(first + k as i64).rem_euclid(x.len() as i64) as usize],
+            };
+            self.entries[k][i] * x
         };
-        match usize::try_from(first)
-            .ok()
-            .and_then(|first| x.get(first..first + self.width))
-        {
-            Some(x) => dot(&mut x.iter().copied()),
-            None => {
-                let column = |k| (first + k as i64).rem_euclid(x.len() as i64) as usize;
-                dot(&mut (0..self.width).map(|k| x[column(k)]))
-            }
-        }
+        (1..self.width).fold(product(0), |sum, k| sum + product(k))
     }
 
     /// `y = Bᵀ x`.

@@ -23,8 +23,9 @@ const LINES: usize = 4;
 /// Groups of lines with fewer numbers in all are solved by one thread.
 const PARALLEL: usize = 100_000;
 
-/// Matrices with fewer rows are eliminated from one end.
-const HALVED: usize = 16_384;
+/// Matrices with fewer rows are eliminated from one end: fits that are computed at once should not wait
+/// for the threads of large ones.
+const HALVED: usize = 100_000;
 
 /// Rows that are looked at together.
 const CHUNK: usize = 1024;
@@ -80,7 +81,7 @@ impl<const H: usize> Before<H> {
     }
 }
 
-/// Decomposes a square matrix that is totally positive and not cyclic, if its band is narrow.
+/// Decomposes a square matrix that needs no pivots and is not cyclic, if its band is narrow.
 pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn LineMap>> {
     let filled = given
         .matrix

@@ -90,9 +90,9 @@ impl Inverse {
         Self::of_positive(matrix, 1.0, 0.0).unwrap_or_else(|| Self::of_banded(matrix))
     }
 
-    /// Factorizes `σ B − I` of a long collocation matrix, by elimination without pivots: with σ above
-    /// 1/λ_min all leading minors are positive, as those of B interlace their eigenvalues, but rounding
-    /// is larger.
+    /// Factorizes `σ B − I` of a collocation matrix, by elimination without pivots: with σ above 1/λ_min
+    /// all leading and all trailing minors are positive, as those of B interlace their eigenvalues, but
+    /// rounding is larger.
     pub fn of_shifted(matrix: &Banded, sigma: f64) -> Option<Self> {
         let pivoted = || matrix.shifted(sigma).as_ref().map(Self::of_banded);
         Self::of_positive(matrix, sigma, 1.0).or_else(pivoted)

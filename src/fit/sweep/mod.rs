@@ -84,40 +84,13 @@ pub struct Vectors {
 
 impl Vectors {
     /// Control points that nobody else sees, to be overwritten, and the steps: if there are readers of
-    /// these points, they keep them, and those of an earlier level are taken, or new ones.
-    fn writable(&mut self, earlier: &mut Earlier) -> (&mut Points, Option<&mut Points>) {
+    /// these points, they keep them, and those that were left are taken, or new ones.
+    fn writable(&mut self, left: &mut Option<Points>) -> (&mut Points, Option<&mut Points>) {
         if Arc::get_mut(&mut self.x).is_none() {
-            earlier.exchange(&mut self.x);
+            let new = || Points::zeros(self.x.dimension(), self.x.len());
+            self.x = Arc::new(left.take().unwrap_or_else(new));
         }
         (Arc::make_mut(&mut self.x), self.step.as_mut())
-    }
-}
-
-/// Control points of earlier levels, which readers may still have. Memory that has been used before is
-/// quicker than what comes from the system.
-#[derive(Debug, Default)]
-pub struct Earlier(Vec<Arc<Points>>);
-
-impl Earlier {
-    /// So many are looked after; those that are read for long are left to their readers.
-    const MOST: usize = 8;
-
-    /// So many that nobody sees any more are kept.
-    const FREE: usize = 1;
-
-    /// Points that nobody sees for points that somebody sees.
-    fn exchange(&mut self, points: &mut Arc<Points>) {
-        let free = self.0.extract_if(.., |it| Arc::get_mut(it).is_some());
-        let mut free: Vec<Arc<Points>> = free.collect();
-        let other = free.pop();
-        free.truncate(Self::FREE);
-        self.0.append(&mut free);
-        let new = || Arc::new(Points::zeros(points.dimension(), points.len()));
-        let other = other.unwrap_or_else(new);
-        let seen = std::mem::replace(points, other);
-        if self.0.len() < Self::MOST {
-            self.0.push(seen);
-        }
     }
 }
 
@@ -129,10 +102,12 @@ pub type Measured = (FitError, f64);
 pub struct Sweep {
     relaxation: Relaxation,
     current: Vectors,
-    /// The next level if it is `ahead`, or where all adjusting vectors are transformed together these;
-    /// after several levels at once, the one before them.
+    /// The next level if it is `ahead`, or the adjusting vectors where all are transformed together; else
+    /// the level that the last pass began with.
     spare: Vectors,
-    earlier: Earlier,
+    /// Points that nobody needs any more: memory that has been used before is quicker than what comes
+    /// from the system.
+    left: Option<Points>,
     ahead: bool,
     norms: Norms,
     layout: Blocks,
@@ -215,7 +190,7 @@ impl Sweep {
                 x: control_points,
                 step: step(),
             },
-            earlier: Earlier::default(),
+            left: None,
             ahead: false,
             norms: Norms::new(problem, None),
             layout,
@@ -241,6 +216,11 @@ impl Sweep {
         &self.current.x
     }
 
+    /// Takes back points of an earlier level.
+    pub fn take_back(&mut self, points: Points) {
+        self.left = Some(points);
+    }
+
     /// Levels that are best computed in one pass.
     pub fn levels(&self) -> usize {
         self.plan.levels
@@ -251,16 +231,14 @@ impl Sweep {
         if !self.ahead {
             self.look_ahead(system);
         }
-        let transformed = self.relaxation.is_transformed();
-        if transformed {
+        if self.relaxation.is_transformed() {
             let residual = Arc::make_mut(&mut self.spare.x);
             system.transform_all(residual, &mut self.scratch);
             residual.add(&self.current.x);
         }
         std::mem::swap(&mut self.current, &mut self.spare);
         self.relaxation.advance();
-        if transformed {
-            // These take few steps, so that most residuals are only measured.
+        if self.relaxation.is_done_at_once() {
             self.run(system, &[Step::Keep], Way::Measure);
             self.ahead = false;
             self.measured(0)
@@ -329,7 +307,7 @@ impl Sweep {
         });
         let part = Part::whole(
             &pass,
-            (&mut self.spare, &mut self.earlier),
+            (&mut self.spare, &mut self.left),
             blocks,
             &mut self.rooms,
         );

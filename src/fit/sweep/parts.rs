@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Earlier, LEVELS, Pass, Room, Vectors, Way};
+use super::{LEVELS, Pass, Room, Vectors, Way};
 use crate::fit::blocks::Block;
 use crate::fit::points::Points;
 
@@ -30,13 +30,13 @@ impl<'a> Part<'a> {
     /// Everything.
     pub fn whole(
         pass: &Pass<'_>,
-        (target, earlier): (&'a mut Vectors, &mut Earlier),
+        (target, left): (&'a mut Vectors, &mut Option<Points>),
         blocks: &'a mut [Vec<Block>],
         rooms: &'a mut [Room],
     ) -> Self {
         let columns = pass.v.map_or(1, |v| v.columns());
         let mut blocks = blocks.iter_mut();
-        let target = (pass.way != Way::Measure).then(|| target.writable(earlier));
+        let target = (pass.way != Way::Measure).then(|| target.writable(left));
         let (x, step) = target.unzip();
         let lanes = |points: Option<&'a mut Points>| {
             let lanes = points.map(Points::lanes_mut);

@@ -40,8 +40,11 @@ pub enum Relaxation {
         /// The level.
         level: usize,
     },
-    /// Direct and transpose: `X ← X + U Δ`.
-    Transformed,
+    /// `X ← X + U Δ`.
+    Transformed {
+        /// Direct: hardly ever is there a second step.
+        once: bool,
+    },
 }
 
 impl Relaxation {
@@ -59,14 +62,20 @@ impl Relaxation {
                     level: 0,
                 })
             }
-            (Method::Direct | Method::Transpose, _) => Some(Self::Transformed),
+            (Method::Direct, _) => Some(Self::Transformed { once: true }),
+            (Method::Transpose, _) => Some(Self::Transformed { once: false }),
             _ => None,
         }
     }
 
     /// Whether all adjusting vectors are transformed together.
     pub fn is_transformed(&self) -> bool {
-        matches!(self, Self::Transformed)
+        matches!(self, Self::Transformed { .. })
+    }
+
+    /// Whether the residual of a level is seldom needed for another one.
+    pub fn is_done_at_once(&self) -> bool {
+        matches!(self, Self::Transformed { once: true })
     }
 
     /// Whether the last step matters.
@@ -86,7 +95,7 @@ impl Relaxation {
                 let (momentum, gain) = now.advance();
                 Step::Move(Coefficients { momentum, gain })
             }
-            Self::Transformed => Step::Residual,
+            Self::Transformed { .. } => Step::Residual,
         }
     }
 
