@@ -199,17 +199,15 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
             squares,
             ..
         } = &mut *self.rows;
-        let b: [&[S::f64s]; W] = self.b.map(|b| &S::as_simd_f64s(&b[behind..]).0[..n]);
-        let x: [[&[S::f64s]; W]; D] = self
-            .x
-            .map(|x| from_fn(|k| &S::as_simd_f64s(&x[behind + k..]).0[..n]));
-        let data = data.map(|data| &S::as_simd_f64s(&data[start..]).0[..n]);
-        let own = own.map(|own| &S::as_simd_f64s(&own[start..]).0[..n]);
-        let next = next.each_mut();
-        let next = next.map(|next| &mut S::as_mut_simd_f64s(&mut next[start..]).0[..n]);
+        let b = vectors_of::<S, W>(self.b, behind, n);
+        let x = shifted::<S, D, W>(self.x, behind, n);
+        let (data, own) = (
+            vectors_of::<S, D>(*data, start, n),
+            vectors_of::<S, D>(*own, start, n),
+        );
+        let next = vectors_of_mut::<S, D>(next, start, n);
         let (start_step, n_step) = if MOMENTUM { (start, n) } else { (0, 0) };
-        let step = step.each_mut();
-        let step = step.map(|it| &mut S::as_mut_simd_f64s(&mut it[start_step..]).0[..n_step]);
+        let step = vectors_of_mut::<S, D>(step, start_step, n_step);
         let squares = &mut S::as_mut_simd_f64s(&mut squares[start..]).0[..n];
         let becomes = self.step;
         let Coefficients { momentum, gain } = match becomes {
@@ -221,7 +219,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         for round in 0..rounds {
             for vector in 0..vectors {
                 let i = round * vectors + vector;
-                let row: [S::f64s; W] = from_fn(|k| b[k][i]);
+                let row = at(&b, i);
                 let mut square = simd.splat_f64s(0.0);
                 for c in 0..D {
                     let mut sum = simd.mul_f64s(row[0], x[c][0][i]);
@@ -256,15 +254,58 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     #[inline(always)]
     fn row(&mut self, i: usize) {
         let local = i - self.range.start;
-        let products: [f64; D] = from_fn(|c| {
-            let x = &self.x[c][local..];
-            let product = |k: usize| self.b[k][local] * x[k];
-            (1..W).fold(product(0), |sum, k| sum + product(k))
-        });
+        let mut products = [0.0; D];
+        for (product, x) in products.iter_mut().zip(&self.x) {
+            let x = &x[local..];
+            *product = self.b[0][local] * x[0];
+            for k in 1..W {
+                *product += self.b[k][local] * x[k];
+            }
+        }
         let place = self.rows.place + i;
         let square = finish(self.step, self.scale, self.rows, i, products);
         self.sums.add(place % LANES, square);
     }
+}
+
+// Arrays of arrays are made by functions that are compiled for few types, unlike what stands in a loop
+// that is compiled for every width, dimension and instruction set.
+
+/// So many vectors of arrays, from a place on.
+#[inline(always)]
+fn vectors_of<'a, S: Simd, const N: usize>(
+    arrays: [&'a [f64]; N],
+    from: usize,
+    n: usize,
+) -> [&'a [S::f64s]; N] {
+    arrays.map(|array| &S::as_simd_f64s(&array[from..]).0[..n])
+}
+
+/// The same, to be written.
+#[inline(always)]
+fn vectors_of_mut<'a, S: Simd, const N: usize>(
+    arrays: &'a mut [&mut [f64]; N],
+    from: usize,
+    n: usize,
+) -> [&'a mut [S::f64s]; N] {
+    let arrays = arrays.each_mut();
+    arrays.map(|array| &mut S::as_mut_simd_f64s(&mut array[from..]).0[..n])
+}
+
+/// Vectors of arrays from a place on, from the next one on, and so on.
+#[inline(always)]
+fn shifted<'a, S: Simd, const D: usize, const W: usize>(
+    arrays: [&'a [f64]; D],
+    from: usize,
+    n: usize,
+) -> [[&'a [S::f64s]; W]; D] {
+    arrays.map(|array| vectors_of::<S, W>(from_fn(|k| &array[k..]), from, n))
+}
+
+/// What stands in arrays at a place.
+#[inline(always)]
+fn at<V: Copy, const N: usize>(arrays: &[&[V]; N], i: usize) -> [V; N] {
+    arrays.map(|array| array[i])
 }
 
 /// What is done to a row when its products with X are known; returns its square.
