@@ -35,7 +35,7 @@ python: $(VENV)/installed
 	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
 	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
 
-# Kernels, HTTP and other programs, measured side by side: about half an hour on a quiet machine.
+# Kernels, HTTP and other programs, measured side by side: about ten minutes on a quiet machine.
 bench: $(VENV)/benches
 	cargo bench --locked --bench kernels
 	$(PYTHON) benches/http/compare.py target/release/piad

@@ -3,14 +3,15 @@
     compare.py PROGRAM [--quick]        # PROGRAM is target/release/piad
 
 Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second.
-Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, and peak memory; the
-peak memory with several clients; and a small job beside a large one.
+Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, those that the bytes
+alone take, and peak memory; the peak memory with several clients; and a small job beside a large one.
 Needs wrk, and the packages of ../requirements.txt.
 """
 
 import argparse
 import json
 import math
+import multiprocessing
 import os
 import re
 import signal
@@ -118,6 +119,26 @@ def drain(connection: socket.socket, begin: float) -> tuple[float, int]:
     return first, total
 
 
+def alone(size: int) -> float:
+    """Seconds that so many bytes take to the same client from a process that has them at hand."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        sender = multiprocessing.Process(target=send, args=(listener, size))
+        sender.start()
+        connection = socket.create_connection(listener.getsockname())
+        begin = time.perf_counter()
+        drain(connection, begin)
+        taken = time.perf_counter() - begin
+        sender.join()
+    return taken
+
+
+def send(listener: socket.socket, size: int) -> None:
+    connection, _ = listener.accept()
+    block = b"event: iteration".ljust(1 << 17)
+    for start in range(0, size, len(block)):
+        connection.sendall(block[: size - start])
+
+
 def peak(process: subprocess.Popen) -> int:
     with open(f"/proc/{process.pid}/status") as status:
         return int(re.search(r"VmHWM:\s+(\d+)", status.read()).group(1)) * 1024
@@ -144,7 +165,7 @@ def small(program: str, seconds: int) -> None:
 
 def large(program: str, counts: list[int]) -> None:
     print(f"\none client, {ITERATIONS} iterations: seconds to the first and to the last of them, peak memory\n")
-    print("| points | server | encoding | first, s | all, s | MB | ratio | peak, bytes per point |\n|---|---|---|---|---|---|---|---|")
+    print("| points | server | encoding | first, s | all, s | MB | these bytes alone, s | ratio | peak, bytes per point |\n|---|---|---|---|---|---|---|---|---|")
     for count in counts:
         body = job(count)
         base = None
@@ -156,8 +177,9 @@ def large(program: str, counts: list[int]) -> None:
             base = base or total
             memory = f"{peak(process) / count:.0f}" if name == "piad" else ""
             stop(process)
+            bare = statistics.median(alone(size) for _ in range(3))
             form = query.partition("?")[2] or "json"
-            print(f"| {count} | {name} | {form} | {first:.3f} | {total:.3f} | {size / 1e6:.0f} | {base / total:.1f}× | {memory} |", flush=True)
+            print(f"| {count} | {name} | {form} | {first:.3f} | {total:.3f} | {size / 1e6:.0f} | {bare:.3f} | {base / total:.1f}× | {memory} |", flush=True)
 
 
 def readers(program: str, count: int) -> None:
