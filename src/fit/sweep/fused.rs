@@ -10,6 +10,7 @@ use std::ops::Range;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::relaxation::{Coefficients, Step};
+use super::vectors::{VectorSums, at, shifted, vectors_of, vectors_of_mut};
 use crate::fit::blocks::{LANES, Sums};
 use crate::fit::linear::banded::Banded;
 
@@ -190,7 +191,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         // Vectors that fill the lanes.
         let vectors = LANES / S::F64_LANES;
         let n = rounds * vectors;
-        let mut sums = Vectors::<S>::new(self.sums);
+        let mut sums = VectorSums::<S>::new(self.sums);
         let Rows {
             data,
             own,
@@ -201,10 +202,8 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         } = &mut *self.rows;
         let b = vectors_of::<S, W>(self.b, behind, n);
         let x = shifted::<S, D, W>(self.x, behind, n);
-        let (data, own) = (
-            vectors_of::<S, D>(*data, start, n),
-            vectors_of::<S, D>(*own, start, n),
-        );
+        let data = vectors_of::<S, D>(*data, start, n);
+        let own = vectors_of::<S, D>(*own, start, n);
         let next = vectors_of_mut::<S, D>(next, start, n);
         let (start_step, n_step) = if MOMENTUM { (start, n) } else { (0, 0) };
         let step = vectors_of_mut::<S, D>(step, start_step, n_step);
@@ -268,46 +267,6 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     }
 }
 
-// Arrays of arrays are made by functions that are compiled for few types, unlike what stands in a loop
-// that is compiled for every width, dimension and instruction set.
-
-/// So many vectors of arrays, from a place on.
-#[inline(always)]
-fn vectors_of<'a, S: Simd, const N: usize>(
-    arrays: [&'a [f64]; N],
-    from: usize,
-    n: usize,
-) -> [&'a [S::f64s]; N] {
-    arrays.map(|array| &S::as_simd_f64s(&array[from..]).0[..n])
-}
-
-/// The same, to be written.
-#[inline(always)]
-fn vectors_of_mut<'a, S: Simd, const N: usize>(
-    arrays: &'a mut [&mut [f64]; N],
-    from: usize,
-    n: usize,
-) -> [&'a mut [S::f64s]; N] {
-    let arrays = arrays.each_mut();
-    arrays.map(|array| &mut S::as_mut_simd_f64s(&mut array[from..]).0[..n])
-}
-
-/// Vectors of arrays from a place on, from the next one on, and so on.
-#[inline(always)]
-fn shifted<'a, S: Simd, const D: usize, const W: usize>(
-    arrays: [&'a [f64]; D],
-    from: usize,
-    n: usize,
-) -> [[&'a [S::f64s]; W]; D] {
-    arrays.map(|array| vectors_of::<S, W>(from_fn(|k| &array[k..]), from, n))
-}
-
-/// What stands in arrays at a place.
-#[inline(always)]
-fn at<V: Copy, const N: usize>(arrays: &[&[V]; N], i: usize) -> [V; N] {
-    arrays.map(|array| array[i])
-}
-
 /// What is done to a row when its products with X are known; returns its square.
 #[inline(always)]
 fn finish<const D: usize>(
@@ -334,50 +293,6 @@ fn finish<const D: usize>(
     }
     rows.squares[i] = square;
     square
-}
-
-/// [`Sums`] on their way, as vectors: as many as fill the lanes.
-struct Vectors<S: Simd> {
-    max: [S::f64s; LANES],
-    squares: [S::f64s; LANES],
-    roots: [S::f64s; LANES],
-}
-
-impl<S: Simd> Vectors<S> {
-    #[inline(always)]
-    fn new(sums: &Sums) -> Self {
-        let vectors = |lanes: &[f64; LANES]| {
-            let vectors = S::as_simd_f64s(lanes).0;
-            from_fn(|k| vectors[k % vectors.len()])
-        };
-        Self {
-            max: vectors(&sums.max),
-            squares: vectors(&sums.squares),
-            roots: vectors(&sums.roots),
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, simd: S, vector: usize, square: S::f64s) {
-        let max = self.max[vector];
-        // Not a number is never the largest.
-        self.max[vector] = simd.select_f64s(simd.greater_than_f64s(square, max), square, max);
-        self.squares[vector] = simd.add_f64s(self.squares[vector], square);
-        self.roots[vector] = simd.add_f64s(self.roots[vector], simd.sqrt_f64s(square));
-    }
-
-    #[inline(always)]
-    fn store(self, sums: &mut Sums) {
-        let store = |vectors: [S::f64s; LANES], lanes: &mut [f64; LANES]| {
-            let places = S::as_mut_simd_f64s(lanes).0.iter_mut();
-            places
-                .zip(vectors)
-                .for_each(|(place, vector)| *place = vector);
-        };
-        store(self.max, &mut sums.max);
-        store(self.squares, &mut sums.squares);
-        store(self.roots, &mut sums.roots);
-    }
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 //! - [`relaxation`]: what global, weighted, Chebyshev-accelerated, direct and transpose PIA do with Δ;
 //! - [`parts`]: what a thread writes;
 //! - [`fused`]: the innermost loop, of all coordinates;
+//! - [`vectors`]: what it runs over;
 //! - [`curve`] and [`surface`]: a level in one pass;
 //! - [`tiles`]: several levels of a curve in one pass.
 
@@ -24,6 +25,7 @@ pub mod surface;
 #[cfg(test)]
 mod tests;
 pub mod tiles;
+pub mod vectors;
 
 use std::sync::Arc;
 

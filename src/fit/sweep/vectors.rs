@@ -1,0 +1,94 @@
+//! Arrays and sums as vectors of whatever length the processor has.
+//!
+//! What stands in a loop that is compiled for every width, dimension and instruction set is compiled
+//! as often; these functions are compiled for few types.
+
+use std::array::from_fn;
+
+use pulp::Simd;
+
+use crate::fit::blocks::{LANES, Sums};
+
+/// So many vectors of arrays, from a place on.
+#[inline(always)]
+pub fn vectors_of<'a, S: Simd, const N: usize>(
+    arrays: [&'a [f64]; N],
+    from: usize,
+    n: usize,
+) -> [&'a [S::f64s]; N] {
+    arrays.map(|array| &S::as_simd_f64s(&array[from..]).0[..n])
+}
+
+/// The same, to be written.
+#[inline(always)]
+pub fn vectors_of_mut<'a, S: Simd, const N: usize>(
+    arrays: &'a mut [&mut [f64]; N],
+    from: usize,
+    n: usize,
+) -> [&'a mut [S::f64s]; N] {
+    let arrays = arrays.each_mut();
+    arrays.map(|array| &mut S::as_mut_simd_f64s(&mut array[from..]).0[..n])
+}
+
+/// Vectors of arrays from a place on, from the next one on, and so on.
+#[inline(always)]
+pub fn shifted<'a, S: Simd, const D: usize, const W: usize>(
+    arrays: [&'a [f64]; D],
+    from: usize,
+    n: usize,
+) -> [[&'a [S::f64s]; W]; D] {
+    arrays.map(|array| vectors_of::<S, W>(from_fn(|k| &array[k..]), from, n))
+}
+
+/// What stands in arrays at a place.
+#[inline(always)]
+pub fn at<V: Copy, const N: usize>(arrays: &[&[V]; N], i: usize) -> [V; N] {
+    arrays.map(|array| array[i])
+}
+
+/// [`Sums`] on their way, as vectors: as many as fill the lanes.
+pub struct VectorSums<S: Simd> {
+    max: [S::f64s; LANES],
+    squares: [S::f64s; LANES],
+    roots: [S::f64s; LANES],
+}
+
+impl<S: Simd> VectorSums<S> {
+    /// Sums that go on.
+    #[inline(always)]
+    pub fn new(sums: &Sums) -> Self {
+        let vectors = |lanes: &[f64; LANES]| {
+            let vectors = S::as_simd_f64s(lanes).0;
+            from_fn(|k| vectors[k % vectors.len()])
+        };
+        Self {
+            max: vectors(&sums.max),
+            squares: vectors(&sums.squares),
+            roots: vectors(&sums.roots),
+        }
+    }
+
+    /// Adds squares to the lanes of a vector.
+    #[inline(always)]
+    pub fn add(&mut self, simd: S, vector: usize, square: S::f64s) {
+        let max = self.max[vector];
+        // Not a number is never the largest.
+        self.max[vector] = simd.select_f64s(simd.greater_than_f64s(square, max), square, max);
+        self.squares[vector] = simd.add_f64s(self.squares[vector], square);
+        self.roots[vector] = simd.add_f64s(self.roots[vector], simd.sqrt_f64s(square));
+    }
+
+    /// The sums again.
+    #[inline(always)]
+    pub fn store(self, sums: &mut Sums) {
+        let store = |vectors: [S::f64s; LANES], lanes: &mut [f64; LANES]| {
+            let places = S::as_mut_simd_f64s(lanes).0.iter_mut();
+            places
+                .zip(vectors)
+                .for_each(|(place, vector)| *place = vector);
+        };
+        store(self.max, &mut sums.max);
+        store(self.squares, &mut sums.squares);
+        store(self.roots, &mut sums.roots);
+    }
+}
