@@ -254,12 +254,10 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     fn row(&mut self, i: usize) {
         let local = i - self.range.start;
         let mut products = [0.0; D];
-        for (product, x) in products.iter_mut().zip(&self.x) {
+        for (sum, x) in products.iter_mut().zip(&self.x) {
             let x = &x[local..];
-            *product = self.b[0][local] * x[0];
-            for k in 1..W {
-                *product += self.b[k][local] * x[k];
-            }
+            let product = |k: usize| self.b[k][local] * x[k];
+            *sum = (1..W).fold(product(0), |sum, k| sum + product(k));
         }
         let place = self.rows.place + i;
         let square = finish(self.step, self.scale, self.rows, i, products);

@@ -11,11 +11,11 @@ use crate::fit::blocks::{LANES, Sums};
 
 /// So many vectors of arrays, from a place on.
 #[inline(always)]
-pub fn vectors_of<'a, S: Simd, const N: usize>(
-    arrays: [&'a [f64]; N],
+pub fn vectors_of<S: Simd, const N: usize>(
+    arrays: [&[f64]; N],
     from: usize,
     n: usize,
-) -> [&'a [S::f64s]; N] {
+) -> [&[S::f64s]; N] {
     arrays.map(|array| &S::as_simd_f64s(&array[from..]).0[..n])
 }
 
@@ -32,11 +32,11 @@ pub fn vectors_of_mut<'a, S: Simd, const N: usize>(
 
 /// Vectors of arrays from a place on, from the next one on, and so on.
 #[inline(always)]
-pub fn shifted<'a, S: Simd, const D: usize, const W: usize>(
-    arrays: [&'a [f64]; D],
+pub fn shifted<S: Simd, const D: usize, const W: usize>(
+    arrays: [&[f64]; D],
     from: usize,
     n: usize,
-) -> [[&'a [S::f64s]; W]; D] {
+) -> [[&[S::f64s]; W]; D] {
     arrays.map(|array| vectors_of::<S, W>(from_fn(|k| &array[k..]), from, n))
 }
 
