@@ -248,6 +248,7 @@ mod tests {
     /// Inner rows of equal knot spans are (1, 4, 1) / 6, so that the least eigenvalue of many is 1/3.
     #[test]
     fn shifts_find_the_least_eigenvalue_of_long_curves() {
+        // As accurate as `patience` has it for so many points.
         for (count, accuracy) in [(20_000, 1e-5), (120_000, 1e-2)] {
             let knots = Knots::Usual;
             let cubic = BasisChoice::BSpline { degree: 3, knots };
