@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::options::form::{Digits, Form, View};
+use super::options::form::{Digits, Encoding, Form, View};
 use super::{rpc, view};
 use crate::fit::direction::Direction;
 use crate::fit::problem::Problem;
@@ -20,18 +20,25 @@ const SMALL: usize = 2000;
 /// Writing a number takes about as long as so many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 50;
 
-/// The data of the `job` event, made once for each job.
+/// The data of the `job` event, made once for each job and encoding.
 pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
-    let in_protobuf = form.is_protobuf();
-    let name = if in_protobuf { "protobuf" } else { "json" };
+    // Knots that are near each other would be the same in 32 bits.
+    let (name, encoding) = match form.encoding {
+        Encoding::Json => ("json", Encoding::Json),
+        Encoding::Base64 | Encoding::Base64F32 => ("base64", Encoding::Base64),
+        Encoding::Protobuf => ("protobuf", Encoding::Protobuf),
+    };
     job.description(name, || async {
         let problem = job.problem().await?;
         let numbers = problem.grid().count();
         let described = Arc::clone(job);
         let levels = job.status().levels;
-        let describe = move || match in_protobuf {
-            false => view::description(&described, &problem, levels),
-            true => rpc::view::description(&described, &problem, levels),
+        let describe = move || match encoding {
+            Encoding::Protobuf => rpc::view::description(&described, &problem, levels),
+            _ => {
+                let in_base64 = encoding == Encoding::Base64;
+                view::description(&described, &problem, levels, in_base64)
+            }
         };
         off_network(job, numbers, describe).await
     })

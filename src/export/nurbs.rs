@@ -8,6 +8,7 @@ use crate::fit::geometry::Geometry;
 use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use std::borrow::Cow;
 
 /// The B-spline basis of one direction.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,10 +26,10 @@ impl KnotVector {
     /// The knots of a direction; those of Bézier curves for all polynomial bases.
     fn new(direction: &Direction) -> Self {
         let degree = direction.basis.degree();
-        let knots = direction.basis.knots().unwrap_or_else(|| bezier(degree));
+        let knots = direction.basis.knots().map(Cow::into_owned);
         Self {
             degree,
-            knots,
+            knots: knots.unwrap_or_else(|| bezier(degree)),
             closed: direction.is_closed(),
         }
     }

@@ -25,6 +25,7 @@ def test_iterations_come_in_order(client: piad.Client, name: str, encoding: Any)
     assert job.status.ended
     result = job.result()
     assert result.iteration == levels[-1].number
+    assert levels[-1].geometry.knots == result.geometry.knots
     assert np.array_equal(levels[-1].control_points, result.geometry.control_points)  # type: ignore[arg-type]
     assert np.array_equal(levels[0].control_points, job.iteration(0).control_points)  # type: ignore[arg-type]
 

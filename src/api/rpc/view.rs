@@ -171,7 +171,7 @@ pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDire
         degree: count(basis.degree()),
         closed: direction.is_closed(),
         control_points: count(basis.functions()),
-        knots: basis.knots().unwrap_or_default(),
+        knots: basis.knots().unwrap_or_default().into_owned(),
         parameters: match with_parameters {
             true => direction.parameters.to_vec(),
             false => Vec::new(),

@@ -56,9 +56,12 @@ impl Document {
         fields(self);
     }
 
-    /// Writes fields with arrays of numbers that are decimal in any encoding.
-    pub fn decimal(&mut self, fields: impl FnOnce(&mut Self)) {
-        let digits = std::mem::replace(&mut self.digits, Digits::Decimal(None));
+    /// Writes fields with arrays of numbers that have 64 bits in any encoding.
+    pub fn precise(&mut self, fields: impl FnOnce(&mut Self)) {
+        let digits = self.digits;
+        if matches!(digits, Digits::Base64F32) {
+            self.digits = Digits::Base64;
+        }
         fields(self);
         self.digits = digits;
     }

@@ -1,5 +1,6 @@
 //! The JSON of a level: its errors, and its geometry in one of several forms.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -11,7 +12,6 @@ use super::source::{Along, Net, NetWeights};
 use super::writer::Digits;
 use super::{Distances, error, kind, per_direction, point_index, rational};
 use crate::api::options::form::{self, Encoding, Form, View};
-use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
 use crate::fit::invalid::Axis;
@@ -165,45 +165,62 @@ fn write_samples(document: &mut Document, problem: &Problem, geometry: Geometry<
     });
 }
 
-/// Writes numbers of each direction: a list for a curve, `{"u": …, "v": …}` for a surface.
-pub fn write_along(
+/// Writes a field with something for each direction: itself for a curve, `{"u": …, "v": …}` for a surface.
+fn write_each(
     document: &mut Document,
     name: &str,
-    problem: &Arc<Problem>,
-    numbers: fn(&Direction) -> &[f64],
+    problem: &Problem,
+    write: impl Fn(&mut Document, &str, Axis, &Direction),
 ) {
-    let along = |axis| Along {
-        problem: Arc::clone(problem),
-        axis,
-        numbers,
-    };
-    let write = |document: &mut Document, name: &str, axis| {
-        let along = along(axis);
-        document.array(name, &[along.count()], along);
-    };
     match problem.v() {
-        None => write(document, name, Axis::U),
-        Some(_) => document.object(name, |document| {
-            write(document, "u", Axis::U);
-            write(document, "v", Axis::V);
+        None => write(document, name, Axis::U, problem.u()),
+        Some(v) => document.object(name, |document| {
+            write(document, "u", Axis::U, problem.u());
+            write(document, "v", Axis::V, v);
         }),
     }
 }
 
+/// Writes an array of numbers of each direction.
+pub fn write_along(
+    document: &mut Document,
+    name: &str,
+    problem: &Arc<Problem>,
+    numbers: fn(&Direction) -> Cow<'_, [f64]>,
+) {
+    write_each(document, name, problem, |document, name, axis, _| {
+        write_line(document, name, problem, axis, numbers);
+    });
+}
+
+fn write_line(
+    document: &mut Document,
+    name: &str,
+    problem: &Arc<Problem>,
+    axis: Axis,
+    numbers: fn(&Direction) -> Cow<'_, [f64]>,
+) {
+    let line = Along {
+        problem: Arc::clone(problem),
+        axis,
+        numbers,
+    };
+    document.array(name, &[line.count()], line);
+}
+
 /// Writes the knots of each direction, in full; null for bases that are no B-splines.
 pub fn write_knots(document: &mut Document, problem: &Arc<Problem>) {
-    let are_long = |direction: &Direction| matches!(direction.basis, Basis::BSpline { .. });
-    if problem.directions().all(are_long) {
-        write_along(document, "knots", problem, |direction| {
-            match &direction.basis {
-                Basis::BSpline { knots, .. } => knots,
-                Basis::Polynomial { .. } => &[],
-            }
-        });
-    } else {
-        let knots = per_direction(problem, |direction| direction.basis.knots());
-        document.field("knots", &knots);
-    }
+    write_each(
+        document,
+        "knots",
+        problem,
+        |document, name, axis, direction| match direction.basis.knots() {
+            None => document.field(name, &Value::Null),
+            Some(_) => write_line(document, name, problem, axis, |direction| {
+                direction.basis.knots().unwrap_or_default()
+            }),
+        },
+    );
 }
 
 /// The result: geometry that can be read without anything else.
@@ -246,13 +263,13 @@ pub fn result(
     };
     let shape = net_shape(problem);
     let mut document = Document::new(&head, digits(form, level), shape.iter().product());
-    document.decimal(|document| write_knots(document, problem));
+    document.precise(|document| write_knots(document, problem));
     document.arrays(&shape, |document| {
         write_net(document, problem, control_points);
         if problem.directions().any(Direction::is_rational) {
             // Those of a rational basis stay; end copies included.
             write_along(document, "weights", problem, |direction| {
-                direction.weights().unwrap_or_default()
+                direction.weights().unwrap_or_default().into()
             });
         }
     });

@@ -239,8 +239,14 @@ enum OneOrTwo<T> {
     Two { u: T, v: T },
 }
 
-/// The data of the `job` event: all that does not change from iteration to iteration.
-pub fn description(job: &Job, problem: &Arc<Problem>, levels: Option<Levels>) -> Content {
+/// The data of the `job` event: all that does not change from iteration to iteration. Its arrays are
+/// decimal, or of 64 bits in base64.
+pub fn description(
+    job: &Job,
+    problem: &Arc<Problem>,
+    levels: Option<Levels>,
+    in_base64: bool,
+) -> Content {
     #[derive(Serialize)]
     struct Head<'a, B, D> {
         id: uuid::Uuid,
@@ -283,18 +289,25 @@ pub fn description(job: &Job, problem: &Arc<Problem>, levels: Option<Levels>) ->
         links: links(job),
     };
     let numbers = problem.directions().map(|it| 2 * it.parameters.len()).sum();
-    let mut document = Document::new(&head, Digits::Decimal(None), numbers);
+    let digits = match in_base64 {
+        true => Digits::Base64,
+        false => Digits::Decimal(None),
+    };
+    let mut document = Document::new(&head, digits, numbers);
+    if in_base64 {
+        document.field("encoding", &"base64");
+    }
     if problem.directions().any(Direction::is_rational) {
         // One for each control point of a direction, end copies included.
         write_along(&mut document, "weights", problem, |direction| {
-            direction.weights().unwrap_or_default()
+            direction.weights().unwrap_or_default().into()
         });
     } else {
         document.field("weights", &Value::Null);
     }
     write_knots(&mut document, problem);
     write_along(&mut document, "parameters", problem, |direction| {
-        &direction.parameters
+        direction.parameters.as_slice().into()
     });
     document.finish()
 }

@@ -1,5 +1,6 @@
 //! Where large arrays of numbers come from: any part of them, at any time.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -123,11 +124,11 @@ pub struct Along {
     /// The direction.
     pub axis: Axis,
     /// Which numbers.
-    pub numbers: fn(&Direction) -> &[f64],
+    pub numbers: fn(&Direction) -> Cow<'_, [f64]>,
 }
 
 impl Along {
-    fn all(&self) -> &[f64] {
+    fn all(&self) -> Cow<'_, [f64]> {
         let v = self.problem.v().filter(|_| self.axis == Axis::V);
         (self.numbers)(v.unwrap_or(self.problem.u()))
     }

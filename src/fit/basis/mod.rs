@@ -5,6 +5,7 @@ pub mod bernstein;
 pub mod bspline;
 pub mod knots;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The highest degree that is accepted: up to here the evaluation is checked to full accuracy.
@@ -119,7 +120,7 @@ impl Basis {
 
     /// The knot vector with which a CAD kernel stores the curve. Bernstein polynomials are the
     /// B-splines without interior knots; the Ball bases are no B-splines.
-    pub fn knots(&self) -> Option<Vec<f64>> {
+    pub fn knots(&self) -> Option<Cow<'_, [f64]>> {
         match self {
             Self::Polynomial {
                 kind: Polynomial::Bernstein,
@@ -127,10 +128,10 @@ impl Basis {
             } => {
                 let mut knots = vec![0.0; degree + 1];
                 knots.resize(2 * (degree + 1), 1.0);
-                Some(knots)
+                Some(knots.into())
             }
             Self::Polynomial { .. } => None,
-            Self::BSpline { knots, .. } => Some(knots.to_vec()),
+            Self::BSpline { knots, .. } => Some(Cow::Borrowed(knots)),
         }
     }
 }

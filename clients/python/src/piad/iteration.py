@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Optional, Union
 
-from ._arrays import Array, as_array, copy, from_base64, outer
+from ._arrays import Array, as_array, as_lists, copy, from_base64, outer
 from .errors import ProtocolError
 from .geometry import Basis, Curve, Surface
 
@@ -73,7 +73,9 @@ class Shape:
 def _basis(value: Mapping[str, Any], way: Optional[str]) -> Basis:
     parts = (value["basis"], value["degree"], value["knots"], value["closed"])
     kind, degree, knots, closed = parts if way is None else (part[way] for part in parts)
-    return Basis(kind, degree, None if knots is None else tuple(knots), closed)
+    if isinstance(knots, str):
+        knots = _line_of(knots, 8)
+    return Basis(kind, degree, None if knots is None else tuple(as_lists(knots)), closed)
 
 
 def _fixed_weights(value: Mapping[str, Any], weights: Any, bases: tuple[Basis, ...]) -> Array:
@@ -89,10 +91,14 @@ def _fixed_weights(value: Mapping[str, Any], weights: Any, bases: tuple[Basis, .
 
 def _line(value: Mapping[str, Any], numbers: Any) -> Array:
     if isinstance(numbers, str):
-        width = 4 if value["encoding"] == "base64_f32" else 8
-        count = (len(numbers) // 4 * 3 - numbers.count("=")) // width
-        return from_base64(numbers, [count], single=width == 4)
+        return _line_of(numbers, 4 if value["encoding"] == "base64_f32" else 8)
     return as_array(numbers)
+
+
+def _line_of(text: str, width: int) -> Array:
+    """Numbers of so many bytes in base64."""
+    count = (len(text) // 4 * 3 - text.count("=")) // width
+    return from_base64(text, [count], single=width == 4)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::job::{ID, error_example, id, links_example};
-use super::{Named, a, count, number, object, or_null, path, per_direction, text};
+use super::{Named, a, count, number, numbers, object, or_null, path, per_direction, text};
 use crate::api::openapi::operation::reference;
 
 pub(super) fn schemas() -> Vec<Named> {
@@ -18,7 +18,6 @@ pub(super) fn schemas() -> Vec<Named> {
 }
 
 fn job() -> Value {
-    let numbers = || json!({"type": "array", "items": {"type": "number"}});
     object(
         "The data of the `job` event: all that does not change from iteration to iteration.",
         &[
@@ -67,14 +66,14 @@ fn job() -> Value {
                 "weights",
                 per_direction(
                     "Fixed weights of the control points, end copies included.",
-                    json!({"type": ["array", "null"], "items": {"type": "number"}}),
+                    or_null(numbers()),
                 ),
             ),
             (
                 "knots",
                 per_direction(
                     "The knots; null for the Ball bases, which have none.",
-                    json!({"type": ["array", "null"], "items": {"type": "number"}}),
+                    or_null(numbers()),
                 ),
             ),
             (
@@ -82,7 +81,14 @@ fn job() -> Value {
                 per_direction("The parameters of the data points.", numbers()),
             ),
         ],
-        &[],
+        &[(
+            "encoding",
+            json!({
+                "description": "How weights, knots and parameters are written, if they are binary: as little-endian numbers of 64 bits.",
+                "type": "string",
+                "const": "base64",
+            }),
+        )],
         json!({
             "id": ID, "name": null, "kind": "curve", "points": 4, "dimension": 2, "control_points": 6,
             "basis": "bspline", "degree": 3, "closed": false, "rational": null, "method": {"kind": "global", "lambda_min": 0.2},

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::job::{ID, error_example, id};
-use super::{Named, a, count, number, object, or_null, per_direction, text};
+use super::{Named, a, count, number, numbers, object, or_null, per_direction, text};
 use crate::api::openapi::operation::reference;
 
 pub(super) fn schemas() -> Vec<Named> {
@@ -99,7 +99,6 @@ fn iteration() -> Value {
 }
 
 fn result() -> Value {
-    let knots = json!({"type": ["array", "null"], "items": {"type": "number"}});
     object(
         "The final curve or surface: geometry that can be read without anything else.",
         &[
@@ -128,8 +127,8 @@ fn result() -> Value {
             (
                 "knots",
                 per_direction(
-                    "The knots; null for the Ball bases, which have none.",
-                    knots,
+                    "The knots, in base64 always with 64 bits; null for the Ball bases, which have none.",
+                    or_null(numbers()),
                 ),
             ),
             (
@@ -212,7 +211,11 @@ fn net() -> Value {
 fn net_weights() -> Value {
     let line = json!({"type": "array", "items": {"type": "number"}});
     let binary = json!({"type": "string", "contentEncoding": "base64"});
-    let direction = |text: &str| json!({"description": text, "anyOf": [line, binary]});
+    let direction = |text: &str| {
+        let mut numbers = numbers();
+        numbers["description"] = json!(text);
+        numbers
+    };
     json!({
         "description": "Weights of control points: of a curve a list, of a surface rows of columns, or fixed ones of each direction. Or the same in base64.",
         "anyOf": [
@@ -249,11 +252,9 @@ fn changes() -> Value {
 }
 
 fn sample_parameters() -> Value {
-    let line = json!({"type": "array", "items": {"type": "number"}});
-    let binary = json!({"type": "string", "contentEncoding": "base64"});
     let mut parameters = per_direction(
         "The parameters of samples; of a surface those of the rows and of the columns. Or the same in base64.",
-        json!({"anyOf": [line, binary]}),
+        numbers(),
     );
     parameters["examples"] = json!([[0, 0.5, 1]]);
     parameters

@@ -101,6 +101,14 @@ fn or_null(mut schema: Value) -> Value {
     }
 }
 
+/// A list of numbers, or all of them in base64.
+fn numbers() -> Value {
+    json!({"anyOf": [
+        {"type": "array", "items": {"type": "number"}},
+        {"type": "string", "contentEncoding": "base64"},
+    ]})
+}
+
 /// One value for a curve, `{"u": …, "v": …}` for a surface.
 fn per_direction(description: &str, value: Value) -> Value {
     let mut u = value.clone();
