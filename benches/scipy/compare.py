@@ -69,13 +69,13 @@ def as_protobuf(points: np.ndarray) -> bytes:
         high, low = divmod(number, 128)
         return bytes([low | 128]) + varint(high) if high else bytes([low])
 
-    def field(number: int, content: bytes) -> bytes:
-        return varint(number << 3 | 2) + varint(len(content)) + content
+    def field(number: int, *content: bytes | memoryview) -> list[bytes | memoryview]:
+        return [varint(number << 3 | 2), varint(sum(map(len, content))), *content]
 
+    numbers = memoryview(np.ascontiguousarray(points, "<f8")).cast("B")
     dimension, averaged = b"\x08\x03", b"\x18\x02"
-    curve = dimension + field(2, points.tobytes()) + field(3, averaged)
-    direct = field(9, b"")
-    return field(2, curve) + field(5, direct)
+    curve = [dimension, *field(2, numbers), *field(3, averaged)]
+    return b"".join([*field(2, *curve), *field(5, *field(9))])
 
 
 POSTS = {"application/json": as_json, "application/x-protobuf": as_protobuf}
