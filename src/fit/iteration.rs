@@ -139,12 +139,10 @@ impl Iteration {
         }
     }
 
-    /// Takes back shared control points that nobody else has any more, for a level to come.
+    /// Takes back shared control points, for a level to come once nobody else has them any more.
     pub fn take_back(&mut self, control_points: Arc<Points>) {
-        if let (Engine::Sweep(sweep), Some(points)) =
-            (&mut self.engine, Arc::into_inner(control_points))
-        {
-            sweep.take_back(points);
+        if let Engine::Sweep(sweep) = &mut self.engine {
+            sweep.take_back(control_points);
         }
     }
 

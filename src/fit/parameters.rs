@@ -101,31 +101,34 @@ fn by_distance(
     let Sums {
         mut totals, pairs, ..
     } = sums;
-    let mut last = 0.0;
-    for (k, t) in totals.iter_mut().enumerate().skip(1) {
-        let index = k % count;
-        let pairs = pairs.get(k).copied().unwrap_or(lines as u32);
-        if pairs == 0 {
-            return Err(Invalid::NoNeighbours { axis, index, rule });
-        }
-        let next = last + *t / f64::from(pairs);
-        if !next.is_finite() {
-            return Err(Invalid::TooLarge);
-        }
-        if next <= last {
-            return Err(match (k == count, grid.columns == 1) {
-                (true, _) => Invalid::FirstRepeated {
-                    axis,
-                    index: count - 1,
-                },
-                (false, true) => Invalid::EqualPoints { axis, index, rule },
-                (false, false) => Invalid::EqualLines { axis, index, rule },
-            });
-        }
-        *t = next;
-        last = next;
+    for (total, &pairs) in totals.iter_mut().zip(&pairs).skip(1) {
+        *total /= f64::from(pairs);
     }
-    Ok(Arc::new(totals))
+    let all = if pairs.is_empty() { lines as f64 } else { 1.0 };
+    let mut last = 0.0;
+    for t in &mut totals[1..] {
+        last += *t / all;
+        *t = last;
+    }
+    // Looked at afterwards, side by side: each sum waits for the one before.
+    if order::increases(&totals) && last.is_finite() {
+        return Ok(Arc::new(totals));
+    }
+    let wrong = (1..totals.len()).find(|&k| totals[k] <= totals[k - 1] || !totals[k].is_finite());
+    let k = wrong.unwrap_or(steps);
+    let index = k % count;
+    Err(if pairs.get(k) == Some(&0) {
+        Invalid::NoNeighbours { axis, index, rule }
+    } else if !totals[k].is_finite() {
+        Invalid::TooLarge
+    } else if k == count {
+        let index = count - 1;
+        Invalid::FirstRepeated { axis, index }
+    } else if grid.columns == 1 {
+        Invalid::EqualPoints { axis, index, rule }
+    } else {
+        Invalid::EqualLines { axis, index, rule }
+    })
 }
 
 /// Distances that are computed at a time.

@@ -260,9 +260,8 @@ impl Run {
         }
         drop(state);
         self.changed.notify_waiters();
-        // Unless somebody is still sending it.
-        if let Some(frame) = oldest.and_then(Arc::into_inner) {
-            iteration.take_back(frame.control_points);
+        if let Some(frame) = oldest {
+            iteration.take_back(Arc::clone(&frame.control_points));
         }
     }
 

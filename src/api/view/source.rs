@@ -86,20 +86,34 @@ impl Source for Net {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         let dimension = self.problem.dimension();
         let lanes = self.control_points.lanes();
-        let weights = lanes.last().filter(|_| self.problem.is_homogeneous());
         let count = numbers.len() / dimension;
         self.each(start / dimension, count, |k, points| {
             let places = &mut numbers[k * dimension..][..points.len() * dimension];
-            for (c, lane) in lanes.iter().take(dimension).enumerate() {
-                let to = places.iter_mut().skip(c).step_by(dimension);
-                match weights {
-                    None => to.zip(&lane[points.clone()]).for_each(|(to, x)| *to = *x),
-                    Some(weights) => to
-                        .zip(lane[points.clone()].iter().zip(&weights[points.clone()]))
-                        .for_each(|(to, (x, weight))| *to = x / weight),
+            let part = |c: usize| &lanes[c][points.clone()];
+            match (dimension, lanes.len()) {
+                (1, 1) => interleave([part(0)], places),
+                (2, 2) => interleave([part(0), part(1)], places),
+                (3, 3) => interleave([part(0), part(1), part(2)], places),
+                _ => {
+                    // The last coordinate of homogeneous ones is the weight.
+                    for c in 0..dimension {
+                        let to = places.iter_mut().skip(c).step_by(dimension);
+                        let from = part(c).iter().zip(part(dimension));
+                        to.zip(from).for_each(|(to, (x, weight))| *to = x / weight);
+                    }
                 }
             }
         });
+    }
+}
+
+/// Coordinates lane by lane become coordinates point by point.
+fn interleave<const D: usize>(lanes: [&[f64]; D], places: &mut [f64]) {
+    let (points, _) = places.as_chunks_mut::<D>();
+    // One length for all, so that places need no checks.
+    let lanes = lanes.map(|lane| &lane[..points.len()]);
+    for (i, point) in points.iter_mut().enumerate() {
+        *point = std::array::from_fn(|c| lanes[c][i]);
     }
 }
 

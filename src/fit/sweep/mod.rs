@@ -86,13 +86,41 @@ pub struct Vectors {
 
 impl Vectors {
     /// Control points that nobody else sees, to be overwritten, and the steps: if there are readers of
-    /// these points, they keep them, and those that were left are taken, or new ones.
-    fn writable(&mut self, left: &mut Option<Points>) -> (&mut Points, Option<&mut Points>) {
+    /// these points, they keep them, and those that were given back are taken, or new ones.
+    fn writable(&mut self, returned: &mut Returned) -> (&mut Points, Option<&mut Points>) {
         if Arc::get_mut(&mut self.x).is_none() {
             let new = || Points::zeros(self.x.dimension(), self.x.len());
-            self.x = Arc::new(left.take().unwrap_or_else(new));
+            self.x = Arc::new(returned.take().unwrap_or_else(new));
         }
         (Arc::make_mut(&mut self.x), self.step.as_mut())
+    }
+}
+
+/// Points of earlier levels, to be overwritten: memory that has been used before is quicker than what
+/// comes from the system. Some may still be on their way to readers.
+#[derive(Debug, Default)]
+pub struct Returned(Vec<Arc<Points>>);
+
+impl Returned {
+    /// As many as slow readers are likely to have.
+    const MOST: usize = 4;
+
+    fn add(&mut self, points: Arc<Points>) {
+        if self.0.len() < Self::MOST {
+            self.0.push(points);
+        }
+    }
+
+    /// Points that nobody else has any more. If there are several, only one is kept.
+    fn take(&mut self) -> Option<Points> {
+        let mut free = None;
+        for points in std::mem::take(&mut self.0) {
+            match Arc::try_unwrap(points) {
+                Ok(points) => free = Some(points),
+                Err(points) => self.0.push(points),
+            }
+        }
+        free
     }
 }
 
@@ -107,9 +135,7 @@ pub struct Sweep {
     /// The next level if it is `ahead`, or the adjusting vectors where all are transformed together; else
     /// the level that the last pass began with.
     spare: Vectors,
-    /// Points that nobody needs any more: memory that has been used before is quicker than what comes
-    /// from the system.
-    left: Option<Points>,
+    returned: Returned,
     ahead: bool,
     norms: Norms,
     layout: Blocks,
@@ -192,7 +218,7 @@ impl Sweep {
                 x: control_points,
                 step: step(),
             },
-            left: None,
+            returned: Returned::default(),
             ahead: false,
             norms: Norms::new(problem, None),
             layout,
@@ -219,8 +245,8 @@ impl Sweep {
     }
 
     /// Takes back points of an earlier level.
-    pub fn take_back(&mut self, points: Points) {
-        self.left = Some(points);
+    pub fn take_back(&mut self, points: Arc<Points>) {
+        self.returned.add(points);
     }
 
     /// Levels that are best computed in one pass.
@@ -309,7 +335,7 @@ impl Sweep {
         });
         let part = Part::whole(
             &pass,
-            (&mut self.spare, &mut self.left),
+            (&mut self.spare, &mut self.returned),
             blocks,
             &mut self.rooms,
         );

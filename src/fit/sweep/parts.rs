@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{LEVELS, Pass, Room, Vectors, Way};
+use super::{LEVELS, Pass, Returned, Room, Vectors, Way};
 use crate::fit::blocks::Block;
 use crate::fit::points::Points;
 
@@ -30,13 +30,13 @@ impl<'a> Part<'a> {
     /// Everything.
     pub fn whole(
         pass: &Pass<'_>,
-        (target, left): (&'a mut Vectors, &mut Option<Points>),
+        (target, returned): (&'a mut Vectors, &mut Returned),
         blocks: &'a mut [Vec<Block>],
         rooms: &'a mut [Room],
     ) -> Self {
         let columns = pass.v.map_or(1, |v| v.columns());
         let mut blocks = blocks.iter_mut();
-        let target = (pass.way != Way::Measure).then(|| target.writable(left));
+        let target = (pass.way != Way::Measure).then(|| target.writable(returned));
         let (x, step) = target.unzip();
         let lanes = |points: Option<&'a mut Points>| {
             let lanes = points.map(Points::lanes_mut);
