@@ -22,8 +22,9 @@ files: $(VENV)/installed
 interop: $(VENV)/installed
 	$(PYTHON) tests/python/grpc_client.py target/debug/piad
 
-# The API against its own description, with requests that schemathesis makes up.
+# The API against its own description: what it answers, and requests that schemathesis makes up.
 contract: $(VENV)/installed
+	$(PYTHON) tests/python/description.py target/debug/piad
 	$(PYTHON) tests/python/contract.py target/debug/piad
 
 # Writes docs/openapi.json, which tests compare with what a server says.

@@ -1,7 +1,6 @@
 //! The description of the API, as tests use it.
 
-use jsonschema::{Draft, Validator};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use crate::support::Server;
 
@@ -31,47 +30,5 @@ impl Description {
         let component = &self.0["components"][section][name];
         assert!(!component.is_null(), "there is no {name}");
         component
-    }
-
-    /// A validator for one of the schemas. Clients ignore fields that they do not know; here every
-    /// field must be described.
-    pub fn validator(&self, name: &str) -> Validator {
-        self.component("schemas", name);
-        let mut schema = json!({
-            "$ref": format!("#/components/schemas/{name}"),
-            "components": {"schemas": self.schemas()},
-        });
-        close(&mut schema);
-        let options = jsonschema::options().with_draft(Draft::Draft202012);
-        options
-            .should_validate_formats(true)
-            .build(&schema)
-            .unwrap()
-    }
-
-    pub fn check(&self, name: &str, value: &Value) {
-        let validator = self.validator(name);
-        let errors = validator.iter_errors(value);
-        let errors: Vec<_> = errors
-            .map(|error| format!("{}: {error}", error.instance_path()))
-            .collect();
-        assert!(errors.is_empty(), "{name}: {errors:#?}\n{value:#}");
-    }
-}
-
-/// Allows no fields besides those that are described.
-fn close(schema: &mut Value) {
-    match schema {
-        Value::Object(fields) => {
-            fields.values_mut().for_each(close);
-            let open = fields
-                .get("properties")
-                .is_some_and(|it| !it["type"].is_string());
-            if open && fields.get("type") == Some(&json!("object")) {
-                fields.entry("additionalProperties").or_insert(json!(false));
-            }
-        }
-        Value::Array(items) => items.iter_mut().for_each(close),
-        _ => {}
     }
 }

@@ -34,7 +34,6 @@ mod messages_over_rest;
 mod methods;
 mod milestones;
 mod openapi;
-mod openapi_answers;
 mod process;
 mod program;
 mod rational;

@@ -1,0 +1,237 @@
+"""What a real server answers is what its description says, and so are the examples of the description.
+
+    description.py PROGRAM            # the server to start, such as target/debug/piad
+
+Needs the packages of requirements.txt.
+"""
+
+import json
+import math
+import sys
+import urllib.error
+import urllib.request
+
+import jsonschema_rs
+from over_http import server
+
+POINTS = [[0, 0], [1, 2], [3, 1], [4, 4], [5, 0], [6, 2]]
+WEIGHTS = [1, 2, 3, 1, 1, 1]
+LOCAL_GRID = {"kind": "local", "indices": [[1, 1], [2, 3]], "row_by_row": True}
+LSPIA = {"kind": "least_squares", "control_points": {"u": 4, "v": 5}, "variant": "lspia", "mu": 0.1}
+
+STREAMS = [
+    "",
+    "?view=samples",
+    "?view=errors",
+    "?every=1&changed=true",
+    "?encoding=base64&every=1",
+    "?encoding=base64_f32&every=1",
+    "?view=samples&encoding=base64_f32",
+    "?every=1&milestones=1,0.1,0.01",
+]
+
+LEVELS = ["", "?view=samples", "?view=errors", "?encoding=base64", "?encoding=base64_f32", "?view=samples&encoding=base64"]
+
+
+def curve(**fields) -> dict:
+    return {"points": POINTS, **fields}
+
+
+def peaks(n: int) -> list:
+    steps = [-3 + 6 * i / (n - 1) for i in range(n)]
+
+    def z(x: float, y: float) -> float:
+        return (
+            3 * (1 - x) ** 2 * math.exp(-(x**2) - (y + 1) ** 2)
+            - 10 * (x / 5 - x**3 - y**5) * math.exp(-(x**2) - y**2)
+            - math.exp(-((x + 1) ** 2) - y**2) / 3
+        )
+
+    return [[[x, y, z(x, y)] for x in steps] for y in steps]
+
+
+def jobs() -> list[dict]:
+    """Jobs that differ in all that makes a difference to answers."""
+    grid = peaks(5)
+    bernstein, spline = {"kind": "bernstein"}, {"kind": "bspline", "degree": 2}
+    # Control points grow until they leave the range of numbers.
+    overflowing = {"points": [[2e306 * (-1) ** i] for i in range(20)], "basis": bernstein, "parameters": "uniform"}
+    return [
+        {"name": "plain", "curve": curve()},
+        # JSON has one kind of numbers: 3.0 is a whole one.
+        {"curve": curve(basis={"kind": "bspline", "degree": 3.0}), "stop": {"max_iterations": 20.0}, "stream": {"every": 2.0}},
+        {"curve": curve(closed=True, parameters="centripetal"), "method": {"kind": "weighted"}},
+        {"curve": curve(basis={"kind": "said_ball"}), "method": {"kind": "extended"}},
+        {"curve": curve(basis=bernstein), "stop": {"max_iterations": 3}},
+        {"curve": curve(), "method": {"kind": "local", "indices": [1, 2]}},
+        {"curve": curve(), "method": {"kind": "adaptive", "threshold": 0.01}},
+        {"curve": curve(weights=WEIGHTS), "stream": {"every": 2}},
+        {"curve": curve(weights=WEIGHTS), "rational": "fixed"},
+        {"curve": curve(), "method": {"kind": "least_squares", "control_points": 4}},
+        {"surface": {"points": grid, "basis": {"u": bernstein, "v": spline}}},
+        {"surface": {"points": grid}, "method": LOCAL_GRID},
+        {"surface": {"points": grid, "weights": {"u": [1, 2, 1, 1, 1], "v": [1, 1, 2, 1, 1]}}, "rational": "fixed"},
+        {"surface": {"points": grid}, "method": LSPIA, "stop": {"max_iterations": 5}},
+        {"curve": overflowing, "stop": {"tolerance": 1, "max_iterations": 100_000}},
+    ]
+
+
+class Server:
+    """Asks a server, and tells status and text of its answers."""
+
+    def __init__(self, base: str):
+        self.base = base
+
+    def ask(self, path: str, body: object = None, accept: str = "application/json") -> tuple[int, str]:
+        content = None if body is None else json.dumps(body).encode()
+        headers = {"Content-Type": "application/json", "Accept": accept, "Prefer": "wait=60"}
+        try:
+            with urllib.request.urlopen(urllib.request.Request(self.base + path, content, headers)) as answer:
+                return answer.status, answer.read().decode()
+        except urllib.error.HTTPError as refusal:
+            return refusal.code, refusal.read().decode()
+
+    def json(self, path: str, body: object = None):
+        status, text = self.ask(path, body)
+        assert status < 300, f"{path}: {status} {text}"
+        return json.loads(text)
+
+
+def close(schema: object) -> None:
+    """Allows no fields besides those that are described: clients ignore others, but here all must be."""
+    if isinstance(schema, dict):
+        for part in schema.values():
+            close(part)
+        fields = schema.get("properties")
+        # Not a field of this name.
+        is_open = fields is not None and not isinstance(fields.get("type"), str)
+        if is_open and schema.get("type") == "object":
+            schema.setdefault("additionalProperties", False)
+    elif isinstance(schema, list):
+        for part in schema:
+            close(part)
+
+
+class Description:
+    """The description that a server gives of itself."""
+
+    def __init__(self, server: Server):
+        self.document = server.json("/openapi.json")
+        self.schemas = self.document["components"]["schemas"]
+        self.closed = json.loads(json.dumps(self.schemas))
+        close(self.closed)
+        self.validators: dict[str, jsonschema_rs.Draft202012Validator] = {}
+        self.checked = 0
+
+    def check(self, name: str, value: object, what: str = "") -> None:
+        if name not in self.validators:
+            schema = {"$ref": f"#/components/schemas/{name}", "components": {"schemas": self.closed}}
+            self.validators[name] = jsonschema_rs.Draft202012Validator(schema, validate_formats=True)
+        wrong = [f"{error.instance_path}: {error.message}" for error in self.validators[name].iter_errors(value)]
+        assert not wrong, f"{name} {what}: {wrong}\n{json.dumps(value, indent=1)[:4000]}"
+        self.checked += 1
+
+
+def examples(description: Description) -> None:
+    for name, schema in description.schemas.items():
+        assert schema["examples"], name
+        for example in schema["examples"]:
+            description.check(name, example, "example")
+    for example in description.document["components"]["examples"].values():
+        description.check("Problem", example["value"])
+    paths = description.document["paths"]
+    for path, name in [("/v1/jobs", "JobRequest"), ("/v1/jobs/{id}/edits", "EditRequest")]:
+        shown = paths[path]["post"]["requestBody"]["content"]["application/json"]["examples"]
+        for title, example in shown.items():
+            description.check(name, example["value"], title)
+
+
+def geometry(server: Server, description: Description) -> None:
+    for body in jobs():
+        description.check("JobRequest", body)
+        job = server.json("/v1/jobs", body)
+        description.check("Job", job)
+        links = job["links"]
+        description.check("Job", server.json(links["self"]))
+        description.check("JobRequest", server.json(links["input"]))
+        if job["state"] == "failed":
+            continue
+        for query in LEVELS:
+            description.check("Iteration", server.json(f"{links['self']}/iterations/last{query}"), query)
+            result = server.json(links["result"] + query)
+            description.check("ResultAnswer", result, query)
+            if "view" not in query:
+                description.check("FitResult", result, query)
+        if job["method"]["kind"] == "local":
+            description.check("Limit", server.json(links["limit"]))
+    description.check("JobPage", server.json("/v1/jobs?limit=3"))
+
+
+def events(server: Server, description: Description) -> None:
+    """As lines, which name their events."""
+    seen = 0
+    for body in jobs():
+        links = server.json("/v1/jobs", body)["links"]
+        for query in STREAMS:
+            status, text = server.ask(links["events"] + query, accept="application/x-ndjson")
+            if status == 400:
+                description.check("Problem", json.loads(text), query)
+                continue
+            assert status == 200, (query, status, text)
+            for line in text.splitlines():
+                description.check("EventLine", json.loads(line), query)
+                seen += 1
+    assert seen > 200, seen
+
+
+def server_sent_events(server: Server, description: Description) -> None:
+    kinds = [kind["properties"] for kind in description.schemas["ServerSentEvent"]["oneOf"]]
+    schemas = {kind["event"]["const"]: kind["data"]["contentSchema"]["$ref"].rsplit("/", 1)[1] for kind in kinds}
+    _, text = server.ask("/v1/jobs", jobs()[0], accept="text/event-stream")
+    seen = set()
+    for block in text.split("\n\n"):
+        fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
+        if "event" in fields:
+            description.check(schemas[fields["event"]], json.loads(fields["data"]))
+            seen.add(fields["event"])
+    assert seen == schemas.keys(), seen
+
+
+def edits(server: Server, description: Description) -> None:
+    parent = server.json("/v1/jobs", jobs()[0])
+    edit = {"points": [{"index": 2, "point": [3, 2]}], "iteration": 1}
+    description.check("EditRequest", edit)
+    job = server.json(parent["links"]["edits"], edit)
+    assert job["parent"]["iteration"] == 1, job
+    description.check("Job", job)
+
+
+def server_itself(server: Server, description: Description) -> None:
+    for path, schema in [
+        ("/", "Index"),
+        ("/livez", "Health"),
+        ("/readyz", "Health"),
+        ("/problems", "ProblemTypes"),
+        ("/problems/invalid-fit", "ProblemType"),
+        ("/v1/capabilities", "Capabilities"),
+    ]:
+        description.check(schema, server.json(path), path)
+    refused = ["/nothing", "/v1/jobs/1", "/v1/jobs?limit=0", "/problems/none"]
+    for path, body in [*((path, None) for path in refused), ("/v1/jobs", {"curve": 1})]:
+        status, text = server.ask(path, body)
+        assert status >= 400, path
+        description.check("Problem", json.loads(text), path)
+
+
+def main() -> None:
+    with server(sys.argv[1]) as base:
+        asked = Server(base)
+        description = Description(asked)
+        examples(description)
+        for check in (geometry, events, server_sent_events, edits, server_itself):
+            check(asked, description)
+        print(f"{description.checked} examples and answers are what the description says")
+
+
+if __name__ == "__main__":
+    main()
