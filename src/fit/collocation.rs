@@ -441,8 +441,13 @@ pub(super) mod tests {
                     let x: Vec<f64> = (0..lines * n).map(|i| (i as f64 * 0.7).sin()).collect();
                     let mut y = vec![0.0; x.len()];
                     collocation.apply_to_lines(&x, &mut y);
-                    let mut each: Vec<&mut [f64]> = y.chunks_mut(n).collect();
-                    collocation.inverse().apply_each(&mut each);
+                    let mut onto = y.clone();
+                    let inverse = collocation.inverse();
+                    inverse.apply_each(&mut y.chunks_mut(n).collect::<Vec<_>>());
+                    let others: Vec<&[f64]> = x.chunks(n).collect();
+                    inverse.apply_onto(&mut onto.chunks_mut(n).collect::<Vec<_>>(), &others);
+                    let sums = y.iter().zip(&x).map(|(y, x)| y + x);
+                    assert!(sums.eq(onto), "{n}, degree {degree}, {lines} lines");
                     // The condition numbers of the highest degrees are near 1e5.
                     let far = x.iter().zip(&y).map(|(x, y)| (x - y).abs());
                     let far = far.fold(0.0, f64::max);

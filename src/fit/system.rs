@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::linear::{Inverse, apply_tensor, qr::Orthogonal};
+use super::linear::{Inverse, LineMap, apply_tensor, qr::Orthogonal};
 use super::method::{Method, Start};
 use super::points::Points;
 use super::problem::Problem;
@@ -118,6 +118,18 @@ impl System {
         let count = self.problem.data().len();
         let image = matches!(self.transform, Transform::Transposed { .. });
         self.collocation.scratch() + if image { count } else { 0 }
+    }
+
+    /// Applies the transform in place and adds others: `points ← U points + others`.
+    pub fn transform_onto(&self, points: &mut Points, others: &Points, scratch: &mut [f64]) {
+        if let Transform::Inverse(u, None) = &self.transform {
+            let lanes = points.lanes_mut().iter_mut();
+            let mut lanes: Vec<&mut [f64]> = lanes.map(AsMut::as_mut).collect();
+            let others: Vec<&[f64]> = others.lanes().iter().map(|lane| &lane[..]).collect();
+            return u.apply_onto(&mut lanes, &others);
+        }
+        self.transform_all(points, scratch);
+        points.add(others);
     }
 
     /// Applies the transform in place: `points ← U points`.

@@ -130,17 +130,20 @@ impl<const H: usize> Elimination<H> {
         middle
     }
 
-    /// Solves N lines in place.
-    fn solve<const N: usize>(&self, lines: [&mut [f64]; N]) {
+    /// Solves N lines in place, and adds others to them.
+    fn solve<const N: usize>(&self, lines: [&mut [f64]; N], others: Option<[&[f64]; N]>) {
         let Self {
             front,
             back,
             middle,
         } = self;
-        let (mut first, mut second) = split(lines, front.lower.len());
+        let at = front.lower.len();
+        let (mut first, mut second) = split(lines, at);
+        let others_of_first = others.map(|others| others.map(|line| &line[..at]));
+        let others_of_second = others.map(|others| others.map(|line| &line[at..]));
         let Some(middle) = middle else {
             front.forward(&mut first);
-            return front.backward(&mut first, 0);
+            return front.backward(&mut first, 0, others_of_first);
         };
         rayon::join(|| front.forward(&mut first), || back.forward(&mut second));
         for (first, second) in first.iter_mut().zip(&mut second) {
@@ -152,23 +155,28 @@ impl<const H: usize> Elimination<H> {
             second.copy_from_slice(&unknowns[H..]);
         }
         rayon::join(
-            || front.backward(&mut first, H),
-            || back.backward(&mut second, H),
+            || front.backward(&mut first, H, others_of_first),
+            || back.backward(&mut second, H, others_of_second),
         );
     }
 
-    fn solve_group(&self, lines: &mut [&mut [f64]]) {
-        let (n, count) = (self.front.lower.len() + self.back.lower.len(), lines.len());
+    fn solve_group(&self, lines: &mut [&mut [f64]], others: Option<&[&[f64]]>) {
+        match lines.len() {
+            0 => {}
+            1 => self.solve_lines::<1>(lines, others),
+            2 => self.solve_lines::<2>(lines, others),
+            3 => self.solve_lines::<3>(lines, others),
+            _ => self.solve_lines::<LINES>(lines, others),
+        }
+    }
+
+    fn solve_lines<const N: usize>(&self, lines: &mut [&mut [f64]], others: Option<&[&[f64]]>) {
+        let n = self.front.lower.len() + self.back.lower.len();
         // One length for all, so that places need no checks.
         let mut cut = lines.iter_mut().map(|line| &mut line[..n]);
-        let mut next = || cut.next().unwrap_or_default();
-        match count {
-            0 => {}
-            1 => self.solve([next()]),
-            2 => self.solve([next(), next()]),
-            3 => self.solve([next(), next(), next()]),
-            _ => self.solve([next(), next(), next(), next()]),
-        }
+        let lines = from_fn(|_| cut.next().unwrap_or_default());
+        let others = others.map(|others| from_fn(|line| &others[line][..n]));
+        self.solve::<N>(lines, others);
     }
 }
 
@@ -283,12 +291,25 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// `U⁻¹` of N lines, the last places of which are known.
-    fn backward<const N: usize>(&self, lines: &mut [&mut [f64]; N], known: usize) {
+    /// `U⁻¹` of N lines, the last places of which are known, and the sum with others: they are looked
+    /// at while the lines are at hand.
+    fn backward<const N: usize>(
+        &self,
+        lines: &mut [&mut [f64]; N],
+        known: usize,
+        others: Option<[&[f64]; N]>,
+    ) {
+        let sum = |x: [f64; N], i: usize| match others {
+            Some(others) => from_fn(|line| x[line] + others[line][i]),
+            None => x,
+        };
         let rows = self.upper.len() - known;
         let mut behind = [[0.0; N]; H];
         for (row, behind) in (rows..).zip(&mut behind[..known]) {
-            *behind = from_fn(|line| lines[line][self.place(row)]);
+            let i = self.place(row);
+            *behind = from_fn(|line| lines[line][i]);
+            let x = sum(*behind, i);
+            (0..N).for_each(|line| lines[line][i] = x[line]);
         }
         for (row, upper) in self.upper[..rows].iter().enumerate().rev() {
             let i = self.place(row);
@@ -298,6 +319,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
             }
             behind.rotate_right(1);
             behind[0] = x;
+            let x = sum(x, i);
             (0..N).for_each(|line| lines[line][i] = x[line]);
         }
     }
@@ -322,10 +344,15 @@ impl<const H: usize> LineMap for Elimination<H> {
         let numbers = lines.iter().map(|line| line.len()).sum::<usize>();
         if lines.len() > LINES && numbers >= PARALLEL {
             let groups = lines.par_chunks_mut(LINES);
-            groups.for_each(|group| self.solve_group(group));
+            groups.for_each(|group| self.solve_group(group, None));
         } else {
             let groups = lines.chunks_mut(LINES);
-            groups.for_each(|group| self.solve_group(group));
+            groups.for_each(|group| self.solve_group(group, None));
         }
+    }
+
+    fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]) {
+        let groups = lines.chunks_mut(LINES).zip(others.chunks(LINES));
+        groups.for_each(|(group, others)| self.solve_group(group, Some(others)));
     }
 }

@@ -26,6 +26,18 @@ pub trait LineMap: Debug + Send + Sync {
     fn apply_each(&self, lines: &mut [&mut [f64]]) {
         lines.iter_mut().for_each(|line| self.apply(line));
     }
+
+    /// The same, and adds another line to each of them.
+    fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]) {
+        self.apply_each(lines);
+        add_each(lines, others);
+    }
+}
+
+fn add_each(lines: &mut [&mut [f64]], others: &[&[f64]]) {
+    for (line, other) in lines.iter_mut().zip(others) {
+        line.iter_mut().zip(*other).for_each(|(x, y)| *x += y);
+    }
 }
 
 /// Applies `u ⊗ v` to row-major grids: `v` along the rows, `u` across them. `scratch` is as large as
@@ -134,6 +146,16 @@ impl LineMap for Inverse {
         match self {
             Self::Positive(elimination) => elimination.apply_each(lines),
             _ => lines.iter_mut().for_each(|line| self.apply(line)),
+        }
+    }
+
+    fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]) {
+        match self {
+            Self::Positive(elimination) => elimination.apply_onto(lines, others),
+            _ => {
+                self.apply_each(lines);
+                add_each(lines, others);
+            }
         }
     }
 }

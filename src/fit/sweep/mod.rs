@@ -261,8 +261,7 @@ impl Sweep {
         }
         if self.relaxation.is_transformed() {
             let residual = Arc::make_mut(&mut self.spare.x);
-            system.transform_all(residual, &mut self.scratch);
-            residual.add(&self.current.x);
+            system.transform_onto(residual, &self.current.x, &mut self.scratch);
         }
         std::mem::swap(&mut self.current, &mut self.spare);
         self.relaxation.advance();
