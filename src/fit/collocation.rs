@@ -444,10 +444,12 @@ pub(super) mod tests {
                     let mut onto = y.clone();
                     let inverse = collocation.inverse();
                     inverse.apply_each(&mut y.chunks_mut(n).collect::<Vec<_>>());
-                    let others: Vec<&[f64]> = x.chunks(n).collect();
-                    inverse.apply_onto(&mut onto.chunks_mut(n).collect::<Vec<_>>(), &others);
-                    let sums = y.iter().zip(&x).map(|(y, x)| y + x);
-                    assert!(sums.eq(onto), "{n}, degree {degree}, {lines} lines");
+                    if let Inverse::Positive(solver) = inverse {
+                        let others: Vec<&[f64]> = x.chunks(n).collect();
+                        solver.apply_onto(&mut onto.chunks_mut(n).collect::<Vec<_>>(), &others);
+                        let sums = y.iter().zip(&x).map(|(y, x)| y + x);
+                        assert!(sums.eq(onto), "{n}, degree {degree}, {lines} lines");
+                    }
                     // The condition numbers of the highest degrees are near 1e5.
                     let far = x.iter().zip(&y).map(|(x, y)| (x - y).abs());
                     let far = far.fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::linear::{Inverse, LineMap, apply_tensor, qr::Orthogonal};
+use super::linear::{Inverse, apply_tensor, qr::Orthogonal};
 use super::method::{Method, Start};
 use super::points::Points;
 use super::problem::Problem;
@@ -122,7 +122,7 @@ impl System {
 
     /// Applies the transform in place and adds others: `points ← U points + others`.
     pub fn transform_onto(&self, points: &mut Points, others: &Points, scratch: &mut [f64]) {
-        if let Transform::Inverse(u, None) = &self.transform {
+        if let Transform::Inverse(Inverse::Positive(u), None) = &self.transform {
             let lanes = points.lanes_mut().iter_mut();
             let mut lanes: Vec<&mut [f64]> = lanes.map(AsMut::as_mut).collect();
             let others: Vec<&[f64]> = others.lanes().iter().map(|lane| &lane[..]).collect();

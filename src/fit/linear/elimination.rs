@@ -81,8 +81,14 @@ impl<const H: usize> Before<H> {
     }
 }
 
+/// A decomposed matrix, of whatever width.
+pub trait Solver: LineMap {
+    /// Solves each line in place, and adds another line to it while it is at hand.
+    fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]);
+}
+
 /// Decomposes a square matrix that needs no pivots and is not cyclic, if its band is narrow.
-pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn LineMap>> {
+pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn Solver>> {
     let filled = given
         .matrix
         .diagonals()
@@ -350,7 +356,9 @@ impl<const H: usize> LineMap for Elimination<H> {
             groups.for_each(|group| self.solve_group(group, None));
         }
     }
+}
 
+impl<const H: usize> Solver for Elimination<H> {
     fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]) {
         let groups = lines.chunks_mut(LINES).zip(others.chunks(LINES));
         groups.for_each(|(group, others)| self.solve_group(group, Some(others)));

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 use super::points::Grid;
 pub use band::{folded, unfolded};
 use banded::Banded;
-use elimination::Shifted;
+use elimination::{Shifted, Solver};
 
 /// A linear map of lines, applied in place.
 pub trait LineMap: Debug + Send + Sync {
@@ -25,18 +25,6 @@ pub trait LineMap: Debug + Send + Sync {
     /// Maps lines that are anywhere.
     fn apply_each(&self, lines: &mut [&mut [f64]]) {
         lines.iter_mut().for_each(|line| self.apply(line));
-    }
-
-    /// The same, and adds another line to each of them.
-    fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]) {
-        self.apply_each(lines);
-        add_each(lines, others);
-    }
-}
-
-fn add_each(lines: &mut [&mut [f64]], others: &[&[f64]]) {
-    for (line, other) in lines.iter_mut().zip(others) {
-        line.iter_mut().zip(*other).for_each(|(x, y)| *x += y);
     }
 }
 
@@ -81,7 +69,7 @@ pub enum Inverse {
     /// Of a local basis.
     Banded(lu::BandedLu),
     /// Of a local basis whose matrix is totally positive.
-    Positive(Box<dyn LineMap>),
+    Positive(Box<dyn Solver>),
     /// Of a global one.
     Dense {
         /// The decomposition.
@@ -146,16 +134,6 @@ impl LineMap for Inverse {
         match self {
             Self::Positive(elimination) => elimination.apply_each(lines),
             _ => lines.iter_mut().for_each(|line| self.apply(line)),
-        }
-    }
-
-    fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]) {
-        match self {
-            Self::Positive(elimination) => elimination.apply_onto(lines, others),
-            _ => {
-                self.apply_each(lines);
-                add_each(lines, others);
-            }
         }
     }
 }

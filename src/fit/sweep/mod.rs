@@ -289,6 +289,8 @@ impl Sweep {
             *step = self.relaxation.step();
             self.relaxation.advance();
         }
+        // Nobody reads the levels between: what readers have given back is not needed any more.
+        self.returned = Returned::default();
         self.run(system, &steps[..count], Way::Tiles);
         std::mem::swap(&mut self.current, &mut self.spare);
         self.ahead = false;
