@@ -318,6 +318,12 @@ async fn what_is_wrong_with_an_edit_is_said() {
         (&curve, json!({"weights": [1, 2]}), "/weights", "2 weights"),
         (
             &curve,
+            json!({"weights": [1, 2], "points": [{"index": 3, "weight": 2}]}),
+            "/weights",
+            "2 weights for 6 points",
+        ),
+        (
+            &curve,
             json!({"weights": [1, 2, 0, 1, 1, 1]}),
             "/weights/2",
             "greater than 0",

@@ -724,6 +724,19 @@ async fn errors_name_the_fields_that_are_wrong() {
         (weighted, "edit.point_weights[0]", "homogeneous"),
         (
             pb::Edit {
+                weights: Some(pb::Weights {
+                    values: vec![1.0, 2.0],
+                    ..pb::Weights::default()
+                }),
+                weighted: vec![3],
+                point_weights: vec![2.0],
+                ..pb::Edit::default()
+            },
+            "edit.weights.values",
+            "2 weights for 30 points",
+        ),
+        (
+            pb::Edit {
                 iteration: Some(u64::MAX),
                 ..moved(&[1], &[0.0; 3])
             },

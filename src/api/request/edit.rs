@@ -142,19 +142,25 @@ impl EditRequest {
             control_points_each: false,
         };
         let mut seen = HashSet::with_capacity(moved.len());
+        let mut placed = HashSet::new();
         let rational = self.rational.map(|Name(rational)| rational);
         // Fixed weights are a part of the basis.
         let same_matrix = self.weights.is_none() || rational == Some(RationalRequest::Homogeneous);
         request.lambda_min = lambda_min.filter(|_| same_matrix);
         set_weights(&mut request, self.weights, rational)?;
         for (k, Object(change)) in moved.into_iter().enumerate() {
+            let goes = change.point.is_some();
             let index = change.apply(k, &mut request)?;
             if !seen.insert(index) {
                 let detail = "this point has been moved before, by the same edit";
                 return Err(invalid(&format!("/points/{k}/index"), detail));
             }
             places.moved.push(index);
+            if goes {
+                placed.insert(index);
+            }
         }
+        request.missing.retain(|index| !placed.contains(index));
         if let Some(Object(method)) = self.method {
             places.control_points_each = method.has_control_points_each();
             (request.method, request.selected) =
@@ -227,7 +233,6 @@ impl Move {
             }
             let coordinates = point.into_iter().map(|Number(x)| x);
             Arc::make_mut(&mut request.points).set(index, coordinates);
-            request.missing.retain(|&missing| missing != index);
         }
         Ok(index)
     }
@@ -268,10 +273,17 @@ fn set_weights(
         let detail = "the weights of a curve are a list of numbers";
         return Err(invalid("/weights", detail));
     };
-    match kind {
-        Some(RationalRequest::Fixed) => request.u.weights = Some(weights),
-        _ => request.weights = Weights::Homogeneous(weights),
+    if kind == Some(RationalRequest::Fixed) {
+        request.u.weights = Some(weights);
+        return Ok(());
     }
+    // Single ones may change next.
+    let (given, expected) = (weights.len(), request.grid.count());
+    if given != expected {
+        let error = Invalid::WeightCount { given, expected };
+        return Err(invalid("/weights", error.to_string()));
+    }
+    request.weights = Weights::Homogeneous(weights);
     Ok(())
 }
 
@@ -285,12 +297,7 @@ fn start(
     let Weights::Homogeneous(new) = &request.weights else {
         return Ok(Arc::clone(control_points));
     };
-    let count = request.grid.count();
-    if new.len() != count {
-        let detail = format!("{} weights for {count} points", new.len());
-        return Err(invalid("/weights", detail));
-    }
-    let ones = vec![1.0; count];
+    let ones = vec![1.0; request.grid.count()];
     let old = match &parent.request().weights {
         Weights::Homogeneous(old) => old,
         _ => &ones,
