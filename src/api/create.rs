@@ -129,9 +129,11 @@ impl Posted {
         let mut response = match self.answer {
             Answer::Events(framing) => {
                 let stream = StreamObject::of(&job.outline().label)?;
-                let options =
+                let mut options =
                     self.parameters
                         .framed(framing, stream.as_ref(), job.outline().surface)?;
+                // A job that is known has a stream of its own, which may end it.
+                options.cancels &= !known;
                 // With a new job it was checked before there was one.
                 if known && options.form.encoding == Encoding::Base64F32 {
                     let problem = job.problem().await?;

@@ -47,10 +47,13 @@ pub async fn get(
     let parameters: StreamParameters = negotiate::query(&uri)?;
     let job = jobs::find(&app, &id).await?;
     let defaults = StreamObject::of(&job.outline().label)?;
-    let options = parameters.framed(framing, defaults.as_ref(), job.outline().surface)?;
+    let options = parameters.of_reader(framing, defaults.as_ref(), job.outline().surface)?;
     if options.form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         parameters.check_range(defaults.as_ref(), &problem)?;
+    } else if job.status().state.is_final() {
+        // Once they are at hand the stream comes to its end, also if the job is deleted.
+        job.problem().await?;
     }
     match last_event_id(&headers, parameters.last_event_id)? {
         None => Ok(stream(&app, job, framing, options, None)),

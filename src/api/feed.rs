@@ -17,6 +17,7 @@ use super::options::StreamOptions;
 use super::{App, encode};
 use crate::job::Job;
 use crate::job::content::Content;
+use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::state::Status;
@@ -77,6 +78,7 @@ pub struct Feed {
     /// When the client hears that the stream is still there, if it hears nothing else.
     quiet_until: Instant,
     stopping: watch::Receiver<bool>,
+    _open: Open,
 }
 
 impl Feed {
@@ -94,6 +96,7 @@ impl Feed {
         };
         cursor.seek(first.next_multiple_of(options.every));
         let milestones = Milestones::new(options.milestones.clone());
+        let open = job.resources().counters.open_stream();
         Self {
             cursor,
             job,
@@ -106,6 +109,7 @@ impl Feed {
             heartbeat: app.config.heartbeat,
             quiet_until: Instant::now(),
             stopping: app.stopping.clone(),
+            _open: open,
         }
     }
 
@@ -142,10 +146,15 @@ impl Feed {
         };
         match happened {
             Happened::Next(next) => {
-                if let Err(reason) = self.push_next(next).await {
-                    // Without an end the client comes back.
-                    error!(job = %self.job.id(), %reason, "a stream broke off");
-                    self.stage = Stage::Over;
+                match self.push_next(next).await {
+                    Ok(()) => {}
+                    // Deleted before its points were read: there is nothing to come back for.
+                    Err(StoreError::Gone(_)) => self.push_end(&self.job.status()),
+                    Err(reason) => {
+                        // Without an end the client comes back.
+                        error!(job = %self.job.id(), %reason, "a stream broke off");
+                        self.stage = Stage::Over;
+                    }
                 }
             }
             Happened::Nothing => {
@@ -214,7 +223,6 @@ impl Feed {
 
     /// The last iteration, if it was left out so far, and the end.
     async fn finish(&mut self, status: &Status) -> Result<(), StoreError> {
-        self.stage = Stage::Over;
         let last = status.levels.map(|levels| levels.last.iteration);
         if self.options.every > 1
             && let Some(last) = last.filter(|&last| Some(last) > self.seen)
@@ -224,9 +232,14 @@ impl Feed {
                 self.push_frame(&frame, None).await?;
             }
         }
+        self.push_end(status);
+        Ok(())
+    }
+
+    fn push_end(&mut self, status: &Status) {
+        self.stage = Stage::Over;
         let data = encode::end(&self.job, status, &self.options.form);
         self.push(Event::End(data));
-        Ok(())
     }
 
     fn push(&mut self, event: Event) {

@@ -11,7 +11,8 @@ use super::REQUEST_ID;
 use crate::job::scheduler::Broken;
 use crate::job::service::Refused;
 use crate::job::state::Failure;
-use crate::job::store::{MOST_CRASHES, StoreError};
+use crate::job::store::StoreError;
+use crate::job::store::blame::MOST_CRASHES;
 
 /// The kinds of problems. Their `type` is `/problems/{slug}`, where a server explains them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -421,7 +422,7 @@ impl From<Failure> for Problem {
             Failure::Crashes => Self::new(
                 Kind::Internal,
                 format!(
-                    "the server has crashed {MOST_CRASHES} times while this job was running; it is not tried again"
+                    "the server has crashed at least {MOST_CRASHES} times while this job was running; it is not tried again"
                 ),
             ),
             Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
@@ -445,6 +446,7 @@ impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
         let detail = error.to_string();
         match error {
+            StoreError::Gone(id) => Self::unknown_job(&id.to_string()),
             StoreError::Full(_) => Self::new(Kind::StoreFull, detail).retry_after(60),
             StoreError::Failed(_) | StoreError::Broken(_) => Self::new(Kind::Internal, detail),
         }

@@ -1,13 +1,14 @@
-//! What a server has done so far, as Prometheus metrics.
+//! What a server has done so far and what is open now, as Prometheus metrics.
 
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
 
 use super::state::State;
 
-/// Counters from the start of the server on.
+/// Counters from the start of the server on, and gauges.
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
     /// Levels computed, of all runs of all jobs.
@@ -23,6 +24,25 @@ pub struct Counters {
     /// Writes in those commits.
     pub writes: Counter,
     ended: Family<Ending, Counter>,
+    streams: Gauge,
+}
+
+/// Something that is open, and counted until this is dropped.
+#[derive(Debug)]
+#[must_use]
+pub struct Open(Gauge);
+
+impl Open {
+    fn new(gauge: &Gauge) -> Self {
+        gauge.inc();
+        Self(gauge.clone())
+    }
+}
+
+impl Drop for Open {
+    fn drop(&mut self) {
+        self.0.dec();
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -35,6 +55,11 @@ impl Counters {
     pub fn count_end(&self, state: State) {
         let state = state.name();
         self.ended.get_or_create(&Ending { state }).inc();
+    }
+
+    /// Counts a stream of events while it is open.
+    pub fn open_stream(&self) -> Open {
+        Open::new(&self.streams)
     }
 
     /// Makes the counters known under their names.
@@ -54,6 +79,8 @@ impl Counters {
         for (name, help, counter) in plain {
             registry.register(format!("piad_{name}"), help, counter.clone());
         }
+        let (name, help) = ("piad_streams_open", "Event streams that are open");
+        registry.register(name, help, self.streams.clone());
         let ended = self.ended.clone();
         registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
     }

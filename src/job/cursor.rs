@@ -124,7 +124,11 @@ impl Cursor {
         if level.iteration != self.next || self.run.is_some() {
             return Ok(None);
         }
-        let points = self.job.result().await?;
+        let points = match self.job.result().await {
+            // It was deleted, but can be computed again.
+            Err(StoreError::Gone(_)) => None,
+            points => points?,
+        };
         Ok(points.map(|points| Arc::new(Frame::last(level, points))))
     }
 }

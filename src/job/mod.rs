@@ -8,6 +8,7 @@
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
+//! - [`suspects`]: those that may have brought the process down;
 //! - [`store`]: where jobs are kept; [`recent`]: those that are still at hand;
 //! - [`counters`]: what has been done so far.
 //!
@@ -26,6 +27,7 @@ pub mod scheduler;
 pub mod service;
 pub mod state;
 pub mod store;
+pub mod suspects;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
@@ -61,7 +63,7 @@ pub struct Resources {
 /// somebody asks for them.
 pub struct Job {
     outline: Outline,
-    /// In how many crashes of the process it was running.
+    /// How many crashes of the process it may be to blame for.
     crashes: u32,
     status: watch::Sender<Status>,
     store: Arc<dyn Store>,
@@ -115,8 +117,7 @@ impl Job {
     pub async fn system(&self) -> Result<&Arc<SharedSystem>, StoreError> {
         let load = || async {
             let problem = self.store.problem(self.id()).await?;
-            let problem =
-                problem.ok_or_else(|| StoreError::Failed("the job is gone".to_owned()))?;
+            let problem = problem.ok_or(StoreError::Gone(self.id()))?;
             Ok(Arc::new(SharedSystem::new(problem, None)))
         };
         self.system.get_or_try_init(load).await
@@ -145,7 +146,13 @@ impl Job {
         if !self.status.borrow().state.is_final() {
             return Ok(None);
         }
-        let load = || self.store.result(self.id());
+        let load = || async {
+            let result = self.store.result(self.id()).await?;
+            if result.is_none() && self.store.get(self.id()).await?.is_none() {
+                return Err(StoreError::Gone(self.id()));
+            }
+            Ok(result)
+        };
         self.result.get_or_try_init(load).await.cloned()
     }
 

@@ -19,7 +19,8 @@ use super::recent::Recent;
 use super::run::{Ending, Run};
 use super::scheduler::Lane;
 use super::state::{Failure, Reason, State, Status};
-use super::store::{Key, Made, Record, Retention, Selection, Store, StoreError};
+use super::store::{FORGOTTEN_AT_ONCE, Key, Made, Record, Retention, Selection, Store, StoreError};
+use super::suspects::{Suspects, WATCH, Watch};
 use super::{Job, Resources};
 use crate::fit::iteration::Outcome;
 use crate::fit::problem::Problem;
@@ -27,9 +28,6 @@ use crate::fit::system::System;
 
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
-
-/// How long a job that was running in a crash runs alone.
-const SUSPICION: Duration = Duration::from_millis(500);
 
 /// How often, at least, jobs are looked for that have become too old.
 const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
@@ -96,15 +94,16 @@ pub struct Jobs {
     /// quick ones, so that none of them waits for a large one.
     heavy: Arc<Semaphore>,
     quick: Arc<Semaphore>,
-    /// Jobs that were running in a crash run again one at a time: what brings the process down does
-    /// so alone, and the others come to their ends.
-    suspects: Arc<Semaphore>,
+    /// Jobs that were running in a crash, which run again a few at a time.
+    suspects: Suspects,
     unfinished: AtomicUsize,
     /// The process is about to end: jobs go back to the queue.
     suspended: AtomicBool,
     recent: Recent,
     /// A job has ended.
     ended: Arc<Notify>,
+    /// How many jobs were deleted.
+    deletions: AtomicUsize,
     /// Jobs that somebody holds: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
 }
@@ -119,11 +118,12 @@ impl Jobs {
             limits,
             heavy: Arc::new(Semaphore::new(pages - pages / 4)),
             quick: Arc::new(Semaphore::new(pages / 4)),
-            suspects: Arc::new(Semaphore::new(1)),
+            suspects: Suspects::new(),
             unfinished: AtomicUsize::new(0),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent),
             ended: Arc::default(),
+            deletions: AtomicUsize::new(0),
             live: Mutex::default(),
         }
     }
@@ -139,6 +139,8 @@ impl Jobs {
         let mut unfinished = self.store.unfinished().await?;
         // The quickest first: they come to their ends soon.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
+        let crashes = unfinished.iter().map(|record| record.crashes);
+        self.suspects.gather(crashes);
         if !unfinished.is_empty() {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }
@@ -190,24 +192,34 @@ impl Jobs {
         key: Option<Key>,
     ) -> Result<Accepted, Refused> {
         let jobs = Arc::clone(self);
+        let problem = Arc::new(problem);
         // A client that goes away in the meantime must not leave half a job behind.
-        let accepted = tokio::spawn(async move { jobs.accept(label, problem, like, key).await });
+        let accepted = tokio::spawn(async move {
+            loop {
+                let (label, problem, like) = (label.clone(), Arc::clone(&problem), like.clone());
+                let accepted = Arc::clone(&jobs).accept(label, problem, like, key.clone());
+                // The job of the key may be deleted when it is looked for.
+                if let Some(accepted) = accepted.await? {
+                    return Ok(accepted);
+                }
+            }
+        });
         accepted.await.unwrap_or_else(|error| {
             Err(StoreError::Failed(format!("the job could not be started: {error}")).into())
         })
     }
 
+    /// `None` if there was a job for the key, which is gone.
     async fn accept(
         self: Arc<Self>,
         label: Label,
-        problem: Problem,
+        problem: Arc<Problem>,
         like: Option<Arc<System>>,
         key: Option<Key>,
-    ) -> Result<Accepted, Refused> {
+    ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem);
         self.admit(&outline)?;
         let place = Place::take(&self)?;
-        let problem = Arc::new(problem);
         let memory = self.memory_at_once(&outline);
         let record = Record {
             outline,
@@ -216,6 +228,7 @@ impl Jobs {
                 None => Status::QUEUED,
             },
             crashes: 0,
+            watched: false,
         };
         // Alive before it is stored: whoever finds it in the store finds it alive.
         let job = self.bring_to_life(record.clone());
@@ -226,7 +239,7 @@ impl Jobs {
             Some(memory) => {
                 let start = Start {
                     _memory: memory,
-                    alone: None,
+                    watch: None,
                     run: job.begin(problem, like),
                 };
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
@@ -244,24 +257,27 @@ impl Jobs {
         }
         self.resources.counters.accepted.inc();
         info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");
-        Ok(Accepted::New(job))
+        Ok(Some(Accepted::New(job)))
     }
 
     /// The job that was made for a key, if there is one.
     pub async fn made_for(&self, key: &Key) -> Result<Option<Accepted>, Refused> {
         match self.store.made(&key.name).await? {
             None => Ok(None),
-            Some(made) => self.made_before(made, Some(key)).await.map(Some),
+            Some(made) => self.made_before(made, Some(key)).await,
         }
     }
 
-    async fn made_before(&self, made: Made, key: Option<&Key>) -> Result<Accepted, Refused> {
+    async fn made_before(
+        &self,
+        made: Made,
+        key: Option<&Key>,
+    ) -> Result<Option<Accepted>, Refused> {
         if key.is_none_or(|key| key.digest != made.digest) {
             return Err(Refused::KeyTaken(made.id));
         }
         let job = self.find(made.id).await?;
-        let job = job.ok_or_else(|| StoreError::Failed("the job of the key is gone".to_owned()))?;
-        Ok(Accepted::Known(job))
+        Ok(job.map(Accepted::Known))
     }
 
     /// The job of this id.
@@ -270,10 +286,16 @@ impl Jobs {
             if let Some(job) = self.live(id) {
                 return Ok(Some(job));
             }
+            let deletions = self.deletions.load(Ordering::Acquire);
             match self.store.get(id).await? {
                 None => return Ok(None),
                 Some(record) if record.status.state.is_final() => {
-                    return Ok(Some(self.bring_to_life(record)));
+                    let job = self.bring_to_life(record);
+                    if self.deletions.load(Ordering::Acquire) == deletions {
+                        return Ok(Some(job));
+                    }
+                    // It may have been deleted before it came to life.
+                    self.live.lock().remove(&id);
                 }
                 // It ended between the two look-ups: what the store has now is final.
                 Some(_) => {}
@@ -286,7 +308,10 @@ impl Jobs {
         let mut jobs = Vec::new();
         for record in self.store.list(selection).await? {
             let job = match record.status.state.is_final() {
-                true => Some(self.bring_to_life(record)),
+                true => Some(
+                    self.live(record.outline.id)
+                        .unwrap_or_else(|| self.job(record)),
+                ),
                 false => self.find(record.outline.id).await?,
             };
             jobs.extend(job);
@@ -300,8 +325,18 @@ impl Jobs {
             job.request_cancel();
             job.ended().await;
         }
-        self.recent.forget(id);
-        self.store.remove(id).await
+        let existed = self.store.remove(id).await?;
+        self.forget(&[id]);
+        Ok(existed)
+    }
+
+    /// Jobs are not in the store any more. Whoever holds them goes on with them; nobody finds them.
+    fn forget(&self, ids: &[Uuid]) {
+        self.deletions.fetch_add(1, Ordering::AcqRel);
+        for id in ids {
+            self.recent.forget(*id);
+            self.live.lock().remove(id);
+        }
     }
 
     fn live(&self, id: Uuid) -> Option<Arc<Job>> {
@@ -315,13 +350,17 @@ impl Jobs {
         if let Some(job) = live.get(&id).and_then(Weak::upgrade) {
             return job;
         }
-        let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
-        let job = Arc::new(Job::new(record, store, resources));
+        let job = self.job(record);
         if live.len() == live.capacity() {
             live.retain(|_, job| job.strong_count() > 0);
         }
         live.insert(id, Arc::downgrade(&job));
         job
+    }
+
+    fn job(&self, record: Record) -> Arc<Job> {
+        let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
+        Arc::new(Job::new(record, store, resources))
     }
 
     /// Refuses what can never run.
@@ -379,7 +418,7 @@ impl Jobs {
             (Ending::Broken, None)
         });
         if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
-            let queued = self.store.update(job.id(), Status::QUEUED).await;
+            let queued = self.store.requeue(job.id()).await;
             if let Err(error) = queued {
                 warn!(job = %job.id(), %error, "a job could not be put back into the queue");
             }
@@ -420,46 +459,40 @@ impl Jobs {
     /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
     async fn turn(&self, job: &Job) -> Result<Option<Start>, StoreError> {
         let permits = async {
-            let alone = match job.crashes {
-                0 => None,
-                _ => Some(Arc::clone(&self.suspects).acquire_owned().await.ok()?),
-            };
-            Some((alone, self.memory_for(job.outline()).await?))
+            let memory = self.memory_for(job.outline()).await?;
+            Some((memory, self.suspects.turn(job.crashes).await))
         };
         let permits = tokio::select! {
             biased;
             () = job.cancel_requested() => None,
             permits = permits => permits,
         };
-        let Some((alone, memory)) = permits else {
+        let Some((memory, watch)) = permits else {
             return Ok(None);
         };
-        let problem = job.problem().await?;
         let status = Status::running();
         // Whether a job was running in a crash must be known after it.
-        self.store.update(job.id(), status.clone()).await?;
+        let started = self.store.start(job.id(), status.clone(), watch.is_some());
+        started.await?;
+        let problem = job.problem().await?;
         let run = job.begin(problem, None);
         job.status.send_replace(status);
         Ok(Some(Start {
             _memory: memory,
-            alone,
+            watch,
             run,
         }))
     }
 
     async fn run(&self, job: &Arc<Job>, start: Start) -> (Ending, Option<Arc<Frame>>) {
         let run = &start.run;
-        if let Some(alone) = start.alone {
-            // What brings the process down does so soon, or it is not to be told from the others.
-            tokio::spawn(async move {
-                sleep(SUSPICION).await;
-                drop(alone);
-            });
-        }
         if self.suspended.load(Ordering::Acquire) {
             run.stop();
         }
-        let end = run.complete().await;
+        let end = match start.watch {
+            None => run.complete().await,
+            Some(watch) => self.complete_under_watch(job, run, watch).await,
+        };
         // What the levels were must outlive the run.
         job.status.send_if_modified(|status| {
             status.levels = run.levels();
@@ -469,10 +502,34 @@ impl Jobs {
         end
     }
 
+    /// What brings the process down does so soon, or it is not to be told from the others.
+    async fn complete_under_watch(
+        &self,
+        job: &Job,
+        run: &Arc<Run>,
+        watch: Watch,
+    ) -> (Ending, Option<Arc<Frame>>) {
+        if let Ok(end) = timeout(WATCH, run.complete()).await {
+            return end;
+        }
+        if let Err(error) = self.store.clear(job.id()).await {
+            warn!(job = %job.id(), %error, "a job could not be cleared of suspicion");
+        }
+        drop(watch);
+        run.complete().await
+    }
+
     async fn retain(&self) {
-        match self.store.retain(self.limits.retention).await {
-            Ok(forgotten) => forgotten.into_iter().for_each(|id| self.recent.forget(id)),
-            Err(error) => error!(%error, "old jobs could not be removed"),
+        loop {
+            match self.store.retain(self.limits.retention).await {
+                Ok(forgotten) => {
+                    self.forget(&forgotten);
+                    if forgotten.len() < FORGOTTEN_AT_ONCE {
+                        return;
+                    }
+                }
+                Err(error) => return error!(%error, "old jobs could not be removed"),
+            }
         }
     }
 }
@@ -482,8 +539,8 @@ struct Start {
     run: Arc<Run>,
     /// The memory that it takes.
     _memory: OwnedSemaphorePermit,
-    /// The right to be the only one that was running in a crash.
-    alone: Option<OwnedSemaphorePermit>,
+    /// It was running in a crash.
+    watch: Option<Watch>,
 }
 
 /// What the end of its run means for a job.

@@ -11,11 +11,14 @@
 
 mod bad_requests;
 mod changed;
+mod clock;
 mod closed;
 mod convex;
 mod crashes;
 mod crowd;
+mod damage;
 mod data;
+mod deleting;
 mod description;
 mod digits;
 mod durable;
@@ -45,6 +48,7 @@ mod scales;
 mod stream_object;
 mod streams;
 mod support;
+mod suspects;
 mod views;
 
 /// The messages and the client that the contract gives to everybody.

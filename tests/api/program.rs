@@ -40,7 +40,17 @@ impl Program {
         Self::launch(command, data)
     }
 
-    fn launch(mut command: Command, data: &Path) -> Self {
+    fn launch(command: Command, data: &Path) -> Self {
+        let started = Self::try_launch(command, data);
+        started.unwrap_or_else(|(_, said)| panic!("it has not started: {said}"))
+    }
+
+    /// Starts a server; gives its exit code and what it has said if it does not start.
+    pub fn attempt(data: &Path) -> Result<Self, (Option<i32>, String)> {
+        Self::try_launch(Command::new(PROGRAM), data)
+    }
+
+    fn try_launch(mut command: Command, data: &Path) -> Result<Self, (Option<i32>, String)> {
         let mut child = command
             .args(["--listen", "127.0.0.1:0", "--log-format", "json"])
             .args(["--max-iterations", "1000000000"])
@@ -49,14 +59,17 @@ impl Program {
             .spawn()
             .unwrap();
         let mut log = BufReader::new(child.stderr.take().unwrap());
-        let address = address(&mut log);
+        let address = match address(&mut log) {
+            Ok(address) => address,
+            Err(said) => return Err((child.wait().unwrap().code(), said)),
+        };
         // A pipe that nobody reads would fill up.
         std::thread::spawn(move || std::io::copy(&mut log, &mut std::io::sink()));
-        Self {
+        Ok(Self {
             child,
             address,
             client: Client::builder().timeout(PATIENCE).build().unwrap(),
-        }
+        })
     }
 
     /// Starts a server that must refuse to start, and gives what it has said.
@@ -117,15 +130,24 @@ impl Drop for Program {
     }
 }
 
-/// Reads the log up to the line that tells the address.
-fn address(log: &mut impl BufRead) -> String {
+/// Reads the log up to the line that tells the address; or what it says instead, without warnings.
+fn address(log: &mut impl BufRead) -> Result<String, String> {
+    let mut said = String::new();
     loop {
         let mut line = String::new();
-        assert!(log.read_line(&mut line).unwrap() > 0, "it has not started");
-        let line: Value = serde_json::from_str(&line).unwrap();
-        let message = line["fields"]["message"].as_str().unwrap();
+        if log.read_line(&mut line).unwrap() == 0 {
+            return Err(said);
+        }
+        let Ok(entry) = serde_json::from_str::<Value>(&line) else {
+            said += &line;
+            continue;
+        };
+        let message = entry["fields"]["message"].as_str().unwrap_or(&line);
         if let Some(address) = message.strip_prefix("listening on http://") {
-            return address.to_owned();
+            return Ok(address.to_owned());
+        }
+        if entry["level"] == "ERROR" {
+            said += &format!("{message}\n");
         }
     }
 }

@@ -802,6 +802,25 @@ async fn a_job_can_end_with_its_client() {
     }
 }
 
+#[tokio::test]
+async fn a_client_that_watches_cannot_end_the_job() {
+    let server = Server::start().await;
+    let mut client = connect(&server).await;
+    let job = create(&mut client, endless()).await;
+    let request = pb::WatchJobRequest {
+        id: job.id,
+        stream: Some(pb::StreamOptions {
+            on_disconnect: pb::OnDisconnect::Cancel.into(),
+            ..pb::StreamOptions::default()
+        }),
+        ..pb::WatchJobRequest::default()
+    };
+    let status = client.watch_job(request).await.unwrap_err();
+    assert_eq!(status.code(), Code::InvalidArgument);
+    let violations = status.get_details_bad_request().unwrap().field_violations;
+    assert_eq!(violations[0].field, "stream.on_disconnect");
+}
+
 /// A client that does not read holds a bounded number of frames, and nobody else.
 #[tokio::test]
 async fn a_client_that_does_not_read_holds_up_nobody() {

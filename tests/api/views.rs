@@ -6,7 +6,7 @@ use futures_util::StreamExt;
 use serde_json::json;
 
 use crate::data;
-use crate::support::{Server, Story, events, levels, problem, thinned};
+use crate::support::{Server, Story, assert_query_refused, events, levels, problem, thinned};
 
 #[tokio::test]
 async fn views_show_errors_or_samples() {
@@ -143,6 +143,66 @@ async fn a_job_may_end_with_its_client() {
         .header("accept", "text/event-stream");
     let response = request.json(&data::small_job()).send().await.unwrap();
     assert_eq!(Story::read(response).await.state(), "converged");
+    server.stop().await;
+}
+
+/// Whoever reads a job cannot end it: neither by asking for it, nor by what the job says of its own
+/// stream, nor with the key of its request.
+#[tokio::test]
+async fn readers_do_not_end_the_job_of_another() {
+    let server = Server::start().await;
+    let mut body = data::endless_job();
+    body["stream"] = json!({"on_disconnect": "cancel"});
+    let post = async || {
+        let request = server.post("/v1/jobs").header("idempotency-key", "mine");
+        let request = request.header("accept", "text/event-stream");
+        request.json(&body).send().await.unwrap()
+    };
+    let response = post().await;
+    let path = response.headers()["location"].to_str().unwrap().to_owned();
+    let mut own = events(response);
+    own.next().await.unwrap();
+    let watch = format!("{path}/events");
+    assert_query_refused(
+        &server,
+        &watch,
+        "on_disconnect=cancel",
+        "on_disconnect",
+        "only the stream that is the answer",
+    )
+    .await;
+    let replay = post().await;
+    assert_eq!(replay.headers()["idempotency-replayed"], "true");
+    let others = [
+        replay,
+        server.get(&watch).send().await.unwrap(),
+        server
+            .get(&format!("{watch}?on_disconnect=continue"))
+            .send()
+            .await
+            .unwrap(),
+    ];
+    for response in others {
+        let mut stream = events(response);
+        stream.next().await.unwrap();
+        drop(stream);
+    }
+    // The others are gone as soon as nobody reads but the one that made it.
+    let gauge = async || {
+        let metrics = server.get("/metrics").send().await.unwrap();
+        metrics.text().await.unwrap()
+    };
+    let begin = Instant::now();
+    while !gauge().await.contains("piad_streams_open 1\n") {
+        assert!(begin.elapsed() < Duration::from_secs(20));
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    assert_eq!(server.json(&path).await["state"], "running");
+    drop(own);
+    while server.json(&path).await["state"] != "cancelled" {
+        assert!(begin.elapsed() < Duration::from_secs(20));
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
     server.stop().await;
 }
 

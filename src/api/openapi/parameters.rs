@@ -15,12 +15,23 @@ use crate::api::order::LONGEST_KEY;
 pub(super) fn parameters() -> Map<String, Value> {
     let groups = [paths(), lists(), views(), streams(), request_headers()];
     let all = groups.into_iter().flatten();
-    all.map(|parameter| {
+    let named = all.map(|parameter| {
         let name = parameter["name"].as_str().unwrap_or_default().to_owned();
         (name, parameter)
-    })
-    .collect()
+    });
+    let of_readers = query(
+        "on_disconnect",
+        "What becomes of the job when the client goes away: it goes on. Only the stream that is the answer to the request for the job can end it.",
+        json!({"type": "string", "const": "continue"}),
+        json!("continue"),
+    );
+    named
+        .chain([(READER_ON_DISCONNECT.to_owned(), of_readers)])
+        .collect()
 }
+
+/// The component of `on_disconnect` in streams of jobs that other requests have made.
+pub(super) const READER_ON_DISCONNECT: &str = "reader_on_disconnect";
 
 fn query(name: &str, description: &str, schema: Value, example: Value) -> Value {
     parameter("query", name, description, schema, example)
@@ -167,7 +178,7 @@ fn streams() -> Vec<Value> {
         ),
         query(
             "on_disconnect",
-            "What becomes of the job when the client goes away.",
+            "What becomes of the job when the client of this stream goes away.",
             reference("schemas", "OnDisconnect"),
             json!("cancel"),
         ),

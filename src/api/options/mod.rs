@@ -70,7 +70,7 @@ pub struct StreamOptions {
     pub milestones: Vec<f64>,
     /// A slow client skips to the newest iteration.
     pub latest: bool,
-    /// The job ends with its client.
+    /// The job ends with this stream.
     pub cancels: bool,
 }
 
@@ -188,6 +188,25 @@ impl StreamParameters {
         Ok(StreamOptions {
             form: options.form.in_protobuf(),
             changes: options.changes.map(|form| form.in_protobuf()),
+            ..options
+        })
+    }
+
+    /// The options of a stream of a job that another request has made: it shows the job, and does
+    /// not end it, whatever the job says of its own stream.
+    pub fn of_reader(
+        &self,
+        framing: Framing,
+        job: Option<&StreamObject>,
+        surface: bool,
+    ) -> Result<StreamOptions, Problem> {
+        let options = self.framed(framing, job, surface)?;
+        if options.cancels && self.on_disconnect.is_some() {
+            let detail = "only the stream that is the answer to the request for the job can end it";
+            return Err(Problem::at_parameter("on_disconnect", detail));
+        }
+        Ok(StreamOptions {
+            cancels: false,
             ..options
         })
     }

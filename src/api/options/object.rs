@@ -215,7 +215,7 @@ schema_of!(
     Disconnect,
     "OnDisconnect",
     names(
-        "What becomes of the job when the client of a stream goes away.",
+        "What becomes of the job when the client goes away that made it with a stream.",
         "continue",
         &DISCONNECTS,
     )

@@ -14,9 +14,9 @@ use super::messages::{self as pb, fitting_service_server::FittingService};
 use super::{edit, names, request, stream as options, view};
 use crate::api::feed::{Event, Feed};
 use crate::api::negotiate::{Framing, Language};
-use crate::api::options::StreamParameters;
 use crate::api::options::form::Form;
 use crate::api::options::object::StreamObject;
+use crate::api::options::{StreamOptions, StreamParameters};
 use crate::api::order::{self, Order};
 use crate::api::problem::{Kind, Problem};
 use crate::api::{App, encode, geometry, jobs};
@@ -101,17 +101,9 @@ impl Service {
     }
 
     /// The events of a job after iteration `seen`.
-    fn watch(
-        &self,
-        job: Arc<Job>,
-        parameters: &StreamParameters,
-        seen: Option<usize>,
-    ) -> Result<Events, Problem> {
-        let outline = job.outline();
-        let defaults = StreamObject::of(&outline.label)?;
-        let options = parameters.framed(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+    fn events(&self, job: Arc<Job>, options: StreamOptions, seen: Option<usize>) -> Events {
         let feed = Feed::new(&self.0, job, options, seen);
-        Ok(Box::pin(stream::unfold(Some(feed), next)))
+        Box::pin(stream::unfold(Some(feed), next))
     }
 }
 
@@ -191,8 +183,14 @@ impl FittingService for Service {
         let message = request.into_inner();
         let parameters = options::parameters(message.stream)?;
         let accepted = self.make(message.input, message.idempotency_key, Some(&parameters));
-        let (job, _) = taken(accepted.await?);
-        Ok(Response::new(self.watch(job, &parameters, None)?))
+        let (job, replayed) = taken(accepted.await?);
+        let outline = job.outline();
+        let defaults = StreamObject::of(&outline.label)?;
+        let mut options =
+            parameters.framed(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+        // A job that is known has a stream of its own, which may end it.
+        options.cancels &= !replayed;
+        Ok(Response::new(self.events(job, options, None)))
     }
 
     async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Answer<pb::GetJobResponse> {
@@ -278,7 +276,15 @@ impl FittingService for Service {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let parameters = options::parameters(message.stream)?;
+        let outline = job.outline();
+        let defaults = StreamObject::of(&outline.label)?;
+        let options =
+            parameters.of_reader(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+        if job.status().state.is_final() {
+            // Once they are at hand the stream comes to its end, also if the job is deleted.
+            job.problem().await?;
+        }
         let seen = message.resume_after.map(level);
-        Ok(Response::new(self.watch(job, &parameters, seen)?))
+        Ok(Response::new(self.events(job, options, seen)))
     }
 }

@@ -57,6 +57,12 @@ impl Content {
         made.filter(|made| !made.is_forgotten())
     }
 
+    fn set_status(&mut self, id: Uuid, status: Status) {
+        if let Some(entry) = self.entries.get_mut(&id) {
+            entry.record.status = status;
+        }
+    }
+
     fn finish(&mut self, id: Uuid, status: Status, result: Option<Arc<Points>>) {
         if let Some(entry) = self.entries.get_mut(&id) {
             entry.record.status = status;
@@ -128,10 +134,18 @@ impl Store for MemoryStore {
         kept(self.0.lock().insert(record, problem, key))
     }
 
-    fn update(&self, id: Uuid, status: Status) -> Kept<()> {
-        if let Some(entry) = self.0.lock().entries.get_mut(&id) {
-            entry.record.status = status;
-        }
+    fn start(&self, id: Uuid, status: Status, _watched: bool) -> Kept<()> {
+        self.0.lock().set_status(id, status);
+        kept(())
+    }
+
+    // Nothing outlives a crash.
+    fn clear(&self, _id: Uuid) -> Kept<()> {
+        kept(())
+    }
+
+    fn requeue(&self, id: Uuid) -> Kept<()> {
+        self.0.lock().set_status(id, Status::QUEUED);
         kept(())
     }
 

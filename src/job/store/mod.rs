@@ -1,5 +1,6 @@
 //! Where jobs are kept: their problems, states and final control points. Frames are not.
 
+pub mod blame;
 pub mod embedded;
 pub mod memory;
 
@@ -14,15 +15,15 @@ use uuid::Uuid;
 
 use super::outline::Outline;
 use super::scheduler::Broken;
-use super::state::{Failure, State, Status};
+use super::state::{State, Status};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
+/// The most jobs that are forgotten together: where there is little room, many would not go.
+pub const FORGOTTEN_AT_ONCE: usize = 100;
+
 /// How long the key of a request is remembered.
 pub const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
-
-/// A job that was running in so many crashes of the process is not run again.
-pub const MOST_CRASHES: u32 = 3;
 
 /// A job as it is kept, without its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,34 +32,10 @@ pub struct Record {
     pub outline: Outline,
     /// What has become of it.
     pub status: Status,
-    /// In how many crashes of the process it was running.
+    /// How many crashes of the process it may be to blame for.
     pub crashes: u32,
-}
-
-impl Record {
-    /// The record after a start of the process: what was running goes back to the queue, unless it
-    /// was running in too many crashes. `None` if nothing changes.
-    pub fn recovered(&self) -> Option<Self> {
-        if self.status.state != State::Running {
-            return None;
-        }
-        let crashes = self.crashes + 1;
-        let status = if crashes >= MOST_CRASHES {
-            Status {
-                state: State::Failed,
-                finished: Some(Timestamp::now()),
-                failure: Some(Failure::Crashes),
-                ..self.status.clone()
-            }
-        } else {
-            Status::QUEUED
-        };
-        Some(Self {
-            status,
-            crashes,
-            ..self.clone()
-        })
-    }
+    /// It runs under watch, as it may be to blame for a crash.
+    pub watched: bool,
 }
 
 /// A key by which a client recognises its request, and a digest of what was asked for with it.
@@ -84,7 +61,7 @@ pub struct Made {
 impl Made {
     /// Whether the key is not remembered any more.
     pub fn is_forgotten(&self) -> bool {
-        Timestamp::now().duration_since(self.at).unsigned_abs() > KEY_LIFETIME
+        is_older(self.at, KEY_LIFETIME)
     }
 }
 
@@ -116,6 +93,9 @@ pub enum StoreError {
     /// There is no room.
     #[error("the store is full: {0}")]
     Full(String),
+    /// The job was deleted in the meantime.
+    #[error("the job {0} was deleted")]
+    Gone(Uuid),
     /// Anything else.
     #[error("the store failed: {0}")]
     Failed(String),
@@ -137,8 +117,14 @@ pub trait Store: Send + Sync {
     fn insert(&self, record: Record, problem: Arc<Problem>, key: Option<Key>)
     -> Kept<Option<Made>>;
 
-    /// Keeps the state of a job. A job that is gone stays gone.
-    fn update(&self, id: Uuid, status: Status) -> Kept<()>;
+    /// Keeps that a queued job runs now, perhaps under watch. A job that is gone stays gone.
+    fn start(&self, id: Uuid, status: Status, watched: bool) -> Kept<()>;
+
+    /// Keeps that a job is not under watch any more.
+    fn clear(&self, id: Uuid) -> Kept<()>;
+
+    /// Puts a job back into the queue. Who does so is alive: there was no crash.
+    fn requeue(&self, id: Uuid) -> Kept<()>;
 
     /// Keeps the final state and control points of a job. A job that is gone stays gone.
     fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Kept<()>;
@@ -146,7 +132,8 @@ pub trait Store: Send + Sync {
     /// Forgets a job; says whether there was one.
     fn remove(&self, id: Uuid) -> Kept<bool>;
 
-    /// Forgets jobs that have ended until the rest is within `retention`, and old keys.
+    /// Forgets jobs that have ended until the rest is within `retention`, at most
+    /// [`FORGOTTEN_AT_ONCE`], and old keys.
     fn retain(&self, retention: Retention) -> Kept<Vec<Uuid>>;
 
     /// The job of this id.
@@ -168,6 +155,13 @@ pub trait Store: Send + Sync {
     async fn made(&self, key: &str) -> Result<Option<Made>, StoreError>;
 }
 
+/// Whether it was longer ago than this. What lies in the future is young: a clock that was ahead must
+/// not make anything be forgotten.
+fn is_older(at: Timestamp, age: Duration) -> bool {
+    let passed = Timestamp::now().duration_since(at);
+    Duration::try_from(passed).is_ok_and(|passed| passed > age)
+}
+
 /// Which of the jobs that have ended to forget, and how many there are: the bookkeeping that
 /// stores share. Jobs are ordered by the time at which they ended.
 #[derive(Debug, Default)]
@@ -183,22 +177,26 @@ impl Ended {
         self.bytes = self.bytes + bytes - before;
     }
 
-    /// A job is gone.
-    pub fn remove(&mut self, at: Timestamp, id: Uuid) {
-        self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
+    /// A job is gone; gives the bytes that it took.
+    pub fn remove(&mut self, at: Timestamp, id: Uuid) -> u64 {
+        let bytes = self.jobs.remove(&(at, id)).unwrap_or(0);
+        self.bytes -= bytes;
+        bytes
     }
 
     /// The jobs to be forgotten.
     pub fn surplus(&self, retention: Retention) -> Vec<Uuid> {
-        let now = Timestamp::now();
         let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
         let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
-            let old = now.duration_since(at).unsigned_abs() > retention.age;
+            let old = is_older(at, retention.age);
             let forget = old || jobs > retention.jobs || bytes > retention.bytes;
             jobs -= 1;
             bytes -= size;
             forget
         });
-        surplus.map(|(&(_, id), _)| id).collect()
+        surplus
+            .map(|(&(_, id), _)| id)
+            .take(FORGOTTEN_AT_ONCE)
+            .collect()
     }
 }

@@ -4,9 +4,11 @@ use serde_json::{Value, json};
 
 use super::{NEGOTIATION, NEW_JOB, OF_A_JOB, WITH_A_JOB, events, job};
 use crate::api::openapi::operation::{Operation, Tag, json_of, message_of};
+use crate::api::openapi::parameters::READER_ON_DISCONNECT;
 use crate::api::problem::Kind;
 
-/// The parameters of an event stream that a job may set, too.
+/// The parameters of an event stream that a job may set, too. The last one is about the stream of a
+/// new job.
 const STREAM: [&str; 9] = [
     "view",
     "samples",
@@ -208,7 +210,13 @@ pub fn watch() -> Operation {
         "Follow a job",
         "Its events: the job, every iteration from 0 on in order and without gaps, the end. The stream runs at the pace of its reader and goes on after the last event that the client names. Some choices rule others out; that is answered with 400.",
     )
-    .parameters(&[&["id", "Last-Event-ID", "last_event_id"], STREAM.as_slice()].concat())
+    .parameters(
+        &[
+            &["id", "Last-Event-ID", "last_event_id", READER_ON_DISCONNECT],
+            &STREAM[..STREAM.len() - 1],
+        ]
+        .concat(),
+    )
     .answer(
         200,
         "The event stream, of which the schemas describe one event. It ends with the job.",

@@ -60,6 +60,9 @@ pub(super) struct Header {
     /// The key of the request that made the job.
     #[prost(string, optional, tag = "19")]
     pub(super) key: Option<String>,
+    /// It runs under watch, as it may be to blame for a crash.
+    #[prost(bool, tag = "20")]
+    pub(super) watched: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]
@@ -244,12 +247,19 @@ impl Header {
             crashes: record.crashes,
             bytes,
             key,
+            watched: record.watched,
         }
     }
 
     /// The state of the job is another one now.
     pub(super) fn set_status(&mut self, status: &Status) {
         self.status = Some(status.into());
+    }
+
+    /// The job was running in a crash, after which this is its record.
+    pub(super) fn recover(&mut self, record: &Record) {
+        self.set_status(&record.status);
+        (self.crashes, self.watched) = (record.crashes, record.watched);
     }
 
     /// The record of a header.
@@ -290,6 +300,7 @@ impl Header {
                 .ok_or_else(|| damaged("no status"))?
                 .try_into()?,
             crashes: self.crashes,
+            watched: self.watched,
         })
     }
 }

@@ -2,12 +2,17 @@
 //!
 //! - [`tables`]: what stands in the file, and the version of that;
 //! - [`writer`]: the one thread that writes, many writes in a commit;
+//! - [`opening`]: the file is found whole, or refused with a reason; [`quiet`]: panics of the database;
+//! - [`room`]: what is kept back for when the disk is full;
 //! - [`header`], [`input`]: records and problems as protobuf messages, so that fields can be added.
 //!
 //! Reads see what was committed. Lists wait for the writes before them.
 
 mod header;
 mod input;
+mod opening;
+mod quiet;
+mod room;
 mod tables;
 mod writer;
 
@@ -23,8 +28,9 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
 use crate::job::state::Status;
+pub use opening::OpenError;
+use room::Room;
 use tables::File;
-pub use tables::OpenError;
 use writer::{Change, Outcome, Write, Writer};
 
 /// The name of the file in the data directory.
@@ -41,7 +47,8 @@ impl EmbeddedStore {
     /// go back to the queue, or fail if that has happened too often.
     pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         let file = Arc::new(File::open(directory, FILE)?);
-        let writer = Writer::start(Arc::clone(&file), counters)?;
+        let writer = Writer::start(Arc::clone(&file), Room::new(directory), counters);
+        let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
         Ok(Self { file, writer })
     }
 
@@ -66,7 +73,7 @@ impl EmbeddedStore {
         read: impl FnOnce(&File) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, StoreError> {
         let file = Arc::clone(&self.file);
-        let read = tokio::task::spawn_blocking(move || read(&file));
+        let read = tokio::task::spawn_blocking(move || file.read(read));
         read.await
             .unwrap_or_else(|error| Err(StoreError::Failed(error.to_string())))
     }
@@ -91,8 +98,21 @@ impl Store for EmbeddedStore {
         })
     }
 
-    fn update(&self, id: Uuid, status: Status) -> Kept<()> {
-        self.write(Change::Update { id, status }, drop)
+    fn start(&self, id: Uuid, status: Status, watched: bool) -> Kept<()> {
+        let change = Change::Start {
+            id,
+            status,
+            watched,
+        };
+        self.write(change, drop)
+    }
+
+    fn clear(&self, id: Uuid) -> Kept<()> {
+        self.write(Change::Clear { id }, drop)
+    }
+
+    fn requeue(&self, id: Uuid) -> Kept<()> {
+        self.write(Change::Requeue { id }, drop)
     }
 
     fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Kept<()> {

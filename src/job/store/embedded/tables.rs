@@ -1,22 +1,25 @@
 //! What stands in the file.
 
-use std::io::{self, ErrorKind};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use parking_lot::{RwLock, RwLockReadGuard};
 use prost::Message;
 use redb::{
-    Database, DatabaseError, ReadOnlyTable, ReadableDatabase, ReadableTable, StorageError,
-    TableDefinition, TableError,
+    Database, ReadOnlyTable, ReadableDatabase, ReadableTable, StorageError, TableDefinition,
+    TableError,
 };
-use thiserror::Error;
+use tracing::error;
 use uuid::Uuid;
 
 use super::super::{Made, Record, Selection, StoreError};
 use super::header::{Header, KeyMessage};
 use super::input::{Input, PointsMessage};
+use super::opening::{self, OpenError};
+use super::quiet;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
@@ -26,10 +29,10 @@ pub(super) const VERSION: u64 = 1;
 
 /// Facts about the file itself.
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");
-const VERSION_FACT: &str = "version";
+pub(super) const VERSION_FACT: &str = "version";
 
-/// Bytes of the file that are kept in memory. Most jobs are read once.
-const CACHE: usize = 32 << 20;
+/// How long those who read the file may hold it when it is opened again.
+const MOST_READING: Duration = Duration::from_secs(5);
 
 /// Jobs without their points, by id: lists read only these.
 pub(super) const HEADERS: TableDefinition<u128, &[u8]> = TableDefinition::new("headers");
@@ -39,44 +42,8 @@ pub(super) const INPUTS: TableDefinition<u128, &[u8]> = TableDefinition::new("in
 pub(super) const RESULTS: TableDefinition<u128, &[u8]> = TableDefinition::new("results");
 /// Which job was made for a key.
 pub(super) const KEYS: TableDefinition<&str, &[u8]> = TableDefinition::new("keys");
-
-/// The store cannot be opened.
-#[derive(Debug, Error)]
-pub enum OpenError {
-    /// The directory cannot be made or read.
-    #[error("the data directory {directory:?} cannot be used: {reason}")]
-    Directory {
-        /// The directory.
-        directory: PathBuf,
-        /// Why.
-        reason: io::Error,
-    },
-    /// Another process has it open.
-    #[error("{0:?} is in use by another process: give each server a data directory of its own")]
-    InUse(PathBuf),
-    /// It was written by another version of the program.
-    #[error(
-        "{path:?} has version {found} of the format, this program knows version {VERSION}: start the \
-         program that wrote it, or choose another --data-dir"
-    )]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// Its version.
-        found: u64,
-    },
-    /// What was running could not be put back into the queue.
-    #[error("the jobs of the last run cannot be recovered: {0}")]
-    Recovery(StoreError),
-    /// It is not a store, or is damaged.
-    #[error("{path:?} cannot be opened: {reason}")]
-    Broken {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: redb::Error,
-    },
-}
+/// Nothing: pages are taken and given back here, so that there are some.
+pub(super) const SLACK: TableDefinition<u64, &[u8]> = TableDefinition::new("slack");
 
 /// The open file.
 pub(super) struct File {
@@ -88,23 +55,27 @@ pub(super) struct File {
 impl File {
     /// Opens or makes the file in a directory, and checks its version.
     pub(super) fn open(directory: &Path, name: &str) -> Result<Self, OpenError> {
-        std::fs::create_dir_all(directory).map_err(|reason| OpenError::Directory {
-            directory: directory.to_owned(),
-            reason,
-        })?;
         let path = directory.join(name);
-        let database = open(&path, true)?;
-        let broken = |reason| OpenError::Broken {
-            path: path.clone(),
-            reason,
-        };
-        match prepare(&database).map_err(broken)? {
-            VERSION => Ok(Self {
-                path,
-                database: RwLock::new(Some(database)),
-            }),
-            found => Err(OpenError::Version { path, found }),
-        }
+        let database = opening::open_or_make(directory, &path)?;
+        Ok(Self {
+            path,
+            database: RwLock::new(Some(database)),
+        })
+    }
+
+    /// Reads. If the database panics, as it does where pages are damaged, only this read fails.
+    pub(super) fn read<T>(
+        &self,
+        read: impl FnOnce(&Self) -> Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
+        quiet::catch(|| read(self)).unwrap_or_else(|panic| {
+            error!(panic, "the database panicked while it was read");
+            let works = quiet::catch(|| self.made("").is_ok()).unwrap_or(false);
+            if !works && let Err(error) = self.reopen() {
+                error!(%error, "the store could not be opened again");
+            }
+            Err(damaged("the database does not understand its own pages"))
+        })
     }
 
     /// The database, to be read or written.
@@ -115,11 +86,20 @@ impl File {
     /// Opens the file anew after an I/O error, with what was committed before it.
     pub(super) fn reopen(&self) -> Result<(), StoreError> {
         let mut database = self.database.write();
-        // The lock on the file goes with the old one.
-        drop(database.take());
-        let opened =
-            open(&self.path, false).map_err(|error| StoreError::Failed(error.to_string()))?;
-        *database = Some(opened);
+        // The lock on the file goes with the old one, and with the last of those who still read it.
+        if let Err(panic) = quiet::catch(|| drop(database.take())) {
+            error!(panic, "the database panicked while it was closed");
+        }
+        let begin = Instant::now();
+        let opened = loop {
+            match opening::open_again(&self.path) {
+                Err(OpenError::InUse(_)) if begin.elapsed() < MOST_READING => {
+                    sleep(Duration::from_millis(5));
+                }
+                opened => break opened,
+            }
+        };
+        *database = Some(opened.map_err(|error| StoreError::Failed(error.to_string()))?);
         Ok(())
     }
 
@@ -219,55 +199,6 @@ pub(super) fn closed() -> StoreError {
 /// What was read makes no sense.
 pub(super) fn damaged(reason: impl ToString) -> StoreError {
     StoreError::Failed(format!("a record cannot be read: {}", reason.to_string()))
-}
-
-/// Opens the file; makes it if it `may_be_new`: one that was there before must not be replaced by
-/// an empty one.
-fn open(path: &Path, may_be_new: bool) -> Result<Database, OpenError> {
-    let mut builder = Database::builder();
-    builder.set_cache_size(CACHE);
-    // A file that was cut off can make redb panic.
-    let opened = catch_unwind(AssertUnwindSafe(|| match may_be_new {
-        true => builder.create(path),
-        false => builder.open(path),
-    }));
-    let opened = opened.unwrap_or_else(|_| {
-        let damaged = StorageError::Corrupted("it is shorter than it says".to_owned());
-        Err(DatabaseError::Storage(damaged))
-    });
-    opened.map_err(|error| match error {
-        DatabaseError::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),
-        error => OpenError::Broken {
-            path: path.to_owned(),
-            reason: error.into(),
-        },
-    })
-}
-
-/// Makes the tables of a new file; gives the version of the file.
-fn prepare(database: &Database) -> Result<u64, redb::Error> {
-    let transaction = database.begin_write()?;
-    let version = {
-        let mut facts = transaction.open_table(FACTS)?;
-        let found = facts.get(VERSION_FACT)?.map(|version| version.value());
-        match found {
-            Some(version) => version,
-            None => {
-                facts.insert(VERSION_FACT, VERSION)?;
-                VERSION
-            }
-        }
-    };
-    if version != VERSION {
-        transaction.abort()?;
-        return Ok(version);
-    }
-    transaction.open_table(HEADERS)?;
-    transaction.open_table(INPUTS)?;
-    transaction.open_table(RESULTS)?;
-    transaction.open_table(KEYS)?;
-    transaction.commit()?;
-    Ok(version)
 }
 
 impl From<redb::Error> for StoreError {

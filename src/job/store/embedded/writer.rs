@@ -1,7 +1,6 @@
 //! The one thread that writes. What has gathered while a commit went to the disk goes into the
 //! next one together: a hundred clients that create jobs at the same time wait for one commit.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle};
@@ -13,10 +12,13 @@ use tokio::sync::oneshot;
 use tracing::{error, warn};
 use uuid::Uuid;
 
+use super::super::blame::Crash;
 use super::super::{Ended, Key, Made, Record, Retention, StoreError};
 use super::header::{Header, KeyMessage};
 use super::input::{Input, PointsMessage};
-use super::tables::{self, File, HEADERS, INPUTS, KEYS, OpenError, RESULTS, damaged};
+use super::quiet;
+use super::room::Room;
+use super::tables::{self, File, HEADERS, INPUTS, KEYS, RESULTS, SLACK, damaged};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
@@ -24,6 +26,10 @@ use crate::job::state::{State, Status};
 
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;
+
+/// So many pages of the file stay free for changes that must be possible: deleting a job takes a few
+/// dozen, which are free again two commits later.
+const SLACK_PAGES: u64 = 128;
 
 /// A change of the file, and where its outcome goes.
 pub(super) struct Write {
@@ -38,9 +44,16 @@ pub(super) enum Change {
         problem: Arc<Problem>,
         key: Option<Key>,
     },
-    Update {
+    Start {
         id: Uuid,
         status: Status,
+        watched: bool,
+    },
+    Clear {
+        id: Uuid,
+    },
+    Requeue {
+        id: Uuid,
     },
     Finish {
         id: Uuid,
@@ -73,18 +86,28 @@ pub(super) struct Writer {
 
 impl Writer {
     /// Puts what was running in a crash back into the queue, and starts the thread.
-    pub(super) fn start(file: Arc<File>, counters: Counters) -> Result<Self, OpenError> {
+    pub(super) fn start(
+        file: Arc<File>,
+        room: Room,
+        counters: Counters,
+    ) -> Result<Self, StoreError> {
         let mut pen = Pen {
             file,
+            room,
             counters,
             ended: Ended::default(),
         };
-        pen.recover().map_err(OpenError::Recovery)?;
+        let mut recovered = pen.recover();
+        if matches!(recovered, Err(StoreError::Full(_))) && pen.room.release() {
+            pen.file.reopen()?;
+            recovered = pen.recover();
+        }
+        recovered?;
         let (sender, receiver) = channel();
         let thread = thread::Builder::new()
             .name("piad-store".to_owned())
             .spawn(move || pen.serve(&receiver))
-            .map_err(|reason| OpenError::Recovery(StoreError::Failed(reason.to_string())))?;
+            .map_err(|reason| StoreError::Failed(reason.to_string()))?;
         Ok(Self {
             sender: Some(sender),
             thread: Some(thread),
@@ -117,6 +140,7 @@ pub(super) fn gone() -> StoreError {
 /// What the thread works with.
 struct Pen {
     file: Arc<File>,
+    room: Room,
     counters: Counters,
     ended: Ended,
 }
@@ -153,23 +177,32 @@ impl Pen {
     /// Does the writes in one transaction and tells their clients. If that fails, a single write is
     /// answered with the error, and several are left to be tried one by one.
     fn commit(&mut self, writes: &mut Vec<Write>) -> Result<(), StoreError> {
+        self.refuse_without_room(writes);
+        if writes.is_empty() {
+            return Ok(());
+        }
         self.counters.commits.inc();
         self.counters.writes.inc_by(writes.len() as u64);
         let mut counts = Vec::new();
-        let transaction = || {
-            self.transact(|tables| {
-                let changes = writes.iter().map(|write| &write.change);
-                changes
-                    .map(|change| self.apply(change, tables, &mut counts))
-                    .collect::<Result<Vec<Outcome>, StoreError>>()
-            })
-        };
-        // A defect here must not take the store away from everybody.
-        let done = catch_unwind(AssertUnwindSafe(transaction))
-            .unwrap_or_else(|_| Err(StoreError::Failed("a commit panicked".to_owned())));
+        let done = self.transact(|tables| {
+            let changes = writes.iter().map(|write| &write.change);
+            let outcomes = changes
+                .map(|change| self.apply(change, tables, &mut counts))
+                .collect::<Result<Vec<Outcome>, StoreError>>()?;
+            if writes.iter().any(|write| write.change.needs().is_some()) {
+                tables.leave_slack()?;
+            }
+            Ok(outcomes)
+        });
         match done {
             Ok(outcomes) => {
                 counts.into_iter().for_each(|count| self.count(count));
+                if outcomes
+                    .iter()
+                    .any(|it| matches!(it, Outcome::Removed(true)))
+                {
+                    self.room.was_left(0);
+                }
                 for (write, outcome) in writes.drain(..).zip(outcomes) {
                     // The client may have gone away.
                     let _ = write.reply.send(Ok(outcome));
@@ -181,6 +214,13 @@ impl Pen {
                 if let Err(error) = self.file.reopen() {
                     error!(%error, "the store could not be opened again");
                 }
+                if let ([write], StoreError::Full(_)) = (writes.as_slice(), &error) {
+                    if write.change.needs().is_some() {
+                        self.room.was_missing();
+                    } else if self.room.release() {
+                        return self.commit(writes);
+                    }
+                }
                 if let [_] = writes.as_slice() {
                     for write in writes.drain(..) {
                         let _ = write.reply.send(Err(error.clone()));
@@ -191,49 +231,76 @@ impl Pen {
         }
     }
 
+    /// Answers what needs more room than there is, without trying.
+    fn refuse_without_room(&mut self, writes: &mut Vec<Write>) {
+        let (tried, refused) = std::mem::take(writes).into_iter().partition(|write| {
+            let needs = write.change.needs();
+            needs.is_none_or(|bytes| self.room.admits(bytes))
+        });
+        *writes = tried;
+        let refused: Vec<Write> = refused;
+        for write in refused {
+            let full = StoreError::Full("there is no room on the disk".to_owned());
+            // The client may have gone away.
+            let _ = write.reply.send(Err(full));
+        }
+    }
+
+    /// Everything or nothing. A defect here must not take the store away from everybody.
     fn transact<T>(
         &self,
         work: impl FnOnce(&mut Tables<'_>) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        let database = self.file.database();
-        let database = database.as_ref().ok_or_else(tables::closed)?;
-        let transaction = database.begin_write()?;
-        let value = work(&mut Tables::open(&transaction)?)?;
-        transaction.commit()?;
-        Ok(value)
+        let transaction = || {
+            let database = self.file.database();
+            let database = database.as_ref().ok_or_else(tables::closed)?;
+            let transaction = database.begin_write()?;
+            let value = work(&mut Tables::open(&transaction)?)?;
+            transaction.commit()?;
+            Ok(value)
+        };
+        quiet::catch(transaction).unwrap_or_else(|panic| {
+            error!(panic, "the database panicked while it was written");
+            Err(damaged("the database does not understand its own pages"))
+        })
     }
 
     fn count(&mut self, count: Count) {
         match count {
             Count::Add(at, id, bytes) => self.ended.add(at, id, bytes),
-            Count::Remove(at, id) => self.ended.remove(at, id),
+            Count::Remove(at, id) => {
+                let bytes = self.ended.remove(at, id);
+                self.room.was_left(bytes);
+            }
         }
     }
 
-    /// After a start: what was running goes back to the queue, and what has ended is counted.
+    /// After a start: what was running goes back to the queue, and what has ended is counted. This reads
+    /// every header.
     fn recover(&mut self) -> Result<(), StoreError> {
         let ended = self.transact(|tables| {
             let mut ended = Vec::new();
-            let mut recovered = Vec::new();
+            let mut running = Vec::new();
+            let mut crash = Crash::default();
             for entry in tables.headers.iter()? {
-                let mut header = Header::decode(entry?.1.value()).map_err(damaged)?;
+                let header = Header::decode(entry?.1.value()).map_err(damaged)?;
                 let record = header.clone().into_record()?;
-                let record = match record.recovered() {
-                    None => record,
-                    Some(record) => {
-                        header.set_status(&record.status);
-                        header.crashes = record.crashes;
-                        recovered.push((record.outline.id, header.clone()));
-                        record
-                    }
-                };
-                if let Some(at) = record.status.finished {
+                crash.note(&record);
+                if record.status.state == State::Running {
+                    running.push((record, header));
+                } else if let Some(at) = record.status.finished {
                     ended.push((at, record.outline.id, header.bytes));
                 }
             }
-            for (id, header) in recovered {
-                warn!(job = %id, crashes = header.crashes, "a job was running when the process ended");
+            for (record, mut header) in running {
+                let id = record.outline.id;
+                let Some(record) = crash.recovered(&record) else {
+                    continue;
+                };
+                warn!(job = %id, crashes = record.crashes, "a job was running when the process ended");
+                header.recover(&record);
                 tables.put(id, &header)?;
+                ended.extend(record.status.finished.map(|at| (at, id, header.bytes)));
             }
             Ok(ended)
         })?;
@@ -258,13 +325,25 @@ impl Pen {
                 let made = tables.insert(record, problem, key.as_ref())?;
                 made.map_or(Outcome::Done, Outcome::Made)
             }
-            Change::Update { id, status } => {
+            Change::Start {
+                id,
+                status,
+                watched,
+            } => {
                 tables.update(*id, |header| {
                     header.set_status(status);
-                    // Whoever puts it back into the queue is alive: that was no crash.
-                    if status.state == State::Queued {
-                        header.crashes = 0;
-                    }
+                    header.watched = *watched;
+                })?;
+                Outcome::Done
+            }
+            Change::Clear { id } => {
+                tables.update(*id, |header| header.watched = false)?;
+                Outcome::Done
+            }
+            Change::Requeue { id } => {
+                tables.update(*id, |header| {
+                    header.set_status(&Status::QUEUED);
+                    (header.crashes, header.watched) = (0, false);
                 })?;
                 Outcome::Done
             }
@@ -292,6 +371,23 @@ impl Pen {
 }
 
 impl Change {
+    /// About how many bytes it needs that did not have a place before; `None` if it must be possible
+    /// without any.
+    fn needs(&self) -> Option<u64> {
+        let numbers = match self {
+            Self::Insert { problem, .. } => {
+                let directions = problem.directions().map(|each| 2 * each.parameters.len());
+                problem.grid().count() * problem.data().dimension() + directions.sum::<usize>()
+            }
+            Self::Finish {
+                result: Some(result),
+                ..
+            } => result.len() * result.dimension(),
+            _ => return None,
+        };
+        Some((numbers * size_of::<f64>()) as u64)
+    }
+
     /// How many points it writes.
     fn points(&self) -> usize {
         match self {
@@ -308,6 +404,7 @@ struct Tables<'a> {
     inputs: Table<'a, u128, &'static [u8]>,
     results: Table<'a, u128, &'static [u8]>,
     keys: Table<'a, &'static str, &'static [u8]>,
+    slack: Table<'a, u64, &'static [u8]>,
 }
 
 impl<'a> Tables<'a> {
@@ -317,7 +414,21 @@ impl<'a> Tables<'a> {
             inputs: transaction.open_table(INPUTS)?,
             results: transaction.open_table(RESULTS)?,
             keys: transaction.open_table(KEYS)?,
+            slack: transaction.open_table(SLACK)?,
         })
+    }
+
+    /// Has the file grow now if it is nearly full: writes and removes a few pages, in which later
+    /// changes find the room to delete.
+    fn leave_slack(&mut self) -> Result<(), StoreError> {
+        const PAGE: [u8; 3800] = [0; 3800];
+        for page in 0..SLACK_PAGES {
+            self.slack.insert(page, PAGE.as_slice())?;
+        }
+        for page in 0..SLACK_PAGES {
+            self.slack.remove(page)?;
+        }
+        Ok(())
     }
 
     fn insert(

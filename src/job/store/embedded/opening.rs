@@ -1,0 +1,213 @@
+//! Opening the file, or making it; what is wrong with it is said in words.
+
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use redb::{Database, ReadableDatabase, StorageError, TableError};
+use thiserror::Error;
+use tracing::{debug, warn};
+
+use super::super::StoreError;
+use super::quiet;
+use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
+
+/// Bytes of the file that are kept in memory. Most jobs are read once.
+const CACHE: usize = 32 << 20;
+
+/// Files up to this size are read from end to end at the start, to find damage before anybody does.
+const CHECKED: u64 = 1 << 30;
+
+/// The store cannot be opened.
+#[derive(Debug, Error)]
+pub enum OpenError {
+    /// The directory cannot be made or read.
+    #[error("the data directory {directory:?} cannot be used: {reason}")]
+    Directory {
+        /// The directory.
+        directory: PathBuf,
+        /// Why.
+        reason: io::Error,
+    },
+    /// The file cannot be read or written, which says nothing about what stands in it.
+    #[error("{path:?} cannot be used: {reason}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: io::Error,
+    },
+    /// Another process has it open.
+    #[error("{0:?} is in use by another process: give each server a data directory of its own")]
+    InUse(PathBuf),
+    /// It was written by another version of the program.
+    #[error(
+        "{path:?} has version {found} of the format, this program knows version {VERSION}: start the \
+         program that wrote it, or choose another --data-dir"
+    )]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        found: u64,
+    },
+    /// What was running could not be put back into the queue.
+    #[error("the jobs of the last run cannot be recovered: {0}")]
+    Recovery(StoreError),
+    /// It is not a store, or is damaged.
+    #[error(
+        "{path:?} cannot be opened, {reason}: restore it from a backup, or move it away to start \
+         without its jobs"
+    )]
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+/// Opens the file in a directory, or makes it if it is not there, and checks its version.
+pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, OpenError> {
+    let of_directory = |reason| OpenError::Directory {
+        directory: directory.to_owned(),
+        reason,
+    };
+    fs::create_dir_all(directory).map_err(of_directory)?;
+    if !path.try_exists().map_err(of_directory)? {
+        make(path)?;
+        // On Unix a new name is there for good once its directory is on the disk.
+        #[cfg(unix)]
+        fs::File::open(directory)
+            .and_then(|directory| directory.sync_all())
+            .map_err(of_directory)?;
+    }
+    let length = fs::metadata(path).map_err(of_directory)?.len();
+    if length == 0 {
+        return Err(broken(path, "it is empty"));
+    }
+    let repaired = Arc::new(AtomicBool::new(false));
+    let opened = attempt(path, || {
+        let mut builder = Database::builder();
+        let noted = Arc::clone(&repaired);
+        builder.set_repair_callback(move |_| noted.store(true, Ordering::Relaxed));
+        let mut database = builder.set_cache_size(CACHE).open(path)?;
+        // A repair, after a crash, has read everything.
+        let checked = repaired.load(Ordering::Relaxed) || length > CHECKED;
+        if !checked && !database.check_integrity()? {
+            warn!(?path, "the store was damaged, and could be repaired");
+        }
+        Ok(database)
+    })?;
+    match attempt(path, || Ok(version(&opened)?))? {
+        Some(VERSION) => Ok(opened),
+        Some(found) => Err(OpenError::Version {
+            path: path.to_owned(),
+            found,
+        }),
+        None => Err(broken(path, "it is a database, but not of jobs")),
+    }
+}
+
+/// Opens a file that was open before.
+pub(super) fn open_again(path: &Path) -> Result<Database, OpenError> {
+    attempt(path, || {
+        let mut builder = Database::builder();
+        Ok(builder.set_cache_size(CACHE).open(path)?)
+    })
+}
+
+/// Makes the file under another name first: whatever has its name is complete.
+fn make(path: &Path) -> Result<(), OpenError> {
+    let unfinished = path.with_extension("new");
+    let tables = || {
+        attempt(&unfinished, || {
+            let database = Database::create(&unfinished)?;
+            Ok(make_tables(&database)?)
+        })
+    };
+    match tables() {
+        Err(OpenError::Broken { .. }) => {
+            // An earlier attempt was cut off.
+            let removed = fs::remove_file(&unfinished);
+            removed.map_err(|reason| of_file(&unfinished, reason))?;
+            tables()?;
+        }
+        made => made?,
+    }
+    fs::rename(&unfinished, path).map_err(|reason| of_file(path, reason))
+}
+
+fn make_tables(database: &Database) -> Result<(), redb::Error> {
+    let transaction = database.begin_write()?;
+    transaction
+        .open_table(FACTS)?
+        .insert(VERSION_FACT, VERSION)?;
+    transaction.open_table(HEADERS)?;
+    transaction.open_table(INPUTS)?;
+    transaction.open_table(RESULTS)?;
+    transaction.open_table(KEYS)?;
+    transaction.open_table(SLACK)?;
+    transaction.commit()?;
+    Ok(())
+}
+
+/// The version of the file; `None` if it has other tables.
+fn version(database: &Database) -> Result<Option<u64>, redb::Error> {
+    let facts = match database.begin_read()?.open_table(FACTS) {
+        Err(TableError::TableDoesNotExist(_)) => return Ok(None),
+        facts => facts?,
+    };
+    let version = facts.get(VERSION_FACT)?;
+    Ok(version.map(|version| version.value()))
+}
+
+/// Does something with the database. Damage makes it panic at times.
+fn attempt<T>(path: &Path, work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, OpenError> {
+    quiet::catch(work)
+        .unwrap_or_else(|panic| {
+            debug!(panic, "the database panicked while it was opened");
+            let damaged = "its pages do not fit together";
+            Err(StorageError::Corrupted(damaged.to_owned()).into())
+        })
+        .map_err(|error| explain(path, error))
+}
+
+fn explain(path: &Path, error: redb::Error) -> OpenError {
+    match error {
+        redb::Error::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),
+        redb::Error::Io(reason) => match reason.kind() {
+            ErrorKind::InvalidData => broken(path, "it is no store of this program"),
+            ErrorKind::UnexpectedEof => broken(path, "its end is missing"),
+            _ => of_file(path, reason),
+        },
+        redb::Error::Corrupted(reason) => broken(path, &format!("it is damaged ({reason})")),
+        error => broken(path, &format!("it is damaged ({error})")),
+    }
+}
+
+fn broken(path: &Path, reason: &str) -> OpenError {
+    OpenError::Broken {
+        path: path.to_owned(),
+        reason: reason.to_owned(),
+    }
+}
+
+fn of_file(path: &Path, reason: io::Error) -> OpenError {
+    OpenError::File {
+        path: path.to_owned(),
+        reason,
+    }
+}
+
+impl OpenError {
+    /// The jobs in the file cannot be read.
+    pub(super) fn of_records(path: PathBuf, error: StoreError) -> Self {
+        match error {
+            StoreError::Failed(reason) => Self::Broken { path, reason },
+            error => Self::Recovery(error),
+        }
+    }
+}

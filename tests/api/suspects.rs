@@ -1,0 +1,68 @@
+//! Many jobs that were running in a crash: they go on soon, and the one that brings the server down
+//! is found among them.
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::data;
+use crate::program::Program;
+
+const JOBS: usize = 300;
+
+fn start(data: &std::path::Path) -> Program {
+    Program::with(data, &["--ring", "64KiB"])
+}
+
+async fn state(program: &Program, job: &str) -> String {
+    let job = program.json(&format!("/v1/jobs/{job}")).await;
+    job["state"].as_str().unwrap().to_owned()
+}
+
+async fn in_state(program: &Program, state: &str) -> usize {
+    let path = format!("/v1/jobs?limit=1000&state={state}");
+    let list = program.json(&path).await;
+    list["jobs"].as_array().unwrap().len()
+}
+
+/// Waits until the job is in this state or has failed; says whether it is in the state.
+async fn becomes(program: &Program, job: &str, wanted: &str) -> bool {
+    loop {
+        match state(program, job).await {
+            now if now == wanted => return true,
+            now if now == "failed" => return false,
+            _ => tokio::time::sleep(Duration::from_millis(1)).await,
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn many_suspects_go_on_soon_and_the_culprit_is_found() {
+    let data = tempfile::tempdir().unwrap();
+    let mut program = start(data.path());
+    let mut jobs = Vec::new();
+    for _ in 0..JOBS {
+        let request = program.post("/v1/jobs").json(&data::endless_job());
+        let job: Value = request.send().await.unwrap().json().await.unwrap();
+        jobs.push(job["id"].as_str().unwrap().to_owned());
+    }
+    assert_eq!(in_state(&program, "running").await, JOBS);
+    // This one brings the server down as soon as it runs.
+    let culprit = &jobs[JOBS / 2];
+    let mut crashes = 0;
+    while becomes(&program, culprit, "running").await {
+        program.kill();
+        crashes += 1;
+        assert!(crashes <= 6, "the culprit is not found");
+        program = start(data.path());
+    }
+    assert!(crashes >= 3, "given up after {crashes} crashes");
+    // The others go on: one after the other, for half a second each, they took 150 s.
+    let begin = Instant::now();
+    while in_state(&program, "running").await < JOBS - 1 {
+        assert!(begin.elapsed() < Duration::from_secs(40), "too slow");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert_eq!(in_state(&program, "failed").await, 1);
+    eprintln!("{crashes} crashes, {:?} until all run", begin.elapsed());
+}
