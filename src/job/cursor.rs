@@ -1,19 +1,17 @@
 //! A reader of a job, frame by frame, at its own pace.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::Instant;
 
 use tokio::sync::watch;
-use tokio::time::sleep;
+use tokio::time::sleep_until;
 
 use super::Job;
 use super::frame::Frame;
+use super::peer::Peer;
 use super::run::{Attached, Read};
 use super::state::{State, Status};
 use super::store::StoreError;
-
-/// How long a reader waits for others of the same run that would lose their next frame.
-const PATIENCE: Duration = Duration::from_secs(1);
 
 /// What a reader gets next.
 #[derive(Debug)]
@@ -32,6 +30,9 @@ pub struct Cursor {
     job: Arc<Job>,
     next: usize,
     run: Option<Attached>,
+    /// Since when others are waited for, that would lose their next frame.
+    waiting: Option<Instant>,
+    peer: Option<Peer>,
     status: watch::Receiver<Status>,
     /// Frames that are not the newest are left out.
     latest: Option<usize>,
@@ -40,7 +41,7 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// A reader whose first frame is `next`.
+    /// A reader whose first frame is `next`, for the peer of the current task.
     pub fn new(job: Arc<Job>, next: usize) -> Self {
         let status = job.status.subscribe();
         let live = !status.borrow().state.is_final();
@@ -48,6 +49,8 @@ impl Cursor {
             job,
             next,
             run: None,
+            waiting: None,
+            peer: Peer::current(),
             status,
             latest: None,
             live,
@@ -101,10 +104,12 @@ impl Cursor {
             }
             let run = match &mut self.run {
                 Some(run) => run,
-                none => none.insert(self.job.attach(self.next).await?),
+                none => none.insert(self.job.attach(self.next, self.peer).await?),
             };
-            match attempt(run, self.next, &mut self.status, job_ended).await {
+            let waiting = &mut self.waiting;
+            match attempt(run, self.next, waiting, &mut self.status, job_ended).await {
                 Attempt::Frame(frame) => {
+                    self.waiting = None;
                     self.next += 1;
                     return Ok(Next::Frame(frame));
                 }
@@ -145,6 +150,7 @@ enum Attempt {
 async fn attempt(
     run: &Attached,
     index: usize,
+    waiting: &mut Option<Instant>,
     status: &mut watch::Receiver<Status>,
     job_ended: bool,
 ) -> Attempt {
@@ -162,15 +168,23 @@ async fn attempt(
         Read::Ended if job_ended => return Attempt::Leave,
         Read::Ended => changed(status).await,
         Read::Later => {
-            run.want(index);
+            let until = run.want(index, waiting);
             tokio::select! {
                 () = advanced => {}
                 () = changed(status) => {}
-                () = sleep(PATIENCE) => run.insist(index),
+                () = time(until) => {}
             }
         }
     }
     Attempt::TryAgain
+}
+
+/// Waits for a time; for ever if there is none.
+async fn time(until: Option<Instant>) {
+    match until {
+        Some(until) => sleep_until(until.into()).await,
+        None => std::future::pending().await,
+    }
 }
 
 /// Waits for a change of the job's state; for ever if there will be none.

@@ -5,7 +5,8 @@
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
 //! - [`forms`], [`content`]: what is sent of it, made once in each form;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
-//! - [`cursor`]: a reader of a job, frame by frame, at its own pace;
+//! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
+//!   for each other; [`peer`]: whose they are;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`suspects`]: those that may have brought the process down;
@@ -21,6 +22,8 @@ pub mod cursor;
 pub mod forms;
 pub mod frame;
 pub mod outline;
+pub mod patience;
+pub mod peer;
 pub mod recent;
 pub mod run;
 pub mod scheduler;
@@ -43,6 +46,7 @@ use content::Content;
 use counters::Counters;
 use forms::Forms;
 use outline::Outline;
+use peer::Peer;
 use run::{Attached, Run, SharedSystem};
 use scheduler::Scheduler;
 use state::{State, Status};
@@ -227,19 +231,19 @@ impl Job {
     }
 
     /// A run that can deliver frame `next`: one that has it or has not come so far, else a new one.
-    async fn attach(&self, next: usize) -> Result<Attached, StoreError> {
+    async fn attach(&self, next: usize, peer: Option<Peer>) -> Result<Attached, StoreError> {
         let system = self.system().await?;
         let mut runs = self.runs.lock();
         runs.retain(|run| run.strong_count() > 0);
         let mut live: Vec<Arc<Run>> = runs.iter().filter_map(Weak::upgrade).collect();
         // The run that is furthest needs the fewest steps to get there.
         live.sort_by_key(|run| std::cmp::Reverse(run.levels().map(|levels| levels.last.iteration)));
-        if let Some(attached) = live.iter().find_map(|run| run.attach(next)) {
+        if let Some(attached) = live.iter().find_map(|run| run.attach(next, peer)) {
             return Ok(attached);
         }
         let run = self.new_run(system);
         runs.push(Arc::downgrade(&run));
-        Ok(Attached::to_new(run, next))
+        Ok(Attached::to_new(run, next, peer))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
 use tokio::sync::Notify;
@@ -11,6 +11,8 @@ use tokio::sync::futures::Notified;
 
 use super::Resources;
 use super::frame::Frame;
+use super::patience::{PATIENCE, Patience};
+use super::peer::Peer;
 use super::scheduler::{Lane, Turn, Work};
 use super::state::Levels;
 use crate::fit::iteration::{Iteration, Level, Outcome};
@@ -29,6 +31,8 @@ pub struct SharedSystem {
     system: Mutex<Weak<System>>,
     /// A system that may have the same collocation matrix; given up once it has been used.
     like: Mutex<Option<Arc<System>>>,
+    /// How long readers of the runs have made each other wait.
+    patience: Patience,
 }
 
 impl SharedSystem {
@@ -38,6 +42,7 @@ impl SharedSystem {
             problem,
             system: Mutex::new(Weak::new()),
             like: Mutex::new(like),
+            patience: Patience::default(),
         }
     }
 
@@ -119,13 +124,20 @@ struct RunState {
     scheduled: bool,
     /// Frames of consecutive levels, the newest at the back.
     ring: VecDeque<Arc<Frame>>,
-    /// The frame that each reader wants next.
-    readers: BTreeMap<u64, usize>,
+    readers: BTreeMap<u64, Reader>,
     /// The number of the next reader.
     next_reader: u64,
     ending: Option<Ending>,
     /// The frame of the last level.
     last: Option<Arc<Frame>>,
+}
+
+#[derive(Debug)]
+struct Reader {
+    /// The frame that it wants next.
+    next: usize,
+    /// Whose reader it is.
+    peer: Option<Peer>,
 }
 
 impl Run {
@@ -202,15 +214,15 @@ impl Run {
     }
 
     /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
-    pub fn attach(self: &Arc<Self>, next: usize) -> Option<Attached> {
+    pub fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
         let mut state = self.state.lock();
         if matches!(state.read(next), Read::Gone) {
             return None;
         }
-        let reader = state.add_reader(next);
+        let reader = state.add_reader(Reader { next, peer });
         drop(state);
         let run = Arc::clone(self);
-        Some(Attached { run, reader })
+        Some(Attached { run, reader, peer })
     }
 
     /// Takes a step, or several at once where nobody sees what is between.
@@ -283,15 +295,15 @@ impl RunState {
         self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
     }
 
-    fn add_reader(&mut self, next: usize) -> u64 {
-        let reader = self.next_reader;
+    fn add_reader(&mut self, reader: Reader) -> u64 {
+        let number = self.next_reader;
         self.next_reader += 1;
-        self.readers.insert(reader, next);
-        reader
+        self.readers.insert(number, reader);
+        number
     }
 
     fn is_read(&self, level: usize) -> bool {
-        self.readers.values().any(|&next| next <= level)
+        self.readers.values().any(|reader| reader.next <= level)
     }
 
     fn reached(&mut self, level: Level, system: &Arc<System>) {
@@ -373,45 +385,62 @@ impl Work for Run {
 pub struct Attached {
     run: Arc<Run>,
     reader: u64,
+    peer: Option<Peer>,
 }
 
 impl Attached {
     /// The first reader of a run, from frame `next` on.
-    pub fn to_new(run: Arc<Run>, next: usize) -> Self {
-        let reader = run.state.lock().add_reader(next);
-        Self { run, reader }
+    pub fn to_new(run: Arc<Run>, next: usize, peer: Option<Peer>) -> Self {
+        let reader = run.state.lock().add_reader(Reader { next, peer });
+        Self { run, reader, peer }
     }
 
     /// What the run has to say about frame `index`, which is the next one that the reader wants.
     pub fn read(&self, index: usize) -> Read {
         let mut state = self.run.state.lock();
-        state.readers.insert(self.reader, index);
+        if let Some(reader) = state.readers.get_mut(&self.reader) {
+            reader.next = index;
+        }
         state.read(index)
     }
 
     /// Lets the run advance to frame `index`, and a little further where frames are small; unless
     /// another reader would lose its next frame by that. Readers of large frames that go together
     /// share one run, and one that is a moment slower does not need a run of its own.
-    pub fn want(&self, index: usize) {
+    ///
+    /// Says until when to wait for the others, at most, and then to call this again; and knows from
+    /// `waiting` since when they are waited for.
+    pub fn want(&self, index: usize, waiting: &mut Option<Instant>) -> Option<Instant> {
         let lost = self.lost_before(index);
-        let others_are_ready = {
-            let state = self.run.state.lock();
-            state.readers.values().all(|&next| next >= lost)
-        };
-        if others_are_ready {
-            self.advance(index);
-        }
-    }
-
-    /// Lets the run advance to frame `index`, whatever others lose by it: they have had their time.
-    pub fn insist(&self, index: usize) {
-        let lost = self.lost_before(index);
+        let now = Instant::now();
+        let since = waiting.unwrap_or(now);
+        let mut until = None;
         let mut state = self.run.state.lock();
-        for next in state.readers.values_mut().filter(|next| **next < lost) {
-            *next = usize::MAX;
+        for reader in state.readers.values_mut().filter(|it| it.next < lost) {
+            let left = self.left_for(reader.peer, since, now);
+            if left.is_zero() {
+                // It has had its time, and will need a run of its own.
+                reader.next = usize::MAX;
+            }
+            until = until.max(Some(now + left).filter(|until| *until > now));
         }
         drop(state);
-        self.advance(index);
+        *waiting = until.map(|_| since);
+        if until.is_none() {
+            self.advance(index);
+        }
+        until
+    }
+
+    /// How much longer to wait for a reader of a peer.
+    fn left_for(&self, peer: Option<Peer>, since: Instant, now: Instant) -> Duration {
+        let left = PATIENCE.saturating_sub(now - since);
+        if peer == self.peer {
+            return left;
+        }
+        let patience = &self.run.system.patience;
+        patience.spend(peer, since, now);
+        left.min(patience.left(peer, now))
     }
 
     fn advance(&self, index: usize) {
@@ -443,8 +472,6 @@ impl Drop for Attached {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
     use crate::fit::basis::knots::Knots;
     use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -510,27 +537,30 @@ mod tests {
         });
         let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
         let run = Run::new(system, Arc::clone(&resources));
-        let quick = Attached::to_new(Arc::clone(&run), 0);
-        let slow = run.attach(0).unwrap();
-        quick.want(0);
+        let quick = Attached::to_new(Arc::clone(&run), 0, None);
+        let slow = run.attach(0, None).unwrap();
+        quick.want(0, &mut None);
         arrives(&quick, 0).await;
         arrives(&slow, 0).await;
         // The other one has not taken frame 0 yet.
         assert!(matches!(quick.read(1), Read::Later));
-        quick.want(1);
+        quick.want(1, &mut None);
         tokio::time::sleep(Duration::from_millis(50)).await;
         assert!(matches!(quick.read(1), Read::Later));
         assert!(matches!(slow.read(1), Read::Later));
-        slow.want(1);
+        slow.want(1, &mut None);
         arrives(&quick, 1).await;
         arrives(&slow, 1).await;
         assert!(matches!(quick.read(2), Read::Later));
-        quick.insist(2);
+        let mut waiting = None;
+        while let Some(until) = quick.want(2, &mut waiting) {
+            tokio::time::sleep_until(until.into()).await;
+        }
         arrives(&quick, 2).await;
         assert!(matches!(slow.read(1), Read::Gone));
         drop(slow);
         assert!(matches!(quick.read(3), Read::Later));
-        quick.want(3);
+        quick.want(3, &mut None);
         arrives(&quick, 3).await;
         assert_eq!(resources.counters.iterations.get(), 4);
     }

@@ -1,0 +1,88 @@
+//! How long readers of a job wait for others that would lose their next frame.
+//!
+//! A reader waits for another one of its own peer for a second. Those of another peer make it wait for
+//! a second altogether, however many streams that peer opens one after the other: what they have used
+//! up comes back slowly.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use parking_lot::Mutex;
+
+use super::peer::Peer;
+
+/// How long a reader waits.
+pub const PATIENCE: Duration = Duration::from_secs(1);
+
+/// So much patience comes back in a second.
+const REGAINED: f64 = 0.1;
+
+/// How long each peer has made others wait.
+#[derive(Debug, Default)]
+pub struct Patience(Mutex<HashMap<Option<Peer>, Spent>>);
+
+#[derive(Clone, Copy, Debug)]
+struct Spent {
+    seconds: f64,
+    /// When that was so.
+    at: Instant,
+}
+
+impl Spent {
+    fn until(self, now: Instant) -> f64 {
+        let since = now.saturating_duration_since(self.at).as_secs_f64();
+        (self.seconds - REGAINED * since).max(0.0)
+    }
+}
+
+impl Patience {
+    /// A peer has made others wait from `since` until now.
+    pub fn spend(&self, peer: Option<Peer>, since: Instant, now: Instant) {
+        let mut peers = self.0.lock();
+        // A peer that has all of its patience is as good as unknown.
+        if peers.len() == peers.capacity() {
+            peers.retain(|_, spent| spent.until(now) > 0.0);
+        }
+        let spent = peers.entry(peer).or_insert(Spent {
+            seconds: 0.0,
+            at: since,
+        });
+        // Several readers may wait at the same time.
+        let waited = now.saturating_duration_since(since.max(spent.at));
+        let seconds = spent.until(now) + waited.as_secs_f64();
+        spent.seconds = seconds.min(PATIENCE.as_secs_f64());
+        spent.at = spent.at.max(now);
+    }
+
+    /// How much longer a peer may make others wait.
+    pub fn left(&self, peer: Option<Peer>, now: Instant) -> Duration {
+        let peers = self.0.lock();
+        let spent = peers.get(&peer).map_or(0.0, |spent| spent.until(now));
+        PATIENCE.saturating_sub(Duration::from_secs_f64(spent))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patience_is_spent_once_and_comes_back_slowly() {
+        let patience = Patience::default();
+        let peer = Some(Peer::at([127, 0, 0, 2].into()));
+        let start = Instant::now();
+        let at = |tenths: u32| start + Duration::from_millis(100) * tenths;
+        assert_eq!(patience.left(peer, at(0)), PATIENCE);
+        // Two that wait at the same time wait once.
+        patience.spend(peer, at(0), at(6));
+        patience.spend(peer, at(1), at(6));
+        let left = patience.left(peer, at(6)).as_secs_f64();
+        assert!((left - 0.4).abs() < 1e-9, "{left}");
+        patience.spend(peer, at(6), at(20));
+        assert_eq!(patience.left(peer, at(20)), Duration::ZERO);
+        assert_eq!(patience.left(None, at(20)), PATIENCE);
+        let left = patience.left(peer, at(70)).as_secs_f64();
+        assert!((left - 0.5).abs() < 1e-9, "{left}");
+        assert_eq!(patience.left(peer, at(500)), PATIENCE);
+    }
+}

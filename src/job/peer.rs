@@ -1,0 +1,71 @@
+//! Whom work is for: the machine at the other end of a connection.
+//!
+//! What is shared is shared between peers first, so that none of them can take all of it. The peer of
+//! a request goes with the task that answers it; work that nobody waits for has none.
+
+use std::fmt;
+use std::net::{IpAddr, Ipv6Addr};
+
+use tokio::task_local;
+
+task_local! {
+    static CURRENT: Option<Peer>;
+}
+
+/// A machine, as far as its address tells: an IPv4 address, or the 64 bits of an IPv6 address that a
+/// machine cannot choose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Peer(IpAddr);
+
+impl Peer {
+    /// The peer at an address.
+    pub fn at(address: IpAddr) -> Self {
+        match address.to_canonical() {
+            IpAddr::V6(address) if !address.is_loopback() => {
+                let network = address.to_bits() >> 64 << 64;
+                Self(Ipv6Addr::from_bits(network).into())
+            }
+            address => Self(address),
+        }
+    }
+
+    /// The peer for whom the current task works.
+    pub fn current() -> Option<Self> {
+        CURRENT.try_with(|peer| *peer).ok().flatten()
+    }
+
+    /// Lets a future work for a peer.
+    pub async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
+        CURRENT.scope(peer, future).await
+    }
+
+    /// Calls a function that works for a peer.
+    pub fn sync_scope<T>(peer: Option<Self>, function: impl FnOnce() -> T) -> T {
+        CURRENT.sync_scope(peer, function)
+    }
+}
+
+impl fmt::Display for Peer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            IpAddr::V6(network) if !network.is_loopback() => write!(f, "{network}/64"),
+            address => write!(f, "{address}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_of_one_machine_are_one_peer() {
+        let peer = |text: &str| Peer::at(text.parse().unwrap());
+        assert_eq!(peer("::ffff:10.1.2.3"), peer("10.1.2.3"));
+        assert_ne!(peer("10.1.2.3"), peer("10.1.2.4"));
+        assert_eq!(peer("2001:db8::1"), peer("2001:db8::ffff:2"));
+        assert_ne!(peer("2001:db8::1"), peer("2001:db8:0:1::1"));
+        assert_eq!(peer("2001:db8::1").to_string(), "2001:db8::/64");
+        assert_eq!(peer("::1").to_string(), "::1");
+    }
+}
