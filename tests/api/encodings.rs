@@ -7,7 +7,7 @@ use crate::data;
 use crate::support::{Server, Story, assert_query_refused, base, thinned};
 
 /// The numbers of nested lists, in order.
-fn flat(array: &Value) -> Vec<f64> {
+pub fn flat(array: &Value) -> Vec<f64> {
     match array {
         Value::Array(items) => items.iter().flat_map(flat).collect(),
         Value::Null => vec![f64::NAN],
@@ -67,7 +67,7 @@ fn assert_array(found: &Value, expected: &Value, encoding: &Value, name: &str) {
 }
 
 /// Checks that an answer in an encoding holds the numbers of the one in JSON. Knots always have 64 bits.
-fn assert_same(binary: &Value, plain: &Value, main: &str) {
+pub fn assert_same(binary: &Value, plain: &Value, main: &str) {
     assert_eq!(binary["shape"], json!(shape(&plain[main])));
     for (name, expected) in plain.as_object().unwrap() {
         let found = &binary[name];

@@ -36,6 +36,7 @@ mod local;
 mod messages_over_rest;
 mod methods;
 mod milestones;
+mod nets;
 mod openapi;
 mod process;
 mod program;

@@ -11,7 +11,7 @@ use super::source::Source;
 use crate::job::content::{Content, Piece, Pieces};
 
 /// How many numbers are written at a time: a multiple of 3, so that only the last ones of an array
-/// need padding in base64, and of the dimensions of points.
+/// need padding in base64, and of the dimensions of points, which sources give as a whole.
 const CHUNK: usize = 768;
 
 /// How many numbers are a piece of an array; arrays that are shorter are written at once.
@@ -42,22 +42,26 @@ impl Digits {
     }
 }
 
-/// The shape of an array: rows of columns of coordinates; the last index runs fastest.
+/// The shape of an array: up to three levels of nested lists; the last index runs fastest.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    counts: [usize; 3],
+    /// How many numbers a list of each level has, the innermost first.
+    sizes: [usize; 3],
     depth: usize,
 }
 
 impl From<&[usize]> for Shape {
     /// Of at most three numbers.
     fn from(counts: &[usize]) -> Self {
-        let depth = counts.len().min(3);
         let mut shape = Self {
-            counts: [1; 3],
-            depth,
+            sizes: [1; 3],
+            depth: counts.len().min(3),
         };
-        shape.counts[..depth].copy_from_slice(&counts[..depth]);
+        let mut size = 1;
+        for (level, count) in counts.iter().rev().take(3).enumerate() {
+            size *= count;
+            shape.sizes[level] = size;
+        }
         shape
     }
 }
@@ -65,17 +69,19 @@ impl From<&[usize]> for Shape {
 impl Shape {
     /// How many numbers there are.
     pub fn count(self) -> usize {
-        self.counts.iter().product()
+        self.lists().last().copied().unwrap_or(1)
     }
 
-    /// How many numbers the innermost lists have, and the lists around these.
-    fn sizes(self) -> (usize, Option<usize>) {
-        let [_, b, c] = self.counts;
-        match self.depth {
-            3 => (c, Some(b * c)),
-            2 => (b, None),
-            _ => (1, None),
-        }
+    /// The sizes of the lists of each level, the innermost first.
+    fn lists(&self) -> &[usize] {
+        &self.sizes[..self.depth]
+    }
+
+    /// How many lists end before number `at`; as many begin there. Each size is a multiple of the
+    /// one before.
+    fn edges(&self, at: usize) -> usize {
+        let ends = |size: &&usize| at.is_multiple_of(**size);
+        self.lists().iter().take_while(ends).count()
     }
 }
 
@@ -161,7 +167,7 @@ pub fn fits_32_bits(count: usize, source: &impl Source) -> bool {
     fits
 }
 
-/// Writes a part of an array, which begins and ends with whole points or at multiples of a chunk.
+/// Writes a part of an array, which begins at a multiple of a chunk.
 fn write(
     shape: Shape,
     range: Range<usize>,
@@ -202,7 +208,8 @@ fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(u
     }
 }
 
-/// Writes the numbers from `start` on in their lists, with the brackets that open and close there.
+/// Writes the numbers from `start` on in their lists, with the brackets and commas that stand between
+/// them and behind them: a part may begin and end anywhere in a list.
 #[inline(always)]
 fn lists(
     shape: Shape,
@@ -211,42 +218,39 @@ fn lists(
     text: &mut Vec<u8>,
     write: impl Fn(f64, &mut [u8]) -> usize,
 ) {
-    let (total, (inner, outer)) = (shape.count(), shape.sizes());
-    let nested = shape.depth > 1;
-    let opens = |at: usize| outer.is_some_and(|outer| at.is_multiple_of(outer));
-    // Room for all of it at once: a number with its comma, and the brackets and the comma of a row.
+    let (total, innermost) = (shape.count(), shape.sizes[0]);
+    // Room for all of it at once: a number with its comma, and the brackets around innermost lists.
     let length = text.len();
-    let rows = numbers.len().div_ceil(inner);
-    text.resize(length + numbers.len() * (LONGEST + 1) + rows * 6, 0);
+    let runs = numbers.len() / innermost + 2;
+    text.resize(
+        length + numbers.len() * (LONGEST + 1) + runs * 2 * shape.depth,
+        0,
+    );
     let mut room = Room {
         bytes: &mut text[length..],
         used: 0,
     };
-    let mut at = start;
-    for row in numbers.chunks(inner) {
-        if at == 0 {
-            room.push(b'[');
-        }
-        if opens(at) {
-            room.push(b'[');
-        }
-        if nested {
-            room.push(b'[');
-        }
-        for (k, &x) in row.iter().enumerate() {
+    let (mut at, mut rest) = (start, numbers);
+    let mut edges = shape.edges(at);
+    // How many numbers there are up to the end of an innermost list.
+    let mut run = innermost - start % innermost;
+    while !rest.is_empty() {
+        let line;
+        (line, rest) = rest.split_at(run.min(rest.len()));
+        room.repeat(b'[', edges);
+        for (k, &x) in line.iter().enumerate() {
             if k > 0 {
                 room.push(b',');
             }
             room.used += write(x, &mut room.bytes[room.used..]);
         }
-        at += inner;
-        if nested {
-            room.push(b']');
+        at += line.len();
+        run = innermost;
+        edges = shape.edges(at);
+        room.repeat(b']', edges);
+        if at < total {
+            room.push(b',');
         }
-        if opens(at) {
-            room.push(b']');
-        }
-        room.push(if at == total { b']' } else { b',' });
     }
     let used = room.used;
     text.truncate(length + used);
@@ -263,6 +267,11 @@ impl Room<'_> {
     fn push(&mut self, byte: u8) {
         self.bytes[self.used] = byte;
         self.used += 1;
+    }
+
+    #[inline(always)]
+    fn repeat(&mut self, byte: u8, times: usize) {
+        (0..times).for_each(|_| self.push(byte));
     }
 }
 
@@ -311,16 +320,72 @@ mod tests {
         }
     }
 
+    /// Sizes of which multiples are parts of chunks and pieces, whole ones, and a little more.
+    fn size(most: usize) -> impl Strategy<Value = usize> {
+        let near = [1, 2, CHUNK / 2, CHUNK, 2 * CHUNK, PIECE, 2 * PIECE].map(|size| size.min(most));
+        let near = prop::sample::select(near.to_vec());
+        let near = (near, -1..=1_isize).prop_map(|(size, off)| size.saturating_add_signed(off));
+        prop_oneof![1..=most, near.prop_map(move |size| size.clamp(1, most))]
+    }
+
+    /// Every kind of shape: numbers, points, numbers of a net, points of a net.
+    fn shape() -> impl Strategy<Value = Vec<usize>> {
+        let net = || {
+            let rows = |columns| (size(40_000 / columns), Just(columns));
+            let counts = size(40_000).prop_flat_map(rows);
+            counts.prop_map(|(rows, columns)| vec![rows, columns])
+        };
+        let with_points = |counts: Vec<usize>| {
+            let points = move |d| [&counts[..], &[d]].concat();
+            (1..=3_usize).prop_map(points)
+        };
+        prop_oneof![
+            (0..40_000_usize).prop_map(|count| vec![count]),
+            size(40_000).prop_map(|count| vec![count]),
+            size(15_000).prop_flat_map(move |count| with_points(vec![count])),
+            net(),
+            net().prop_flat_map(with_points),
+        ]
+    }
+
+    /// Wherever a part ends and the next one begins.
+    #[test]
+    fn parts_may_begin_and_end_anywhere() {
+        let counts = 1..=6_usize;
+        let one = counts.clone().map(|a| vec![a]);
+        let two = counts
+            .clone()
+            .flat_map(|a| (1..=6).map(move |b| vec![a, b]));
+        let three = two
+            .clone()
+            .flat_map(|ab| (1..=4).map(move |c| [&ab[..], &[c]].concat()));
+        for shape in one.chain(two).chain(three) {
+            let count = shape.iter().product::<usize>();
+            let numbers: Vec<f64> = (0..count).map(|i| i as f64 / 4.0).collect();
+            let expected = nested(&shape, &numbers);
+            for cut in 0..=count {
+                let mut text = Vec::new();
+                for (start, part) in [(0, &numbers[..cut]), (cut, &numbers[cut..])] {
+                    lists(
+                        shape.as_slice().into(),
+                        start,
+                        part,
+                        &mut text,
+                        decimal::write,
+                    );
+                }
+                let read: Value = serde_json::from_slice(&text).unwrap();
+                assert_eq!(read, expected, "{shape:?} cut at {cut}");
+            }
+        }
+    }
+
     proptest! {
-        #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
 
         #[test]
         fn arrays_are_what_they_are_in_one_piece(
-            shape in prop_oneof![
-                prop::collection::vec(0..40_000_usize, 1),
-                (0..15_000_usize, 1..=3_usize).prop_map(|(n, d)| vec![n, d]),
-                (1..120_usize, 1..120_usize, 1..=3_usize).prop_map(|(r, c, d)| vec![r, c, d]),
-            ],
+            shape in shape(),
         ) {
             let count = shape.iter().product::<usize>();
             let numbers: Vec<f64> = (0..count).map(|i| i as f64 / 7.0).collect();
