@@ -22,6 +22,11 @@ pub(super) struct Jet {
     pub(super) dv: [f64; 3],
 }
 
+/// How many steps there are between so many samples; two samples at least.
+pub(super) fn steps_between(samples: usize) -> usize {
+    samples.saturating_sub(1).max(1)
+}
+
 impl KnotVector {
     /// The knot spans of the domain that are not empty: `knots[span] < knots[span + 1]`.
     pub(super) fn spans(&self) -> Vec<usize> {

@@ -212,13 +212,20 @@ def check_glb(path: str, spline: Spline, _job: dict | None) -> None:
     for place, corner in ((places[0], corners[0]), (places[-1], corners[-1])):
         distance = np.linalg.norm(place - corner) / size
         assert distance < 2e-6, f"glTF: a corner is off by {distance:.3g} of the extent"
-    if spline.is_surface:
-        check_mesh(places, numbers(primitive.attributes.NORMAL), numbers(primitive.indices), spline)
-    else:
-        # trimesh leaves strips of lines out.
-        assert primitive.mode == pygltflib.LINE_STRIP
-        return
+    indices = numbers(primitive.indices)
     scene = trimesh.load(path)
+    (shape,) = scene.geometry.values()
+    if spline.is_surface:
+        check_mesh(places, numbers(primitive.attributes.NORMAL), indices, spline)
+        assert len(shape.faces) == len(indices) // 3
+    else:
+        # Separate lines from each vertex to the next: readers leave strips out, or the indices.
+        assert primitive.mode == pygltflib.LINES
+        ends = np.arange(len(places))
+        equal(indices.reshape(-1, 2), np.stack([ends[:-1], ends[1:]], axis=1), SAME, "glTF lines")
+        # trimesh merges vertices that are equal.
+        drawn = np.linalg.norm(np.diff(positions, axis=0), axis=1).sum()
+        equal(shape.length, drawn, 1e-6, "glTF length by trimesh")
     # glTF has y upwards: (x, y, z) is shown at (x, z, −y).
     shown = scene.bounds
     turned = np.stack([places[:, 0], places[:, 2], -places[:, 1]], axis=1)

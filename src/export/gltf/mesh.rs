@@ -3,7 +3,7 @@
 use super::single;
 use crate::export::error::ExportError;
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::{Jet, Site, cross, length, minus, unit};
+use crate::export::sampling::{Jet, Site, cross, length, minus, steps_between, unit};
 use crate::fit::points::Grid;
 
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
@@ -25,14 +25,15 @@ pub(super) struct Mesh {
     pub(super) normals: Vec<[f32; 3]>,
     /// Counterclockwise seen from that side.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// From each vertex of a curve to the next.
+    pub(super) lines: Vec<[u32; 2]>,
 }
 
 impl Mesh {
     /// Samples a curve or surface, as densely as asked for or as suits it.
     pub(super) fn new(nurbs: &Nurbs, samples: Option<Grid>) -> Result<Self, ExportError> {
         let along = |knots: &KnotVector, asked: Option<usize>, most| {
-            let steps = asked.map(|count| count.saturating_sub(1).max(1));
-            knots.sites(steps.unwrap_or_else(|| knots.steps(most)))
+            knots.sites(asked.map_or_else(|| knots.steps(most), steps_between))
         };
         let most = match nurbs.v {
             None => MOST_ALONG_CURVE,
@@ -57,6 +58,8 @@ impl Mesh {
         if nurbs.v.is_some() {
             mesh.triangles = triangles(u.len(), v.len());
             mesh.normals = normals(nurbs, &u, &v, &jets);
+        } else {
+            mesh.lines = (1..u.len() as u32).map(|end| [end - 1, end]).collect();
         }
         Ok(mesh)
     }

@@ -1,4 +1,4 @@
-//! glTF 2.0 as one binary file (GLB): a triangle mesh of a surface, a line of a curve.
+//! glTF 2.0 as one binary file (GLB): a triangle mesh of a surface, lines along a curve.
 
 mod mesh;
 
@@ -15,7 +15,7 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-const LINE_STRIP: u32 = 3;
+const LINES: u32 = 1;
 const TRIANGLES: u32 = 4;
 
 /// The curve or surface as a GLB file.
@@ -25,13 +25,19 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
     let (low, high) = bounds(&mesh.positions);
     let position = file.vectors(&mesh.positions, Some((low, high)));
     let mut attributes = json!({"POSITION": position});
-    let mut primitive = json!({"mode": LINE_STRIP, "material": 0});
-    if !mesh.triangles.is_empty() {
+    let (mode, indices) = if mesh.triangles.is_empty() {
+        // Separate lines: strips, which would need no indices, are left out by some readers.
+        (LINES, file.indices(mesh.lines.as_flattened()))
+    } else {
         attributes["NORMAL"] = json!(file.vectors(&mesh.normals, None));
-        primitive["indices"] = json!(file.indices(&mesh.triangles));
-        primitive["mode"] = json!(TRIANGLES);
-    }
-    primitive["attributes"] = attributes;
+        (TRIANGLES, file.indices(mesh.triangles.as_flattened()))
+    };
+    let primitive = json!({
+        "attributes": attributes,
+        "indices": indices,
+        "mode": mode,
+        "material": 0,
+    });
     Ok(container(
         &document(fitted, &mesh, primitive, &file),
         file.bytes,
@@ -102,15 +108,15 @@ impl Buffers {
         self.view(start, ARRAY_BUFFER, accessor)
     }
 
-    /// Appends triangles, and returns the number of their accessor.
-    fn indices(&mut self, triangles: &[[u32; 3]]) -> usize {
+    /// Appends numbers of vertices, and returns the number of their accessor.
+    fn indices(&mut self, indices: &[u32]) -> usize {
         let start = self.bytes.len();
-        for index in triangles.iter().flatten() {
+        for index in indices {
             self.bytes.extend(index.to_le_bytes());
         }
         let accessor = json!({
             "componentType": UNSIGNED_INT,
-            "count": 3 * triangles.len(),
+            "count": indices.len(),
             "type": "SCALAR",
         });
         self.view(start, ELEMENT_ARRAY_BUFFER, accessor)

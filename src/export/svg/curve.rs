@@ -2,9 +2,11 @@
 
 use super::surface::Scene;
 use super::view::{Canvas, Projected, View};
-use super::{Data, shows_net};
+use super::{Data, dot_radius, shows_net};
 use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::sampling::steps_between;
 use crate::export::text::Text;
+use crate::fit::points::Grid;
 
 /// The most pieces of which a curve is drawn.
 const MOST_PIECES: usize = 4096;
@@ -12,19 +14,20 @@ const MOST_PIECES: usize = 4096;
 /// A cubic Bézier piece.
 pub(super) type Piece = [Projected; 4];
 
-/// The curve as cubic pieces with the right end points and tangents: at this number of pieces not
-/// to be told from the curve at any magnification that makes sense.
-pub(super) fn scene(nurbs: &Nurbs, view: &View) -> Scene {
+/// The curve through as many samples as are asked for, or as cubic pieces with the right end points
+/// and tangents: at their number not to be told from the curve at any magnification that makes sense.
+pub(super) fn scene(nurbs: &Nurbs, view: &View, samples: Option<Grid>) -> Scene {
     let spans = nurbs.u.spans();
     let steps = nurbs.u.steps(MOST_PIECES);
-    let pieces = match steps / spans.len() {
-        0 => chords(nurbs, view, steps),
-        parts => tangent_pieces(nurbs, view, &nurbs.u, &spans, parts),
+    let pieces = match (samples, steps / spans.len()) {
+        (Some(grid), _) => chords(nurbs, view, steps_between(grid.rows)),
+        (None, 0) => chords(nurbs, view, steps),
+        (None, parts) => tangent_pieces(nurbs, view, &nurbs.u, &spans, parts),
     };
     Scene::Curve(pieces)
 }
 
-/// Pieces of more spans than can be drawn: straight ones.
+/// Straight pieces: between samples, or where there are more spans than can be drawn.
 fn chords(nurbs: &Nurbs, view: &View, steps: usize) -> Vec<Piece> {
     let jets = nurbs.evaluate(&nurbs.u.sites(steps), &[]);
     let places: Vec<Projected> = jets.iter().map(|jet| view.project(jet.point)).collect();
@@ -83,12 +86,7 @@ pub(super) fn draw(
     draw_pieces(text, pieces, canvas);
     draw_circles(text, "control", &polygon, 2.5);
     let dots: Vec<(f64, f64)> = data.places.iter().map(|&place| pixel(place)).collect();
-    let radius = match dots.len() {
-        0..=80 => 3.0,
-        81..=300 => 2.0,
-        _ => 1.5,
-    };
-    draw_circles(text, "data", &dots, radius);
+    draw_circles(text, "data", &dots, dot_radius(dots.len()));
 }
 
 fn draw_pieces(text: &mut Text, pieces: &[Piece], canvas: &Canvas) {

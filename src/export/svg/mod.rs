@@ -44,8 +44,8 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
     let data = Data::new(fitted.problem);
     let view = View::of(nurbs);
     let scene = match &nurbs.v {
-        None => curve::scene(nurbs, &view),
-        Some(v) => surface::scene(nurbs, v, &data, &view),
+        None => curve::scene(nurbs, &view, fitted.samples),
+        Some(v) => surface::scene(nurbs, v, fitted.samples, &data, &view),
     };
     let seen = data.places.iter().map(|&place| view.project(place));
     let net = (0..nurbs.points.len()).map(|index| view.project(nurbs.place(index)));
@@ -130,6 +130,15 @@ fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &Data, top
 
 fn shows_net(nurbs: &Nurbs) -> bool {
     nurbs.points.len() <= MOST_POINTS
+}
+
+/// How large data points are drawn: so that many of them leave something of the rest to be seen.
+fn dot_radius(count: usize) -> f64 {
+    match count {
+        0..=80 => 3.0,
+        81..=300 => 2.0,
+        _ => 1.5,
+    }
 }
 
 /// The bounding box of the control points, with four digits.

@@ -2,13 +2,18 @@
 
 use super::curve::Piece;
 use super::view::{Canvas, Projected, View};
-use super::{Data, shows_net};
+use super::{Data, dot_radius, shows_net};
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::{cross, minus, unit};
+use crate::export::sampling::{cross, minus, steps_between, unit};
 use crate::export::text::Text;
+use crate::fit::points::Grid;
 
-/// The most faces in each direction.
+/// The most faces in each direction, unless a number of samples is asked for.
 const MOST_FACES: usize = 64;
+
+/// Faces that are smaller than so many pixels, from corner to corner, have no lines around them:
+/// nothing else would be seen.
+const LEAST_LINED: f64 = 5.0;
 
 /// The colour of a face in full light.
 const COLOUR: [f64; 3] = [140.0, 186.0, 230.0];
@@ -49,13 +54,37 @@ impl Scene {
 
 /// Draws the parts, each over those before it.
 pub(super) fn draw(text: &mut Text, parts: &[Part], canvas: &Canvas) {
-    parts.iter().for_each(|part| part.draw(text, canvas));
+    let dots = parts.iter().filter(|part| matches!(part, Part::Dot(_)));
+    let radius = dot_radius(dots.count());
+    let lined = mean_size(parts, canvas) >= LEAST_LINED;
+    for part in parts {
+        part.draw(text, canvas, lined, radius);
+    }
+}
+
+/// How many pixels there are between opposite corners of a face, on average.
+fn mean_size(parts: &[Part], canvas: &Canvas) -> f64 {
+    let diagonals = parts.iter().filter_map(|part| match part {
+        Part::Face([a, _, c, _], _) => {
+            let (a, c) = (canvas.pixel(*a), canvas.pixel(*c));
+            Some((a.0 - c.0).hypot(a.1 - c.1))
+        }
+        _ => None,
+    });
+    let (count, sum) = diagonals.fold((0, 0.0), |(count, sum), x| (count + 1, sum + x));
+    sum / f64::from(count)
 }
 
 /// Faces, edges and dots by distance (the painter's algorithm). Edges and dots are taken a little
 /// nearer than they are, so that those on the surface are seen.
-pub(super) fn scene(nurbs: &Nurbs, v: &KnotVector, data: &Data, view: &View) -> Scene {
-    let mut parts = faces(nurbs, v, view);
+pub(super) fn scene(
+    nurbs: &Nurbs,
+    v: &KnotVector,
+    samples: Option<Grid>,
+    data: &Data,
+    view: &View,
+) -> Scene {
+    let mut parts = faces(nurbs, v, samples, view);
     if shows_net(nurbs) {
         parts.extend(edges(nurbs, view));
     }
@@ -69,9 +98,13 @@ pub(super) fn scene(nurbs: &Nurbs, v: &KnotVector, data: &Data, view: &View) -> 
     Scene::Surface(parts)
 }
 
-fn faces(nurbs: &Nurbs, v: &KnotVector, view: &View) -> Vec<Part> {
-    let along = |knots: &KnotVector| knots.sites(knots.steps(MOST_FACES).max(MOST_FACES / 2));
-    let (rows, columns) = (along(&nurbs.u), along(v));
+fn faces(nurbs: &Nurbs, v: &KnotVector, samples: Option<Grid>, view: &View) -> Vec<Part> {
+    let along = |knots: &KnotVector, asked: Option<usize>| {
+        let suits = || knots.steps(MOST_FACES).max(MOST_FACES / 2);
+        knots.sites(asked.map_or_else(suits, steps_between))
+    };
+    let rows = along(&nurbs.u, samples.map(|grid| grid.rows));
+    let columns = along(v, samples.map(|grid| grid.columns));
     let jets = nurbs.evaluate(&rows, &columns);
     let mut faces = Vec::with_capacity(jets.len());
     for i in 1..rows.len() {
@@ -118,7 +151,7 @@ impl Part {
         }
     }
 
-    fn draw(&self, text: &mut Text, canvas: &Canvas) {
+    fn draw(&self, text: &mut Text, canvas: &Canvas, lined: bool, radius: f64) {
         match self {
             Self::Face(corners, light) => {
                 let [a, b, c, d] = corners.map(|corner| canvas.pixel(corner));
@@ -126,7 +159,9 @@ impl Part {
                     let [red, green, blue] = COLOUR.map(|x| (x * (dark + bright * light)) as u32);
                     red << 16 | green << 8 | blue
                 };
-                let (fill, stroke) = (shade(0.42, 0.58), shade(0.32, 0.48));
+                let fill = shade(0.42, 0.58);
+                // A line of its own colour covers the gaps that renderers leave between faces.
+                let stroke = if lined { shade(0.32, 0.48) } else { fill };
                 text.put(format_args!(
                     "<path d=\"M{:.1} {:.1}L{:.1} {:.1} {:.1} {:.1} {:.1} {:.1}Z\" \
                      fill=\"#{fill:06x}\" stroke=\"#{stroke:06x}\" stroke-width=\".5\"/>\n",
@@ -143,7 +178,7 @@ impl Part {
             Self::Dot(place) => {
                 let (x, y) = canvas.pixel(*place);
                 text.put(format_args!(
-                    "<circle class=\"data\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.2\"/>\n"
+                    "<circle class=\"data\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>\n"
                 ));
             }
         }
