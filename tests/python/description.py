@@ -1,4 +1,4 @@
-"""What a real server answers is what its description says, and so are the examples of the description.
+"""The description of the API is valid, and what a real server answers is what it says, and so are its examples.
 
     description.py PROGRAM            # the server to start, such as target/debug/piad
 
@@ -12,6 +12,7 @@ import urllib.error
 import urllib.request
 
 import jsonschema_rs
+from openapi_spec_validator import OpenAPIV31SpecValidator
 from over_http import server
 
 POINTS = [[0, 0], [1, 2], [3, 1], [4, 4], [5, 0], [6, 2]]
@@ -146,6 +147,14 @@ def examples(description: Description) -> None:
             description.check(name, example["value"], title)
 
 
+def specification(description: Description) -> None:
+    """A document of OpenAPI 3.1, by a validator of other people."""
+    assert description.document["openapi"].startswith("3.1.")
+    errors = OpenAPIV31SpecValidator(description.document).iter_errors()
+    wrong = [f"/{'/'.join(map(str, error.absolute_path))}: {error.message[:300]}" for error in errors]
+    assert not wrong, wrong
+
+
 def geometry(server: Server, description: Description) -> None:
     for body in jobs():
         description.check("JobRequest", body)
@@ -227,6 +236,7 @@ def main() -> None:
     with server(sys.argv[1]) as base:
         asked = Server(base)
         description = Description(asked)
+        specification(description)
         examples(description)
         for check in (geometry, events, server_sent_events, edits, server_itself):
             check(asked, description)

@@ -85,20 +85,16 @@ fn a(name: &str, description: &str) -> Value {
 
 /// The same, or null.
 fn or_null(mut schema: Value) -> Value {
-    let description = schema["description"].take();
-    match schema["type"].as_str() {
-        Some(name) => {
-            schema["type"] = json!([name, "null"]);
-            schema["description"] = description;
-            schema
-        }
-        None => {
-            if let Some(object) = schema.as_object_mut() {
-                object.remove("description");
-            }
-            json!({"description": description, "anyOf": [schema, {"type": "null"}]})
-        }
+    if let Some(name) = schema["type"].as_str() {
+        schema["type"] = json!([name, "null"]);
+        return schema;
     }
+    let description = schema
+        .as_object_mut()
+        .and_then(|schema| schema.shift_remove_entry("description"));
+    let mut either = Map::from_iter(description);
+    either.insert("anyOf".to_owned(), json!([schema, {"type": "null"}]));
+    either.into()
 }
 
 /// A list of numbers, or all of them in base64.
