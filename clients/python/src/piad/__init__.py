@@ -12,6 +12,8 @@
 - `errors`: what can go wrong.
 """
 
+from pkgutil import extend_path
+
 from .client import Client
 from .errors import (
     ApiError,
@@ -27,6 +29,9 @@ from .errors import (
 from .geometry import Basis, Curve, Surface
 from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape
 from .job import Job, Status
+
+# Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
+__path__ = extend_path(__path__, __name__)
 
 __all__ = [
     "ApiError",

@@ -10,7 +10,7 @@ import httpx
 
 from . import _sse
 from ._backoff import delay
-from ._transport import Parameters, Transport, lost, may_try_again, parse
+from ._transport import Parameters, Transport, may_try_again, parse
 from .errors import ApiError, ConnectionLost, PiadError
 
 _RETRY = 2.0
@@ -47,7 +47,7 @@ class EventStream:
                     return
                 self._wait(ConnectionLost("the stream ended before the job"))
             except httpx.TransportError as error:
-                self._wait(lost(error))
+                self._wait(self._transport.lost(error))
             except ApiError as error:
                 if not may_try_again(error):
                     raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,6 +20,16 @@ _TRY_AGAIN = frozenset({429, 502, 503, 504})
 # Servers send a comment every 15 seconds.
 _QUIET_STREAM = 60.0
 
+# Seconds within which a connection to a server must be made that has not been heard of so far. One
+# that has answered before may be starting again, and is tried for longer.
+_FIRST_CONTACT = 1.5
+
+# Nothing was sent.
+_UNREACHABLE = (httpx.ConnectError, httpx.ConnectTimeout)
+
+# Mistakes of this side, which no second attempt mends.
+_HOPELESS = (httpx.UnsupportedProtocol, httpx.LocalProtocolError)
+
 Parameters = Mapping[str, str]
 
 
@@ -29,8 +40,11 @@ class Transport:
     server recognises them.
     """
 
-    def __init__(self, http: httpx.Client, attempts: int):
-        self._http = http
+    def __init__(self, base_url: str, *, timeout: float, attempts: int, **more: Any):
+        connect = min(timeout, _FIRST_CONTACT)
+        limits = httpx.Timeout(timeout, connect=connect)
+        self._http = httpx.Client(base_url=server_url(base_url), timeout=limits, **more)
+        self._has_answered = False
         self.attempts = attempts
         """How often something is tried that fails, at most."""
 
@@ -48,20 +62,23 @@ class Transport:
         parameters: Optional[Parameters] = None,
     ) -> httpx.Response:
         """An answer that is not an error. The path may have a query of its own."""
-        content = None if body is None else json.dumps(body, allow_nan=False, separators=(",", ":")).encode()
+        content = None if body is None else encoded(body)
         sent = {"Accept": "application/json", **(headers or {})}
         if content is not None:
             sent["Content-Type"] = "application/json"
         request = self._http.build_request(method, path, content=content, headers=sent, params=parameters or None)
+        started = time.monotonic()
         for attempt in range(1, self.attempts + 1):
             last = attempt == self.attempts
             try:
                 response = self._http.send(request)
             except httpx.TransportError as error:
-                if last:
-                    raise lost(error) from error
-                time.sleep(delay(attempt))
+                pause = delay(attempt)
+                if last or self.is_hopeless(error, time.monotonic() + pause - started):
+                    raise self.lost(error) from error
+                time.sleep(pause)
                 continue
+            self._has_answered = True
             if response.is_success:
                 return response
             error_ = api_error(response)
@@ -83,10 +100,60 @@ class Transport:
         timeout = httpx.Timeout(self._http.timeout)
         timeout.read = max(timeout.read or _QUIET_STREAM, _QUIET_STREAM)
         with self._http.stream("GET", path, headers=headers, params=parameters or None, timeout=timeout) as response:
+            self._has_answered = True
             if not response.is_success:
                 response.read()
                 raise api_error(response)
             yield response
+
+    def is_hopeless(self, error: httpx.TransportError, seconds: float) -> bool:
+        """Whether nothing comes of trying again what has failed for so many seconds."""
+        nobody = isinstance(error, _UNREACHABLE) and not self._has_answered
+        return isinstance(error, _HOPELESS) or (nobody and seconds > _FIRST_CONTACT)
+
+    def lost(self, error: httpx.TransportError) -> PiadError:
+        """A connection that broke once too often, or was never made."""
+        what = "cannot reach" if isinstance(error, _UNREACHABLE) else "lost the connection to"
+        return ConnectionLost(f"{what} {self._http.base_url}: {type(error).__name__}: {error}")
+
+
+def server_url(text: str) -> httpx.URL:
+    """The address of a server; `ValueError` if it cannot be one."""
+    scheme, separator, rest = text.partition("://")
+    if not separator or scheme.lower() not in ("http", "https"):
+        host = (rest if separator else text) or "127.0.0.1:8080"
+        raise ValueError(f'{text!r} is not the URL of a server, which begins with http:// or https://: "http://{host}"?')
+    try:
+        url = httpx.URL(text)
+    except httpx.InvalidURL as error:
+        raise ValueError(f"{text!r} is not the URL of a server: {error}") from error
+    if not url.host or not 0 < (url.port or 80) < 1 << 16:
+        part = "port" if url.host else "host"
+        raise ValueError(f"{text!r} is not the URL of a server: there is no such {part}")
+    return url
+
+
+def encoded(body: Mapping[str, Any]) -> bytes:
+    """A body as JSON; `ValueError` names the first number in it that JSON does not have."""
+    try:
+        return json.dumps(body, allow_nan=False, separators=(",", ":")).encode()
+    except ValueError as error:
+        for path, number in _not_finite(body, ""):
+            raise ValueError(f"{path} is {number}: numbers must be finite") from error
+        raise
+
+
+def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Numbers that are NaN or infinite, and where they are: `curve.points[3][1]`."""
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            yield path, value
+    elif isinstance(value, Mapping):
+        for name, part in value.items():
+            yield from _not_finite(part, f"{path}.{name}" if path else str(name))
+    elif isinstance(value, (list, tuple)):
+        for index, part in enumerate(value):
+            yield from _not_finite(part, f"{path}[{index}]")
 
 
 def parse(text: str | bytes) -> dict[str, Any]:
@@ -103,11 +170,6 @@ def parse(text: str | bytes) -> dict[str, Any]:
 def may_try_again(error: ApiError) -> bool:
     """Whether the same request may succeed later."""
     return error.status in _TRY_AGAIN
-
-
-def lost(error: httpx.TransportError) -> PiadError:
-    """A connection that broke once too often."""
-    return ConnectionLost(f"{type(error).__name__}: {error}")
 
 
 def api_error(response: httpx.Response) -> ApiError:

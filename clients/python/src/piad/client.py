@@ -36,13 +36,14 @@ class Client:
     ):
         """`timeout` is how many seconds the server may be silent, `attempts` how often a request is
         sent, or a stream opened again without an iteration in between, while connections break or
-        the server has no room. `headers` go with every request. `transport` is one of httpx, for
+        the server has no room. Where no server is, this is known within two seconds. `headers` go with every request. `transport` is one of httpx, for
         proxies, certificates and tests.
         """
         if attempts < 1:
             raise ValueError("there is one attempt at least")
-        http = httpx.Client(base_url=base_url, timeout=timeout, headers=headers, transport=transport)
-        self._transport = Transport(http, attempts)
+        self._transport = Transport(
+            base_url, timeout=timeout, attempts=attempts, headers=headers, transport=transport
+        )
         self._wait = min(_WAIT, timeout / 2)
 
     def __enter__(self) -> Client:
