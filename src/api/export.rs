@@ -93,16 +93,11 @@ pub async fn file(
     };
     let scheduler = &job.resources().scheduler;
     let bytes = scheduler.compute(lane, write).await??;
-    let name = format!("{}-{level}.{}", job.id(), format.extension());
-    let disposition = format!("inline; filename=\"{name}\"");
     let mut response = no_store(bytes.into_response());
-    let headers = response.headers_mut();
-    headers.insert(
+    response.headers_mut().insert(
         header::CONTENT_TYPE,
         HeaderValue::from_static(format.media_type()),
     );
-    let disposition = HeaderValue::from_str(&disposition).ok();
-    headers.extend(disposition.map(|value| (header::CONTENT_DISPOSITION, value)));
     Ok(response)
 }
 

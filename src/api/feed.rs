@@ -224,9 +224,8 @@ impl Feed {
     /// The last iteration, if it was left out so far, and the end.
     async fn finish(&mut self, status: &Status) -> Result<(), StoreError> {
         let last = status.levels.map(|levels| levels.last.iteration);
-        if self.options.every > 1
-            && let Some(last) = last.filter(|&last| Some(last) > self.seen)
-        {
+        let leaves_out = self.options.every > 1 || self.milestones.is_some();
+        if leaves_out && let Some(last) = last.filter(|&last| Some(last) > self.seen) {
             self.cursor.seek(last);
             if let Next::Frame(frame) = self.cursor.next().await? {
                 self.push_frame(&frame, None).await?;

@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 
 use super::export::{self, Representation};
+use super::file_name::named;
 use super::negotiate::{self, Language};
 use super::options::form::{Digits, Encoding, Form, View};
 use super::options::{StreamParameters, ViewParameters};
@@ -45,8 +46,9 @@ pub async fn iteration(
             Ok(answer(&job, content, media_type(&form)))
         }
         Wanted::File(format, samples) => {
-            let points = Arc::clone(&frame.control_points);
-            export::file(&job, frame.level.iteration, points, format, samples).await
+            let (level, points) = (frame.level.iteration, Arc::clone(&frame.control_points));
+            let file = export::file(&job, level, points, format, samples).await?;
+            Ok(named(file, job.outline(), Some(level), format))
         }
     }
 }
@@ -115,7 +117,8 @@ pub async fn result(
         }
         Wanted::File(format, samples) => {
             let (_, level, points) = end(&job).await?;
-            export::file(&job, level.iteration, points, format, samples).await
+            let file = export::file(&job, level.iteration, points, format, samples).await?;
+            Ok(named(file, job.outline(), None, format))
         }
     }
 }

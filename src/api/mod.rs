@@ -10,7 +10,7 @@
 //! - [`jobs`]: list, get, cancel, delete;
 //! - [`feed`]: a job as a sequence of events; [`events`]: the body of an answer with them;
 //! - [`milestones`]: which iterations a stream shows that is asked for the progress alone;
-//! - [`geometry`]: single iterations and results; [`export`]: as files;
+//! - [`geometry`]: single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
 //! - [`options`]: query parameters that say what to show, and the defaults that jobs set;
 //! - [`view`]: the JSON of answers; [`encode`]: making it once, off the network threads;
 //! - [`rpc`]: the same in protobuf messages, and as a gRPC service;
@@ -25,6 +25,7 @@ pub mod encode;
 pub mod events;
 pub mod export;
 pub mod feed;
+pub mod file_name;
 pub mod geometry;
 pub mod info;
 pub mod jobs;

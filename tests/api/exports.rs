@@ -20,7 +20,11 @@ async fn fetch(server: &Server, path: &str, format: Format) -> Vec<u8> {
         assert_eq!(response.status(), 200, "{path} {format}");
         assert_eq!(response.headers()["content-type"], format.media_type());
         let disposition = response.headers()["content-disposition"].to_str().unwrap();
-        let ending = format!(".{}\"", format.extension());
+        let ending = format!(".{}", format.extension());
+        assert!(
+            disposition.contains(&format!("{ending}\"; ")),
+            "{disposition}"
+        );
         assert!(disposition.ends_with(&ending), "{disposition}");
         files.push(response.bytes().await.unwrap().to_vec());
     }
@@ -123,6 +127,43 @@ async fn samples_are_as_many_as_asked_for() {
     }
 }
 
+/// A drawing goes through the samples: pieces of a curve between them, faces of a surface.
+#[tokio::test]
+async fn drawings_have_as_many_samples_as_asked_for() {
+    let server = Server::start().await;
+    let curve = server
+        .fit(&json!({"curve": {"points": data::helix()}}))
+        .await;
+    let surface = server
+        .fit(&json!({"surface": {"points": data::peaks(9)}}))
+        .await;
+    let pieces = |svg: &str| {
+        let path = svg.split("<path class=\"curve\" d=\"").nth(1).unwrap();
+        path.split('"').next().unwrap().matches('C').count()
+    };
+    // Besides faces only the background has a colour of its own.
+    let faces = |svg: &str| svg.matches(" fill=\"#").count() - 1;
+    for (job, samples, expected) in [
+        (&curve, "2", 1),
+        (&curve, "17", 16),
+        (&curve, "5001", 5000),
+        (&surface, "2x2", 1),
+        (&surface, "4x5", 12),
+        (&surface, "150x80", 149 * 79),
+    ] {
+        for part in ["result", "iterations/1"] {
+            let svg = format!("{}/{part}?format=svg&samples={samples}", path(job));
+            let text = server.get(&svg).send().await.unwrap().text().await.unwrap();
+            let drawn = if job["kind"] == "curve" {
+                pieces(&text)
+            } else {
+                faces(&text)
+            };
+            assert_eq!(drawn, expected, "{part} {samples}");
+        }
+    }
+}
+
 /// Drawings show how the error has fallen, where that can be computed in a moment.
 #[tokio::test]
 async fn drawings_have_the_history_of_the_error() {
@@ -184,4 +225,65 @@ async fn what_cannot_be_written_is_said() {
     assert_eq!(status, 406);
     let detail = problem["detail"].as_str().unwrap();
     assert!(detail.contains("model/step"), "{detail}");
+}
+
+/// Files are called like their job, whatever that is called, and never like a path or a header.
+#[tokio::test]
+async fn downloads_are_named_after_the_job() {
+    let server = Server::start().await;
+    let named = async |name: Option<&str>| {
+        let mut job = json!({"curve": {"points": data::helix()}});
+        if let Some(name) = name {
+            job["name"] = json!(name);
+        }
+        server.fit(&job).await
+    };
+    let disposition = async |path: String| {
+        let response = server.get(&path).send().await.unwrap();
+        assert_eq!(response.status(), 200, "{path}");
+        assert!(response.headers().get("set-cookie").is_none());
+        let values = response.headers().get_all("content-disposition");
+        assert_eq!(values.iter().count(), 1);
+        response.headers()["content-disposition"]
+            .to_str()
+            .unwrap()
+            .to_owned()
+    };
+    for (name, ascii, exact) in [
+        ("naca2412", "naca2412", "naca2412"),
+        ("Flügel 翼", "Fl_gel _", "Fl%C3%BCgel%20%E7%BF%BC"),
+        ("../../etc/passwd", "_.._etc_passwd", "_.._etc_passwd"),
+        (
+            "a\"\r\nSet-Cookie: b",
+            "a___Set-Cookie_ b",
+            "a___Set-Cookie_%20b",
+        ),
+        ("wing.obj", "wing.obj", "wing.obj"),
+    ] {
+        let job = named(Some(name)).await;
+        for format in Format::ALL {
+            let ending = format.extension();
+            let exact = exact.trim_end_matches(&format!(".{ending}")).to_owned();
+            let ascii = ascii.trim_end_matches(&format!(".{ending}")).to_owned();
+            for (part, number) in [("result", ""), ("iterations/3", "-3")] {
+                let found = disposition(format!("{}/{part}?format={ending}", path(&job))).await;
+                let expected = format!(
+                    "inline; filename=\"{ascii}{number}.{ending}\"; filename*=UTF-8''{exact}{number}.{ending}"
+                );
+                assert_eq!(found, expected, "{name:?}");
+            }
+        }
+    }
+    for name in [None, Some("…/…"), Some(".."), Some("")] {
+        let job = named(name).await;
+        let found = disposition(format!("{}/result?format=step", path(&job))).await;
+        let file = match name {
+            Some("…/…") => "___".to_owned(),
+            _ => format!("curve-{}", job["id"].as_str().unwrap()),
+        };
+        assert!(
+            found.contains(&format!("filename=\"{file}.step\"")),
+            "{found}"
+        );
+    }
 }

@@ -22,6 +22,11 @@ fn expected(story: &Story, milestones: &[f64]) -> Vec<Value> {
             shown.push(iteration);
         }
     }
+    // The final geometry comes last, whatever it has reached.
+    let last = story.iterations.last().unwrap();
+    if shown.last().map(|it| &it["iteration"]) != Some(&last["iteration"]) {
+        shown.push(last.clone());
+    }
     shown
 }
 
@@ -98,7 +103,9 @@ async fn milestones_go_with_every_form() {
         let path = format!("{base}/events?{form}&milestones=1e-2,1e-4");
         let (shown, _) = thinned(&server, &path, None).await;
         let milestones: Vec<&Value> = shown.iter().map(|it| &it["milestone"]).collect();
-        assert_eq!(milestones, [&json!(1e-2), &json!(1e-4)], "{form}");
+        let expected = [&json!(1e-2), &json!(1e-4), &Value::Null];
+        assert_eq!(milestones, expected, "{form}");
+        assert_eq!(shown[2]["iteration"], all.last().unwrap()["iteration"]);
         for mut iteration in shown {
             let k = iteration["iteration"].as_u64().unwrap() as usize;
             iteration.as_object_mut().unwrap().shift_remove("milestone");
@@ -113,11 +120,42 @@ async fn milestones_go_with_every_form() {
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
-    assert_eq!(lines.len(), 3);
+    assert_eq!(lines.len(), 4);
     assert_eq!(lines[1]["data"]["milestone"], json!(1e-2));
     // None at all is the usual stream.
     let (all, _) = thinned(&server, &format!("{base}/events?milestones="), None).await;
     assert_eq!(all, story.iterations);
+}
+
+/// However a job ends: the final geometry comes with all digits, after the job and while it runs.
+#[tokio::test]
+async fn the_final_geometry_comes_last() {
+    let server = Server::start().await;
+    let mut exhausted = data::small_job();
+    exhausted["stop"] = json!({"tolerance": 0, "max_iterations": 12});
+    let mut none = data::small_job();
+    none["stop"] = json!({"max_iterations": 0});
+    for job in [data::small_job(), exhausted, none] {
+        let story = server.stream(&job).await;
+        let last = story.iterations.last().unwrap();
+        for query in [
+            "milestones=1e-300",
+            "milestones=10,1e-1",
+            "milestones=1e-1&digits=auto",
+        ] {
+            let path = format!("{}/events?{query}", base(&story.job));
+            let (shown, end) = thinned(&server, &path, None).await;
+            assert_eq!(
+                &shown.last().unwrap()["control_points"],
+                &last["control_points"]
+            );
+            assert_eq!(end["iterations"], last["iteration"]);
+            let request = server.post(&format!("/v1/jobs?{query}"));
+            let request = request.header("accept", "text/event-stream");
+            let (live, _) = read_thinned(request.json(&job).send().await.unwrap()).await;
+            assert_eq!(live, shown);
+        }
+    }
 }
 
 /// A stream that shows nothing for long is kept open, and ends with its job.
@@ -187,7 +225,7 @@ async fn milestones_that_make_no_sense_are_refused() {
     // What says nothing forbids nothing.
     let neutral = "milestones=0.1&every=1&pace=all&changed=false";
     let (shown, _) = thinned(&server, &format!("{path}?{neutral}"), None).await;
-    assert_eq!(shown.len(), 1);
+    assert_eq!(shown.len(), 2);
     let single = format!("{}/iterations/0", base(&job));
     assert_query_refused(
         &server,

@@ -93,7 +93,7 @@ async fn a_query_overrides_the_object() {
     assert_eq!(samples[0]["samples"].as_array().unwrap().len(), 4);
     let milestones = format!("{path}?every=1&milestones=0.01");
     let (reached, _) = thinned(&server, &milestones, None).await;
-    assert_eq!(reached.len(), 1);
+    assert_eq!(reached.len(), 2);
     for (stream, query) in [
         (json!({"changed": true}), "changed=false"),
         (json!({"milestones": [0.1]}), "milestones="),

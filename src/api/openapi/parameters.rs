@@ -150,7 +150,7 @@ fn views() -> Vec<Value> {
 fn streams() -> Vec<Value> {
     let mut milestones = query(
         "milestones",
-        "Only the first iteration whose largest error is within each of these distances, which decrease.",
+        "Only the first iteration whose largest error is within each of these distances, which decrease, and the last.",
         json!({"type": "array", "items": {"type": "number", "exclusiveMinimum": 0}, "maxItems": MOST_MILESTONES}),
         json!([0.1, 0.01]),
     );
@@ -277,9 +277,9 @@ pub(super) fn headers() -> Map<String, Value> {
         (
             "Content-Disposition",
             header(
-                "A name for the file.",
+                "A name for the file: that of the job, and of an iteration its number (RFC 6266).",
                 text(),
-                json!("inline; filename=\"019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10-149.step\""),
+                json!("inline; filename=\"naca2412.step\"; filename*=UTF-8''naca2412.step"),
             ),
         ),
         (

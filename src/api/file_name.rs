@@ -1,0 +1,151 @@
+//! What a file is called that a browser or `curl -OJ` keeps: the name of its job, made safe for any
+//! system (RFC 6266).
+
+use axum::http::{HeaderValue, header};
+use axum::response::Response;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+
+use crate::export::Format;
+use crate::job::outline::Outline;
+
+/// The most bytes of a job's name: with what follows it, file systems take 255.
+const MOST_BYTES: usize = 180;
+
+/// What is written as it is in `filename*` (`attr-char` of RFC 8187).
+const ATTR_CHAR: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'-')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~');
+
+/// The answer, with a name for the file that it is: of an iteration if it has a number, of the
+/// result otherwise.
+pub fn named(
+    mut response: Response,
+    outline: &Outline,
+    iteration: Option<usize>,
+    format: Format,
+) -> Response {
+    let name = file_name(outline, iteration, format.extension());
+    // Only visible ASCII characters are left, so that this never fails.
+    if let Ok(value) = HeaderValue::try_from(disposition(&name)) {
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_DISPOSITION, value);
+    }
+    response
+}
+
+/// The name for clients that know ASCII only, and the name itself.
+fn disposition(name: &str) -> String {
+    // Some clients decode a percent sign even where it means itself.
+    let plain = |c: char| matches!(c, ' '..='~') && c != '%';
+    let ascii: String = name
+        .chars()
+        .map(|c| if plain(c) { c } else { '_' })
+        .collect();
+    let exact = utf8_percent_encode(name, ATTR_CHAR);
+    format!("inline; filename=\"{ascii}\"; filename*=UTF-8''{exact}")
+}
+
+/// `naca2412.step`, `naca2412-7.step` of an iteration; jobs without a name have their kind and id.
+fn file_name(outline: &Outline, iteration: Option<usize>, extension: &str) -> String {
+    let name = outline.label.name.as_deref().unwrap_or_default();
+    let stem = stem(name, extension).unwrap_or_else(|| {
+        let kind = if outline.surface { "surface" } else { "curve" };
+        format!("{kind}-{}", outline.id)
+    });
+    match iteration {
+        None => format!("{stem}.{extension}"),
+        Some(k) => format!("{stem}-{k}.{extension}"),
+    }
+}
+
+/// A name without what would make it a path, a hidden file, a second header or something else than
+/// it looks like; none if nothing is left of it.
+fn stem(name: &str, extension: &str) -> Option<String> {
+    let safe = |c| if is_unsafe(c) { '_' } else { c };
+    let mut length = 0;
+    let fits = |c: &char| {
+        length += c.len_utf8();
+        length <= MOST_BYTES
+    };
+    let stem: String = name.chars().map(safe).take_while(fits).collect();
+    let stem = trimmed(&stem);
+    // What is called wing.step already does not become wing.step.step.
+    let stem = match stem.rsplit_once('.') {
+        Some((before, end)) if end.eq_ignore_ascii_case(extension) => trimmed(before),
+        _ => stem,
+    };
+    let says_something = stem.chars().any(|c| !matches!(c, '_' | ' ' | '.'));
+    says_something.then(|| stem.to_owned())
+}
+
+fn trimmed(name: &str) -> &str {
+    name.trim_matches(|c: char| c == '.' || c.is_whitespace())
+}
+
+/// Separators of paths and what else some system does not allow in names; control characters, and
+/// those that are not seen but turn the direction of writing or begin a line.
+fn is_unsafe(c: char) -> bool {
+    let reserved = matches!(c, '/' | '\\' | ':' | '*' | '?' | '"' | '<' | '>' | '|');
+    let unseen = matches!(
+        c,
+        '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}'
+    );
+    reserved || unseen || c.is_control()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn names_are_made_safe() {
+        for (name, expected) in [
+            ("naca2412", Some("naca2412")),
+            ("wing, left (2)", Some("wing, left (2)")),
+            ("wing.STEP", Some("wing")),
+            ("wing.stl", Some("wing.stl")),
+            ("../../etc/passwd", Some("_.._etc_passwd")),
+            ("C:\\con\\aux", Some("C__con_aux")),
+            ("a\"; filename=\"b", Some("a_; filename=_b")),
+            ("a\r\nSet-Cookie: b=c", Some("a__Set-Cookie_ b=c")),
+            ("txt.\u{202e}pets", Some("txt._pets")),
+            (" .hidden. ", Some("hidden")),
+            ("Flügel 翼", Some("Flügel 翼")),
+            ("", None),
+            ("...", None),
+            ("/", None),
+            (".step", Some("step")),
+        ] {
+            assert_eq!(stem(name, "step").as_deref(), expected, "{name:?}");
+        }
+        let long = stem(&"翼".repeat(500), "step").unwrap();
+        assert_eq!(long, "翼".repeat(60));
+    }
+
+    #[test]
+    fn both_forms_of_a_name() {
+        assert_eq!(
+            disposition("Flügel 100%.step"),
+            "inline; filename=\"Fl_gel 100_.step\"; filename*=UTF-8''Fl%C3%BCgel%20100%25.step"
+        );
+    }
+
+    proptest! {
+        /// Whatever a job is called, its file has one plain name, and the header is one line.
+        #[test]
+        fn no_name_breaks_out(name in any::<String>()) {
+            let stem = stem(&name, "step").unwrap_or_else(|| "curve".to_owned());
+            let file = format!("{stem}.step");
+            prop_assert!(!file.starts_with('.') && file.len() <= 255);
+            prop_assert_eq!(std::path::Path::new(&file).components().count(), 1);
+            let header = disposition(&file);
+            prop_assert!(header.bytes().all(|b| (b' '..=b'~').contains(&b)), "{}", header);
+            prop_assert_eq!(header.matches('"').count(), 2);
+            prop_assert!(!header.contains('\\'));
+        }
+    }
+}
