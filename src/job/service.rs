@@ -118,7 +118,7 @@ impl Jobs {
             limits,
             heavy: Arc::new(Semaphore::new(pages - pages / 4)),
             quick: Arc::new(Semaphore::new(pages / 4)),
-            suspects: Suspects::new(),
+            suspects: Suspects::default(),
             unfinished: AtomicUsize::new(0),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent),

@@ -29,15 +29,17 @@ pub struct Suspects {
     shares: OnceLock<BTreeMap<u32, u32>>,
 }
 
-impl Suspects {
+impl Default for Suspects {
     /// Nobody is suspect yet.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self {
             watch: Arc::new(Semaphore::new(WHOLE as usize)),
             shares: OnceLock::new(),
         }
     }
+}
 
+impl Suspects {
     /// Learns of how many crashes the jobs are suspect that were found at the start.
     pub fn gather(&self, crashes: impl Iterator<Item = u32>) {
         let mut counts = BTreeMap::new();

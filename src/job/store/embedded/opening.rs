@@ -101,7 +101,7 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
         }
         Ok(database)
     })?;
-    match attempt(path, || Ok(version(&opened)?))? {
+    match attempt(path, || version(&opened))? {
         Some(VERSION) => Ok(opened),
         Some(found) => Err(OpenError::Version {
             path: path.to_owned(),
@@ -125,7 +125,7 @@ fn make(path: &Path) -> Result<(), OpenError> {
     let tables = || {
         attempt(&unfinished, || {
             let database = Database::create(&unfinished)?;
-            Ok(make_tables(&database)?)
+            make_tables(&database)
         })
     };
     match tables() {
