@@ -12,6 +12,7 @@ use serde_path_to_error::{Path, Segment};
 use super::App;
 use super::negotiate::{Language, PROTOBUF};
 use super::problem::{Kind, Problem};
+use super::short::quoted;
 
 /// Reads the body of a request, which is JSON or a protobuf message.
 pub async fn read(app: &App, request: Request) -> Result<(Language, Bytes), Problem> {
@@ -50,7 +51,7 @@ fn language(request: &Request) -> Result<Language, Problem> {
     const SENT: &str = "jobs are sent as application/json in UTF-8, or as application/x-protobuf";
     let detail = match given {
         "" => format!("the Content-Type header is missing; {SENT}"),
-        _ => format!("Content-Type is {given:?}; {SENT}"),
+        _ => format!("Content-Type is {}; {SENT}", quoted(given)),
     };
     Err(Problem::new(Kind::UnsupportedMediaType, detail))
 }

@@ -28,6 +28,7 @@ use super::path::Named;
 use super::problem::Problem;
 use super::rpc::encoded::Encoded;
 use super::sending::Outgoing;
+use super::short::quoted;
 use super::{App, jobs};
 use crate::job::Job;
 use crate::job::content::Content;
@@ -90,7 +91,12 @@ fn event_of(id: Option<&str>) -> Result<Option<LastEvent>, String> {
         Some(END) => Ok(Some(LastEvent::End)),
         Some(id) => negotiate::plain_number(id)
             .map(|k| Some(LastEvent::Iteration(k)))
-            .ok_or_else(|| format!("{id:?} is no event id: ids are iteration numbers and \"end\"")),
+            .ok_or_else(|| {
+                format!(
+                    "{} is no event id: ids are iteration numbers and \"end\"",
+                    quoted(id)
+                )
+            }),
     }
 }
 

@@ -15,6 +15,7 @@ use super::options::{StreamParameters, ViewParameters};
 use super::path::Named;
 use super::problem::{Kind, Problem};
 use super::sending::answer;
+use super::short::quoted;
 use super::{App, encode, jobs, no_store, rpc, view};
 use crate::export::Format;
 use crate::fit::iteration::{Iteration, Level};
@@ -225,8 +226,10 @@ fn last_level(job: &Job) -> Result<usize, Problem> {
 
 fn level_number(text: &str) -> Result<usize, Problem> {
     negotiate::plain_number(text).ok_or_else(|| {
-        let detail =
-            format!("{text:?} is no iteration: they are numbered from 0; there is also \"last\"");
+        let detail = format!(
+            "{} is no iteration: they are numbered from 0; there is also \"last\"",
+            quoted(text)
+        );
         Problem::new(Kind::NoSuchIteration, detail)
     })
 }

@@ -17,6 +17,7 @@ use super::path::Named;
 use super::problem::{Kind, Problem};
 use super::rpc::messages::fitting_service_server::FittingServiceServer;
 use super::rpc::service::Service;
+use super::short::quoted;
 use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
 
@@ -148,7 +149,12 @@ pub async fn problem(Named(slug): Named<String>) -> Result<(StatusCode, Json<Val
         .into_iter()
         .find(|kind| kind.entry().slug == slug)
         .map(|kind| (StatusCode::OK, Json(explain(kind))))
-        .ok_or_else(|| Problem::new(Kind::NotFound, format!("no problem is called {slug:?}")))
+        .ok_or_else(|| {
+            Problem::new(
+                Kind::NotFound,
+                format!("no problem is called {}", quoted(&slug)),
+            )
+        })
 }
 
 fn explain(kind: Kind) -> Value {

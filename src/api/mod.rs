@@ -17,7 +17,7 @@
 //! - [`openapi`]: the description of all of this in OpenAPI, and its reference for people;
 //! - [`schema`]: what JSON clients may send;
 //! - [`info`]: capabilities, health, the catalogue of problems;
-//! - [`problem`]: errors as problem objects (RFC 9457).
+//! - [`problem`]: errors as problem objects (RFC 9457); [`short`]: texts of clients in them, cut.
 
 pub mod body;
 pub mod create;
@@ -42,6 +42,7 @@ pub mod request;
 pub mod rpc;
 pub mod schema;
 pub mod sending;
+pub mod short;
 pub mod strict;
 pub mod view;
 
@@ -149,7 +150,7 @@ fn resources() -> Resources {
 }
 
 async fn not_found(request: Request) -> Problem {
-    let path = request.uri().path();
+    let path = short::plain(request.uri().path());
     Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
 }
 

@@ -10,6 +10,7 @@ use mediatype::MediaType;
 use serde::de::DeserializeOwned;
 
 use super::problem::{Kind, Problem};
+use super::short::quoted;
 
 /// The longest that `Prefer: wait` may ask for.
 pub const LONGEST_WAIT: u64 = 300;
@@ -140,7 +141,10 @@ pub fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T
         given => given,
     };
     let accept = Accept::from_str(wanted).map_err(|_| {
-        Problem::at_header("Accept", format!("{wanted:?} is no list of media types"))
+        Problem::at_header(
+            "Accept",
+            format!("{} is no list of media types", quoted(wanted)),
+        )
     })?;
     let types: Vec<MediaType> = available
         .iter()
@@ -155,7 +159,7 @@ pub fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T
             let names = names.join(", ");
             Problem::new(
                 Kind::NotAcceptable,
-                format!("Accept is {wanted:?}; this resource has {names}"),
+                format!("Accept is {}; this resource has {names}", quoted(wanted)),
             )
         })
 }
@@ -189,7 +193,8 @@ pub fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
                 _ => Err(Problem::at_header(
                     "Prefer",
                     format!(
-                        "wait is a whole number of seconds from 0 to {LONGEST_WAIT}, not {seconds:?}"
+                        "wait is a whole number of seconds from 0 to {LONGEST_WAIT}, not {}",
+                        quoted(seconds)
                     ),
                 )),
             };

@@ -5,6 +5,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use super::problem::{Kind, Problem};
+use super::short;
 
 /// The parts of a path. What is no text, such as `%FF`, names nothing.
 #[derive(Debug)]
@@ -16,7 +17,7 @@ impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Named<T
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         let path = Path::from_request_parts(parts, state).await;
         path.map(|Path(names)| Self(names)).map_err(|_| {
-            let path = parts.uri.path();
+            let path = short::plain(parts.uri.path());
             Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
         })
     }

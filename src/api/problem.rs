@@ -7,7 +7,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
-use super::REQUEST_ID;
+use super::{REQUEST_ID, short};
 use crate::job::scheduler::Broken;
 use crate::job::service::Refused;
 use crate::job::state::Failure;
@@ -251,6 +251,26 @@ pub struct FieldError {
     pub detail: String,
 }
 
+/// The most characters of a detail. What clients have written is repeated in part already; this is
+/// for what nobody has thought of.
+const LONGEST_DETAIL: usize = 1000;
+
+/// The most characters of a place.
+const LONGEST_PLACE: usize = 300;
+
+impl FieldError {
+    /// What is wrong, wherever that is.
+    fn new(detail: &str) -> Self {
+        Self {
+            pointer: None,
+            parameter: None,
+            header: None,
+            field: None,
+            detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
+        }
+    }
+}
+
 /// A problem object.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -276,9 +296,10 @@ struct ProblemBody<'a> {
 impl Problem {
     /// A problem that is not about a particular field.
     pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
         Self {
             kind,
-            detail: detail.into(),
+            detail: short::cut(&detail, LONGEST_DETAIL).into_owned(),
             errors: Vec::new(),
             retry_after: None,
         }
@@ -287,14 +308,12 @@ impl Problem {
     /// A problem with a value in the body.
     pub fn at_pointer(kind: Kind, pointer: String, detail: impl Into<String>) -> Self {
         let detail = detail.into();
+        let pointer = short::cut(&pointer, LONGEST_PLACE).into_owned();
         let place = if pointer.is_empty() { "/" } else { &pointer };
         let mut problem = Self::new(kind, format!("{place}: {detail}"));
         problem.errors.push(FieldError {
             pointer: Some(pointer),
-            parameter: None,
-            header: None,
-            field: None,
-            detail,
+            ..FieldError::new(&detail)
         });
         problem
     }
@@ -302,16 +321,14 @@ impl Problem {
     /// A problem with a query parameter.
     pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
         let (name, detail) = (name.into(), detail.into());
+        let name = short::cut(&name, LONGEST_PLACE).into_owned();
         let mut problem = Self::new(
             Kind::InvalidRequest,
             format!("query parameter {name}: {detail}"),
         );
         problem.errors.push(FieldError {
-            pointer: None,
             parameter: Some(name),
-            header: None,
-            field: None,
-            detail,
+            ..FieldError::new(&detail)
         });
         problem
     }
@@ -373,18 +390,18 @@ impl Problem {
         let detail = detail.into();
         let mut problem = Self::new(Kind::InvalidRequest, format!("header {name}: {detail}"));
         problem.errors.push(FieldError {
-            pointer: None,
-            parameter: None,
             header: Some(name),
-            field: None,
-            detail,
+            ..FieldError::new(&detail)
         });
         problem
     }
 
     /// The job does not exist.
     pub fn unknown_job(id: &str) -> Self {
-        Self::new(Kind::UnknownJob, format!("there is no job {id:?}"))
+        Self::new(
+            Kind::UnknownJob,
+            format!("there is no job {}", short::quoted(id)),
+        )
     }
 
     /// The same problem, to be tried again after so many seconds.

@@ -31,6 +31,7 @@ mod goldens;
 mod http;
 mod jobs;
 mod large;
+mod large_mistakes;
 mod least_squares;
 mod local;
 mod messages_over_rest;

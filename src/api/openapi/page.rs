@@ -7,6 +7,7 @@ use axum::response::{IntoResponse, Response};
 
 use crate::api::path::Named;
 use crate::api::problem::{Kind, Problem};
+use crate::api::short::quoted;
 
 const HTML: &str = include_str!("page.html");
 
@@ -53,7 +54,12 @@ pub async fn file(Named(name): Named<String>) -> Result<Response, Problem> {
     let known = FILES.iter().find(|(file, ..)| *file == name);
     known
         .map(|(_, media_type, bytes)| answer(media_type, bytes))
-        .ok_or_else(|| Problem::new(Kind::NotFound, format!("the reference has no {name:?}")))
+        .ok_or_else(|| {
+            Problem::new(
+                Kind::NotFound,
+                format!("the reference has no {}", quoted(&name)),
+            )
+        })
 }
 
 fn answer(media_type: &'static str, bytes: &'static [u8]) -> Response {

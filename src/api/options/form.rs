@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::given::Given;
 use crate::api::problem::Problem;
+use crate::api::short::quoted;
 use crate::fit::points::Grid;
 use crate::fit::problem as fit;
 
@@ -166,7 +167,8 @@ pub(super) fn sample_grid(given: Given<'_>, surface: bool) -> Result<Grid, Probl
         .ok_or_else(|| {
             let form = if surface { "40x40 for a surface" } else { "200 for a curve" };
             given.problem(format!(
-                "{text:?} is not a number of samples such as {form}, at least 2 in each direction and {MOST_SAMPLES} in all"
+                "{} is not a number of samples such as {form}, at least 2 in each direction and {MOST_SAMPLES} in all",
+                quoted(text)
             ))
         })
 }

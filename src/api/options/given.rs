@@ -2,6 +2,7 @@
 
 use super::StreamParameters;
 use crate::api::problem::{Kind, Problem};
+use crate::api::short::{plain, quoted};
 
 /// A choice, as it is written.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +45,8 @@ impl Given<'_> {
         found.map(|(_, value)| *value).ok_or_else(|| {
             let names: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
             let detail = format!(
-                "{:?} is no choice; there are {}",
-                self.text,
+                "{} is no choice; there are {}",
+                quoted(self.text),
                 names.join(", ")
             );
             self.problem(detail)
@@ -97,7 +98,10 @@ impl<'a> Sources<'a> {
         };
         let mut detail = format!(
             "{}={} and {}={} do not go together: {why}",
-            one.name, one.text, other.name, other.text
+            one.name,
+            plain(one.text),
+            other.name,
+            plain(other.text)
         );
         let (blamed, set) = match (one.place, other.place) {
             (Place::Job, Place::Query) => (other, one),

@@ -13,6 +13,7 @@ use serde::Deserialize;
 
 use super::negotiate::{Framing, plain_number};
 use super::problem::Problem;
+use super::short::quoted;
 use crate::fit::points::Grid;
 use crate::fit::problem as fit;
 use form::{Digits, Encoding, Form, View};
@@ -346,7 +347,12 @@ fn form(sources: Sources<'_>, surface: bool) -> Result<Form, Problem> {
 fn every(given: Given<'_>) -> Result<usize, Problem> {
     plain_number(given.text)
         .filter(|every| *every > 0)
-        .ok_or_else(|| given.problem(format!("{:?} is no positive whole number", given.text)))
+        .ok_or_else(|| {
+            given.problem(format!(
+                "{} is no positive whole number",
+                quoted(given.text)
+            ))
+        })
 }
 
 /// Numbers between commas; none at all if the text is empty.
@@ -362,7 +368,7 @@ fn milestones(given: Given<'_>) -> Result<Vec<f64>, Problem> {
         let wrong = |detail| Err(given.problem_at(index, detail));
         let milestone = text.parse().ok();
         let Some(milestone) = milestone.filter(|x: &f64| *x > 0.0 && x.is_finite()) else {
-            return wrong(format!("{text:?} is no positive finite number"));
+            return wrong(format!("{} is no positive finite number", quoted(text)));
         };
         if let Some(before) = milestones.last().filter(|before| **before <= milestone) {
             return wrong(format!(

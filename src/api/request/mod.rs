@@ -15,6 +15,7 @@ use super::options::object::StreamObject;
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
 use super::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
+use super::short::quoted;
 use super::strict::{Count, Name, Object};
 use crate::config::Config;
 use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
@@ -441,7 +442,10 @@ fn knots(request: Option<NameOrNumbers>, basis: &str) -> Result<Knots, Problem> 
             "averaged" => Ok(Knots::Averaged),
             _ => Err(invalid(
                 &format!("{basis}/knots"),
-                format!("knots are \"data\", \"averaged\" or a list of numbers, not {name:?}"),
+                format!(
+                    "knots are \"data\", \"averaged\" or a list of numbers, not {}",
+                    quoted(&name)
+                ),
             )),
         },
     }
@@ -461,7 +465,8 @@ fn parametrization(
             _ => Err(invalid(
                 pointer,
                 format!(
-                    "parameters are \"chord_length\", \"centripetal\", \"uniform\" or a list of numbers, not {name:?}"
+                    "parameters are \"chord_length\", \"centripetal\", \"uniform\" or a list of numbers, not {}",
+                    quoted(&name)
                 ),
             )),
         },
