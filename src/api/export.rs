@@ -2,22 +2,28 @@
 
 use std::sync::Arc;
 
-use axum::http::{HeaderMap, HeaderValue, header};
-use axum::response::{IntoResponse, Response};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use bytes::Bytes;
 
 use super::negotiate;
-use super::no_store;
 use super::problem::{Kind, Problem};
+use super::sending::answer;
+use crate::export::csv::Table;
 use crate::export::{ExportError, Fitted, Format, UnknownFormat, write};
 use crate::fit::iteration::Iteration;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem as fit;
 use crate::fit::system::System;
 use crate::job::Job;
+use crate::job::content::{Content, Piece, Pieces};
 use crate::job::scheduler::Lane;
 
 /// Multiplications up to which the levels before are computed for a drawing of their errors.
 const HISTORY: usize = 200_000_000;
+
+/// So many lines of a table are made at a time.
+const LINES: usize = 4096;
 
 /// Writing a number takes about as long as so many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 100;
@@ -89,16 +95,34 @@ pub async fn file(
             samples,
             ..Fitted::new(&problem, &control_points, outline.created)
         };
-        write(format, &fitted)
+        match format {
+            Format::Csv => Table::new(&fitted).map(table),
+            _ => write(format, &fitted).map(|bytes| Bytes::from(bytes).into()),
+        }
     };
     let scheduler = &job.resources().scheduler;
-    let bytes = scheduler.compute(lane, write).await??;
-    let mut response = no_store(bytes.into_response());
-    response.headers_mut().insert(
-        header::CONTENT_TYPE,
-        HeaderValue::from_static(format.media_type()),
-    );
-    Ok(response)
+    let content = scheduler.compute(lane, write).await??;
+    Ok(answer(job, content, format.media_type()))
+}
+
+/// A table, of which a long one is written when it is sent.
+fn table(table: Table) -> Content {
+    let lines = table.lines();
+    let table = Arc::new(table);
+    let part = |start: usize| {
+        let (table, end) = (Arc::clone(&table), lines.min(start + LINES));
+        Piece::Later(Box::new(move || table.part(start..end).into()))
+    };
+    let mut parts: Vec<Piece> = (0..lines).step_by(LINES).map(part).collect();
+    let mut head = table.names();
+    if parts.len() == 1 {
+        parts.clear();
+        head.extend(table.part(0..lines));
+    }
+    Content {
+        head: head.into(),
+        rest: (!parts.is_empty()).then(|| Arc::new(Pieces::new(parts, None))),
+    }
 }
 
 /// The largest distances of the levels up to this one; none if they take too long to compute.

@@ -1,11 +1,12 @@
 //! CSV: samples of the curve or surface with their parameters.
 
+use std::ops::Range;
+
 use super::Fitted;
 use super::error::{ExportError, Place};
 use super::text::Text;
-use crate::fit::direction::Direction;
-use crate::fit::geometry::Geometry;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::Grid;
+use crate::fit::samples::Samples;
 
 /// Samples of a curve, and of each direction of a surface, unless asked for otherwise.
 const CURVE: usize = 200;
@@ -14,58 +15,112 @@ const SURFACE: usize = 40;
 /// The names of coordinates.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-/// A line with names (`t,x,y` of a curve, `u,v,x,y,z` of a surface), then one for each sample, at
-/// equal steps of the parameters; on surfaces row by row.
-pub(super) fn write(fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
-    let problem = fitted.problem;
-    let grid = fitted.samples.unwrap_or(match problem.v() {
-        None => Grid {
-            rows: CURVE,
-            columns: 1,
-        },
-        Some(_) => Grid {
-            rows: SURFACE,
-            columns: SURFACE,
-        },
-    });
-    let along =
-        |direction: &Direction, count| Geometry::uniform_parameters(&direction.basis, count);
-    let u = along(problem.u(), grid.rows);
-    let v = problem.v().map(|v| along(v, grid.columns));
-    let geometry = Geometry::new(problem, fitted.control_points);
-    let points = geometry.evaluate(&u, v.as_deref().unwrap_or_default());
-    check(&points, v.as_ref().map(Vec::len))?;
-    let mut text = Text::default();
-    text.push(if v.is_some() { "u,v" } else { "t" });
-    for name in &COORDINATES[..points.dimension()] {
-        text.put(format_args!(",{name}"));
-    }
-    text.push("\n");
-    let columns = v.as_ref().map_or(1, Vec::len);
-    for index in 0..points.len() {
-        text.put(format_args!("{:?}", u[index / columns]));
-        if let Some(v) = &v {
-            text.put(format_args!(",{:?}", v[index % columns]));
-        }
-        for x in points.point(index) {
-            text.put(format_args!(",{x:?}"));
-        }
-        text.push("\n");
-    }
-    Ok(text.into_bytes())
+/// So many samples are evaluated at a time.
+const CHUNK: usize = 256;
+
+/// A table that is written in parts: a line with names (`t,x,y` of a curve, `u,v,x,y,z` of a
+/// surface), then one for each sample, at equal steps of the parameters; on surfaces row by row.
+#[derive(Debug)]
+pub struct Table {
+    samples: Samples,
 }
 
-/// With weights that are not positive a curve can run through infinity.
-fn check(points: &Points, columns: Option<usize>) -> Result<(), ExportError> {
-    for (coordinate, lane) in points.lanes().iter().enumerate() {
-        if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
-            return Err(ExportError::NotFinite {
-                what: "sample",
-                place: Place::new(index, columns),
-                coordinate,
-                value: lane[index],
-            });
+impl Table {
+    /// The table of a level.
+    pub fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
+        let grid = fitted.samples.unwrap_or(match fitted.problem.v() {
+            None => Grid {
+                rows: CURVE,
+                columns: 1,
+            },
+            Some(_) => Grid {
+                rows: SURFACE,
+                columns: SURFACE,
+            },
+        });
+        let (problem, points) = (fitted.problem.clone(), fitted.control_points.clone());
+        let samples = Samples::new(problem, points, grid);
+        check(&samples)?;
+        Ok(Self { samples })
+    }
+
+    /// How many lines follow the names.
+    pub fn lines(&self) -> usize {
+        self.samples.count()
+    }
+
+    /// The line with the names.
+    pub fn names(&self) -> Vec<u8> {
+        let mut text = Text::default();
+        text.push(if self.samples.v.is_some() { "u,v" } else { "t" });
+        for name in &COORDINATES[..self.samples.dimension()] {
+            text.put(format_args!(",{name}"));
+        }
+        text.push("\n");
+        text.into_bytes()
+    }
+
+    /// The lines of these samples.
+    pub fn part(&self, lines: Range<usize>) -> Vec<u8> {
+        let columns = self.samples.columns();
+        let mut text = Text::default();
+        each(&self.samples, lines, |index, point| {
+            text.put(format_args!("{:?}", self.samples.u.at(index / columns)));
+            if let Some(v) = self.samples.v {
+                text.put(format_args!(",{:?}", v.at(index % columns)));
+            }
+            for x in point {
+                text.put(format_args!(",{x:?}"));
+            }
+            text.push("\n");
+        });
+        text.into_bytes()
+    }
+}
+
+/// The whole table.
+pub(super) fn write(fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
+    let table = Table::new(fitted)?;
+    let mut file = table.names();
+    file.extend(table.part(0..table.lines()));
+    Ok(file)
+}
+
+fn each(samples: &Samples, range: Range<usize>, mut visit: impl FnMut(usize, &[f64])) {
+    let dimension = samples.dimension();
+    let mut chunk = vec![0.0; CHUNK * dimension];
+    for start in range.clone().step_by(CHUNK) {
+        let chunk = &mut chunk[..CHUNK.min(range.end - start) * dimension];
+        samples.fill(start, chunk);
+        for (k, point) in chunk.chunks_exact(dimension).enumerate() {
+            visit(start + k, point);
         }
     }
-    Ok(())
+}
+
+/// With weights that are not positive a curve can run through infinity, and next to the largest
+/// numbers rounding can. Others lie between their control points.
+fn check(samples: &Samples) -> Result<(), ExportError> {
+    let geometry = samples.geometry();
+    let small = |index| geometry.place(index).all(|x| x.abs() < f64::MAX / 4.0);
+    if geometry.is_within_hull() && (0..geometry.control_points()).all(small) {
+        return Ok(());
+    }
+    let mut found = None;
+    each(samples, 0..samples.count(), |index, point| {
+        let coordinate = point.iter().position(|x| !x.is_finite());
+        if let Some(coordinate) = coordinate.filter(|_| found.is_none()) {
+            found = Some((index, coordinate, point[coordinate]));
+        }
+    });
+    let columns = samples.v.map(|_| samples.columns());
+    match found {
+        None => Ok(()),
+        Some((index, coordinate, value)) => Err(ExportError::NotFinite {
+            what: "sample",
+            place: Place::new(index, columns),
+            coordinate,
+            value,
+        }),
+    }
 }

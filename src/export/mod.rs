@@ -6,7 +6,7 @@
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly; `ball`: how polynomials of the Ball bases get there;
 //! - `sampling`: points and derivatives of it, for `gltf` and `svg`;
-//! - `csv`: samples as numbers;
+//! - [`csv`]: samples as numbers;
 //! - `text`: numbers and names as text.
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
@@ -15,7 +15,7 @@
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres.
 
 mod ball;
-mod csv;
+pub mod csv;
 pub mod error;
 pub mod format;
 mod gltf;
@@ -26,6 +26,8 @@ mod sampling;
 mod step;
 mod svg;
 mod text;
+
+use std::sync::Arc;
 
 use jiff::Timestamp;
 
@@ -45,9 +47,9 @@ const GENERATOR: &str = concat!("piad ", env!("CARGO_PKG_VERSION"));
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted<'a> {
     /// The problem that was fitted.
-    pub problem: &'a Problem,
+    pub problem: &'a Arc<Problem>,
     /// The free control points of the level, in homogeneous coordinates if the fit is.
-    pub control_points: &'a Points,
+    pub control_points: &'a Arc<Points>,
     /// The name of the curve or surface; any text.
     pub name: Option<&'a str>,
     /// When it was made, for formats that say so. The same level at the same time is the same file.
@@ -61,7 +63,11 @@ pub struct Fitted<'a> {
 
 impl<'a> Fitted<'a> {
     /// A level without a name.
-    pub fn new(problem: &'a Problem, control_points: &'a Points, created: Timestamp) -> Self {
+    pub fn new(
+        problem: &'a Arc<Problem>,
+        control_points: &'a Arc<Points>,
+        created: Timestamp,
+    ) -> Self {
         Self {
             problem,
             control_points,

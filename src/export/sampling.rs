@@ -3,6 +3,9 @@
 use super::nurbs::{KnotVector, Nurbs};
 use crate::fit::basis::{bernstein, bspline};
 
+/// So many values of basis functions are held at a time, and as many derivatives.
+const MOST_VALUES: usize = 1 << 20;
+
 /// A parameter, seen from one knot span: at a knot, derivatives are those of that side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Site {
@@ -12,7 +15,7 @@ pub(super) struct Site {
 }
 
 /// A point with its partial derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jet {
     /// The point.
     pub(super) point: [f64; 3],
@@ -128,22 +131,41 @@ type Homogeneous = [f64; 4];
 impl Nurbs {
     /// Points and derivatives on the grid `u × v`, row by row. A curve ignores `v`.
     pub(super) fn evaluate(&self, u: &[Site], v: &[Site]) -> Vec<Jet> {
-        let columns = self.columns();
-        let across: Vec<Local> = match &self.v {
-            None => vec![Local {
+        let Some(knots) = &self.v else {
+            let end = Local {
                 first: 0,
                 values: vec![1.0],
                 derivatives: vec![0.0],
-            }],
-            Some(knots) => v.iter().map(|&site| knots.functions(site)).collect(),
+            };
+            return self.evaluate_block(u, &[end]);
         };
-        let mut line = vec![Homogeneous::default(); columns];
+        // With a high degree there are thousands of functions at each site.
+        let block = (MOST_VALUES / (knots.degree + 1)).max(1);
+        if v.len() <= block {
+            let across: Vec<Local> = v.iter().map(|&site| knots.functions(site)).collect();
+            return self.evaluate_block(u, &across);
+        }
+        let mut jets = vec![Jet::default(); u.len() * v.len()];
+        for (index, sites) in v.chunks(block).enumerate() {
+            let across: Vec<Local> = sites.iter().map(|&site| knots.functions(site)).collect();
+            let some = self.evaluate_block(u, &across);
+            let rows = jets.chunks_exact_mut(v.len());
+            for (row, some) in rows.zip(some.chunks_exact(across.len())) {
+                row[index * block..][..some.len()].copy_from_slice(some);
+            }
+        }
+        jets
+    }
+
+    /// Points and derivatives at the sites `u`, for these functions of the other direction.
+    fn evaluate_block(&self, u: &[Site], across: &[Local]) -> Vec<Jet> {
+        let mut line = vec![Homogeneous::default(); self.columns()];
         let mut line_du = line.clone();
         let mut jets = Vec::with_capacity(u.len() * across.len());
         for &site in u {
             let along = self.u.functions(site);
             self.contract(&along, &mut line, &mut line_du);
-            for across in &across {
+            for across in across {
                 let window = across.first..across.first + across.values.len();
                 let (line, line_du) = (&line[window.clone()], &line_du[window]);
                 let point = combine(&across.values, line);

@@ -1,8 +1,7 @@
 //! The curve or surface of some control points: evaluation and sampling.
 
-use super::basis::Basis;
 use super::direction::Direction;
-use super::points::Points;
+use super::points::{Grid, Points};
 use super::problem::Problem;
 
 /// The fitted curve or surface with the control points of one level.
@@ -29,6 +28,11 @@ impl<'a> Geometry<'a> {
     /// Number of control points in the v direction, end copies included; `None` for a curve.
     pub fn columns(&self) -> Option<usize> {
         self.problem.v().map(|v| v.basis.functions())
+    }
+
+    /// How many free control points there are.
+    pub fn control_points(&self) -> usize {
+        self.control_points.len()
     }
 
     /// The complete control net as a CAD kernel stores it: the indices of the free control points,
@@ -79,61 +83,136 @@ impl<'a> Geometry<'a> {
     /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row
     /// by row. Parameters lie in the domains of the bases.
     pub fn evaluate(&self, u: &[f64], v: &[f64]) -> Points {
-        let dimension = self.control_points.dimension();
-        let mut result = Points::new(self.problem.dimension());
-        let columns = self.problem.control_grid().columns;
-        let curve = [vec![(0, 1.0)]];
-        let across = self
-            .problem
-            .v()
-            .map_or(curve.to_vec(), |direction| rows_of(direction, v));
-        let mut point = vec![0.0; dimension];
-        for row in rows_of(self.problem.u(), u) {
-            for column in &across {
-                point.fill(0.0);
-                for &(i, a) in &row {
-                    for &(j, b) in column {
-                        let control = self.control_points.point(i * columns + j);
-                        for (x, control) in point.iter_mut().zip(control) {
-                            *x += a * b * control;
-                        }
-                    }
-                }
-                // From homogeneous coordinates to a point.
-                if let (true, Some(&weight)) = (self.is_homogeneous(), point.last()) {
-                    point.iter_mut().for_each(|x| *x /= weight);
-                }
-                result.push(&point);
+        let grid = Values {
+            along: LineValues::new(self.problem.u(), u),
+            across: match self.problem.v() {
+                None => LineValues::one(),
+                Some(direction) => LineValues::new(direction, v),
+            },
+            controls: self.problem.control_grid(),
+        };
+        let lanes = self.control_points.lanes().iter();
+        let mut lanes: Vec<Vec<f64>> = lanes.map(|lane| grid.sums(lane)).collect();
+        // From homogeneous coordinates to points.
+        if self.is_homogeneous()
+            && let Some(weights) = lanes.pop()
+        {
+            for lane in &mut lanes {
+                lane.iter_mut().zip(&weights).for_each(|(x, w)| *x /= w);
             }
         }
-        result
+        Points::from_lanes(lanes)
     }
 
-    /// `count` parameters at equal distances over the domain of a direction, both ends included.
-    pub fn uniform_parameters(basis: &Basis, count: usize) -> Vec<f64> {
-        let (low, high) = basis.domain();
-        let steps = count.saturating_sub(1).max(1) as f64;
-        (0..count)
-            .map(|i| {
-                let s = i as f64 / steps;
-                (1.0 - s) * low + s * high
-            })
-            .collect()
+    /// Whether no point of the curve or surface can be larger than the control points are: then its
+    /// points lie in their convex hull.
+    pub fn is_within_hull(&self) -> bool {
+        let positive = |weights: &[f64]| weights.iter().all(|weight| *weight > 0.0);
+        let lanes = self.control_points.lanes();
+        let weights = lanes.last().filter(|_| self.is_homogeneous());
+        let mut given = self.problem.directions().filter_map(Direction::weights);
+        weights.is_none_or(|lane| positive(lane)) && given.all(positive)
     }
 }
 
-/// For each parameter the free control points that matter there, with the values of their functions.
-fn rows_of(direction: &Direction, parameters: &[f64]) -> Vec<Vec<(usize, f64)>> {
-    let mut values = vec![0.0; direction.basis.support_width()];
-    parameters
-        .iter()
-        .map(|&t| {
-            let start = direction.evaluate(t, &mut values);
-            values
-                .iter()
-                .enumerate()
-                .map(|(k, &value)| (direction.free_index(start + k), value))
-                .collect()
-        })
-        .collect()
+/// The values of the basis functions at the places of a grid, for sums over control points.
+struct Values {
+    along: LineValues,
+    across: LineValues,
+    controls: Grid,
+}
+
+impl Values {
+    /// The sums at all places of the grid, of one coordinate of the control points. Sums along one
+    /// direction can serve a whole row or column of the grid, so there are three ways to get there.
+    fn sums(&self, lane: &[f64]) -> Vec<f64> {
+        let (along, across) = (&self.along, &self.across);
+        let Grid { rows, columns } = self.controls;
+        let (r, c) = (along.count(), across.count());
+        let at_once = r * c * along.width * across.width;
+        let by_rows = r * along.width * columns + r * c * across.width;
+        let by_columns = c * across.width * rows + r * c * along.width;
+        let mut sums = vec![0.0; r * c];
+        if at_once <= by_rows.min(by_columns) {
+            for (place, sum) in sums.iter_mut().enumerate() {
+                let inner = |k: usize| across.sum(place % c, |l| lane[k * columns + l]);
+                *sum = along.sum(place / c, inner);
+            }
+        } else if by_rows <= by_columns {
+            let mut line = vec![0.0; columns];
+            for (i, sums) in sums.chunks_exact_mut(c).enumerate() {
+                line.fill(0.0);
+                along.each(i, |k, a| {
+                    let row = &lane[k * columns..][..columns];
+                    line.iter_mut().zip(row).for_each(|(sum, x)| *sum += a * x);
+                });
+                for (j, sum) in sums.iter_mut().enumerate() {
+                    *sum = across.sum(j, |l| line[l]);
+                }
+            }
+        } else {
+            for j in 0..c {
+                let column = |k: usize| across.sum(j, |l| lane[k * columns + l]);
+                let column: Vec<f64> = (0..rows).map(column).collect();
+                for i in 0..r {
+                    sums[i * c + j] = along.sum(i, |k| column[k]);
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// The values of the basis functions of a direction at some parameters.
+struct LineValues {
+    /// How many functions matter at a parameter.
+    width: usize,
+    /// At each parameter the functions' free control points, and their values.
+    indices: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl LineValues {
+    fn new(direction: &Direction, parameters: &[f64]) -> Self {
+        let width = direction.basis.support_width();
+        let mut values = vec![0.0; width * parameters.len()];
+        let mut indices = Vec::with_capacity(values.len());
+        for (values, &t) in values.chunks_exact_mut(width).zip(parameters) {
+            let start = direction.evaluate(t, values);
+            indices.extend((0..width).map(|k| direction.free_index(start + k) as u32));
+        }
+        Self {
+            width,
+            indices,
+            values,
+        }
+    }
+
+    /// Across a curve there is one control point.
+    fn one() -> Self {
+        Self {
+            width: 1,
+            indices: vec![0],
+            values: vec![1.0],
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.values.len() / self.width
+    }
+
+    /// Each control point that matters at parameter `i`, with the value of its function.
+    fn each(&self, i: usize, mut visit: impl FnMut(usize, f64)) {
+        let range = i * self.width..(i + 1) * self.width;
+        for (&index, &value) in self.indices[range.clone()].iter().zip(&self.values[range]) {
+            visit(index as usize, value);
+        }
+    }
+
+    /// The sum at parameter `i`.
+    fn sum(&self, i: usize, control: impl Fn(usize) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.each(i, |index, value| sum += value * control(index));
+        sum
+    }
 }

@@ -30,7 +30,7 @@
 //! - [`mod@update`]: the steps of the methods;
 //! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
 //! - [`plain`], [`sweep`]: the loop as it is written down, and at the speed of the memory;
-//! - [`geometry`]: the curve or surface of some control points: evaluation and sampling;
+//! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
 //! - [`limit`]: where local fits end, in closed form.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
@@ -63,6 +63,7 @@ pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
+pub mod samples;
 pub mod spectrum;
 pub mod sweep;
 pub mod system;

@@ -9,6 +9,7 @@
     reason = "tests fail by panicking, and nobody links to them"
 )]
 
+mod attacks;
 mod bad_requests;
 mod changed;
 mod clock;

@@ -13,6 +13,7 @@ use piad::fit::geometry::Geometry;
 use piad::fit::iteration::Iteration;
 use piad::fit::points::Points;
 use piad::fit::problem::Problem;
+use piad::fit::samples::Uniform;
 use piad::fit::system::System;
 use serde_json::{Value, json};
 
@@ -20,7 +21,7 @@ use serde_json::{Value, json};
 pub struct Fit {
     pub name: Option<String>,
     pub problem: Arc<Problem>,
-    pub control_points: Points,
+    pub control_points: Arc<Points>,
     pub errors: Vec<f64>,
 }
 
@@ -39,7 +40,7 @@ impl Fit {
         Self {
             name: job.name,
             problem,
-            control_points: iteration.control_points().clone(),
+            control_points: iteration.shared_control_points(),
             errors,
         }
     }
@@ -82,7 +83,10 @@ impl Fit {
     /// The largest distance between the fit and the spline that is exported, over the size of the
     /// data.
     pub fn largest_difference(&self, nurbs: &Nurbs) -> f64 {
-        let along = |direction: &Direction| Geometry::uniform_parameters(&direction.basis, 53);
+        let along = |direction: &Direction| {
+            let line = Uniform::new(&direction.basis, 53);
+            (0..53).map(|i| line.at(i)).collect::<Vec<f64>>()
+        };
         let u = along(self.problem.u());
         let v = self.problem.v().map(along).unwrap_or_default();
         let expected = Geometry::new(&self.problem, &self.control_points).evaluate(&u, &v);

@@ -18,6 +18,7 @@ mod fitting;
 mod layout;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use fitting::Fit;
 use piad::export::{self, ExportError, Format, Nurbs};
@@ -96,7 +97,7 @@ fn weights_that_are_not_positive_are_refused() {
             .job,
     );
     // Free control point (1, 2); with cubic knots at the data it is (2, 3) of the complete net.
-    fit.control_points.lanes_mut()[3][9 + 2] = -0.5;
+    Arc::make_mut(&mut fit.control_points).lanes_mut()[3][9 + 2] = -0.5;
     for format in Format::ALL {
         if format == Format::Csv {
             continue;
@@ -113,7 +114,7 @@ fn weights_that_are_not_positive_are_refused() {
 #[test]
 fn overflow_is_refused() {
     let mut fit = Fit::new(&cases::all()[0].job);
-    fit.control_points.lanes_mut()[1][4] = f64::INFINITY;
+    Arc::make_mut(&mut fit.control_points).lanes_mut()[1][4] = f64::INFINITY;
     for format in Format::ALL {
         let error = export::write(format, &fit.fitted()).unwrap_err();
         assert!(

@@ -6,42 +6,53 @@ use bytes::BufMut;
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
 
-use super::messages::{self as pb, fit_result, iteration};
+use super::messages::{self as pb, iteration};
 use super::names;
 use super::view::{count, direction, distances};
 use crate::api::options::form::{Form, View};
-use crate::api::view::source::{Net, NetWeights};
+use crate::api::view::source::{Net, NetWeights, Source};
 use crate::api::view::writer::{Digits, Writer};
 use crate::fit::geometry::Geometry;
 use crate::fit::iteration::Level;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::fit::samples::Samples;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
 
-/// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets, and the arrays of
-/// [`pb::ControlNet`]: they are large, and written when they are sent.
+/// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the
+/// arrays of [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written when they are sent.
 const NET_OF_ITERATION: u32 = 6;
+const SAMPLES_OF_ITERATION: u32 = 8;
 const NET_OF_RESULT: u32 = 11;
-const POINTS_OF_NET: u32 = 4;
+const SAMPLES_OF_RESULT: u32 = 12;
+const POINTS: u32 = 4;
 const WEIGHTS_OF_NET: u32 = 5;
+const PARAMETERS_OF_SAMPLES: [u32; 2] = [5, 6];
+
+/// What is written when it is sent.
+enum Large<'a> {
+    Net(&'a Arc<Problem>, &'a Arc<Points>),
+    Samples(Samples),
+}
 
 /// A level, as the bytes of an `Iteration`.
 pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
     let level = &frame.level;
-    let geometry = Geometry::new(problem, &frame.control_points);
-    let shown = match form.view {
-        View::Errors | View::ControlPoints => None,
-        View::Samples(grid) => Some(iteration::Geometry::Samples(samples(
-            problem, geometry, grid,
-        ))),
+    let points = &frame.control_points;
+    let (shown, large) = match form.view {
+        View::Errors => (None, None),
+        View::ControlPoints => (None, Some((NET_OF_ITERATION, Large::Net(problem, points)))),
+        View::Samples(grid) => {
+            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            (None, Some((SAMPLES_OF_ITERATION, Large::Samples(samples))))
+        }
         View::Changed => {
             let moved = frame.moved.as_deref().unwrap_or_default();
-            Some(iteration::Geometry::Changes(changes(
-                problem, geometry, moved,
-            )))
+            let changes = changes(problem, Geometry::new(problem, points), moved);
+            (Some(iteration::Geometry::Changes(changes)), None)
         }
     };
     let message = pb::Iteration {
@@ -52,9 +63,7 @@ pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content 
         bad_weight: bad_weight(level),
         geometry: shown,
     };
-    let with_net = form.view == View::ControlPoints;
-    let net = with_net.then_some((NET_OF_ITERATION, problem, &frame.control_points));
-    written(&message, net)
+    written(&message, large)
 }
 
 /// The final geometry, as the bytes of a `FitResult`.
@@ -67,14 +76,13 @@ pub fn result(
     view: View,
 ) -> Content {
     let outline = job.outline();
-    let geometry = Geometry::new(problem, points);
-    let (shown, net) = match view {
-        View::Errors => (None, None),
+    let large = match view {
+        View::Errors => None,
         View::Samples(grid) => {
-            let samples = samples(problem, geometry, grid);
-            (Some(fit_result::Geometry::Samples(samples)), None)
+            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            Some((SAMPLES_OF_RESULT, Large::Samples(samples)))
         }
-        View::ControlPoints | View::Changed => (None, Some((NET_OF_RESULT, problem, points))),
+        View::ControlPoints | View::Changed => Some((NET_OF_RESULT, Large::Net(problem, points))),
     };
     let message = pb::FitResult {
         id: outline.id.to_string(),
@@ -87,17 +95,21 @@ pub fn result(
         u: Some(direction(problem.u(), false)),
         v: problem.v().map(|v| direction(v, false)),
         bad_weight: bad_weight(level),
-        geometry: shown,
+        geometry: None,
     };
-    written(&message, net)
+    written(&message, large)
 }
 
-/// A message, and the field of it that is a control net.
-fn written(message: &impl Message, net: Option<(u32, &Arc<Problem>, &Arc<Points>)>) -> Content {
+/// A message, and the field of it that is large.
+fn written(message: &impl Message, large: Option<(u32, Large<'_>)>) -> Content {
     let mut writer = Writer::with_capacity(message.encoded_len());
     writer.text().put_slice(&message.encode_to_vec());
-    if let Some((field, problem, control_points)) = net {
-        write_net(&mut writer, field, problem, control_points);
+    match large {
+        None => {}
+        Some((field, Large::Net(problem, points))) => {
+            write_net(&mut writer, field, problem, points)
+        }
+        Some((field, Large::Samples(samples))) => write_samples(&mut writer, field, &samples),
     }
     writer.finish()
 }
@@ -122,30 +134,77 @@ fn write_net(
         columns: count(columns),
         ..pb::ControlNet::default()
     };
-    let points = packed(POINTS_OF_NET, places * problem.dimension());
+    let points = Packed::new(POINTS, places * problem.dimension());
     let weights = problem.is_homogeneous();
-    let weights = weights.then(|| packed(WEIGHTS_OF_NET, places));
-    let arrays = [Some(&points), weights.as_ref()].into_iter().flatten();
-    let length: usize = arrays.map(|(key, numbers)| key.len() + 8 * numbers).sum();
-    encode_key(field, WireType::LengthDelimited, writer.text());
-    encode_varint((head.encoded_len() + length) as u64, writer.text());
-    writer.text().put_slice(&head.encode_to_vec());
-    writer.text().put_slice(&points.0);
-    writer.array([points.1].as_slice().into(), net(), Digits::Raw);
-    if let Some((key, numbers)) = weights {
-        writer.text().put_slice(&key);
-        writer.array([numbers].as_slice().into(), NetWeights(net()), Digits::Raw);
+    let weights = weights.then(|| Packed::new(WEIGHTS_OF_NET, places));
+    let arrays = [Some(&points), weights.as_ref()];
+    begin(writer, field, &head, arrays.into_iter().flatten());
+    points.write(writer, net());
+    if let Some(weights) = weights {
+        weights.write(writer, NetWeights(net()));
     }
 }
 
-/// What stands before so many packed doubles of a field, and their number.
-fn packed(field: u32, numbers: usize) -> (Vec<u8>, usize) {
-    let mut key = Vec::new();
-    if numbers > 0 {
-        encode_key(field, WireType::LengthDelimited, &mut key);
-        encode_varint(8 * numbers as u64, &mut key);
+/// Points of the curve or surface at equal steps of the parameters.
+fn write_samples(writer: &mut Writer, field: u32, samples: &Samples) {
+    let head = pb::Samples {
+        dimension: count(samples.dimension()),
+        rows: count(samples.u.count()),
+        columns: count(samples.columns()),
+        ..pb::Samples::default()
+    };
+    let points = Packed::new(POINTS, samples.count() * samples.dimension());
+    let lines = [Some(samples.u), samples.v].into_iter().flatten();
+    let lines = PARAMETERS_OF_SAMPLES.into_iter().zip(lines);
+    let lines = lines.map(|(field, line)| (Packed::new(field, line.count()), line));
+    let lines: Vec<_> = lines.collect();
+    let arrays = std::iter::once(&points).chain(lines.iter().map(|(packed, _)| packed));
+    begin(writer, field, &head, arrays);
+    points.write(writer, samples.clone());
+    for (packed, line) in &lines {
+        packed.write(writer, *line);
     }
-    (key, numbers)
+}
+
+/// Begins a field that is a message with these arrays behind its head.
+fn begin<'a>(
+    writer: &mut Writer,
+    field: u32,
+    head: &impl Message,
+    arrays: impl Iterator<Item = &'a Packed>,
+) {
+    let length: usize = arrays.map(Packed::length).sum();
+    encode_key(field, WireType::LengthDelimited, writer.text());
+    encode_varint((head.encoded_len() + length) as u64, writer.text());
+    writer.text().put_slice(&head.encode_to_vec());
+}
+
+/// A field of packed doubles.
+struct Packed {
+    /// What stands before the numbers.
+    key: Vec<u8>,
+    numbers: usize,
+}
+
+impl Packed {
+    fn new(field: u32, numbers: usize) -> Self {
+        let mut key = Vec::new();
+        if numbers > 0 {
+            encode_key(field, WireType::LengthDelimited, &mut key);
+            encode_varint(8 * numbers as u64, &mut key);
+        }
+        Self { key, numbers }
+    }
+
+    /// All its bytes.
+    fn length(&self) -> usize {
+        self.key.len() + 8 * self.numbers
+    }
+
+    fn write(&self, writer: &mut Writer, numbers: impl Source) {
+        writer.text().put_slice(&self.key);
+        writer.array([self.numbers].as_slice().into(), numbers, Digits::Raw);
+    }
 }
 
 fn bad_weight(level: &Level) -> Option<pb::BadWeight> {
@@ -173,26 +232,6 @@ fn changes(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> pb::Ch
     changes
 }
 
-/// Points of the curve or surface at equal steps of the parameters.
-fn samples(problem: &Problem, geometry: Geometry<'_>, grid: Grid) -> pb::Samples {
-    let u = Geometry::uniform_parameters(&problem.u().basis, grid.rows);
-    let v = problem
-        .v()
-        .map(|v| Geometry::uniform_parameters(&v.basis, grid.columns))
-        .unwrap_or_default();
-    let points = geometry.evaluate(&u, &v);
-    let mut flat = Vec::with_capacity(points.len() * points.dimension());
-    flat.extend((0..points.len()).flat_map(|index| points.point(index)));
-    pb::Samples {
-        dimension: count(problem.dimension()),
-        rows: count(u.len()),
-        columns: count(v.len().max(1)),
-        points: flat,
-        parameters_u: u,
-        parameters_v: v,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,6 +239,7 @@ mod tests {
     use crate::fit::direction::{BasisChoice, DirectionChoice};
     use crate::fit::method::Method;
     use crate::fit::parameters::Parametrization;
+    use crate::fit::points::Grid;
     use crate::fit::problem::{Request, Tolerance, Weights};
 
     /// Nets that are written by hand, in one piece or several, are what the contract says.
@@ -244,7 +284,10 @@ mod tests {
                 iteration: 7,
                 ..pb::Iteration::default()
             };
-            let content = written(&head, Some((NET_OF_ITERATION, &problem, &control_points)));
+            let content = written(
+                &head,
+                Some((NET_OF_ITERATION, Large::Net(&problem, &control_points))),
+            );
             assert_eq!(content.rest.is_some(), count > 5);
             let message = pb::Iteration::decode(content.whole()).unwrap();
             let Some(iteration::Geometry::ControlNet(net)) = message.geometry else {

@@ -16,8 +16,9 @@ use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
 use crate::fit::invalid::Axis;
 use crate::fit::iteration::Level;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::fit::samples::{Samples, Uniform};
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
@@ -65,8 +66,11 @@ pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
         }
         View::Samples(grid) => {
             let mut document = begin(grid.count() * problem.dimension());
-            let geometry = Geometry::new(problem, &frame.control_points);
-            write_samples(&mut document, problem, geometry, grid);
+            let points = Arc::clone(&frame.control_points);
+            write_samples(
+                &mut document,
+                &Samples::new(Arc::clone(problem), points, grid),
+            );
             document
         }
     };
@@ -143,25 +147,23 @@ fn write_changed(
 }
 
 /// Points of the curve or surface at equal steps of the parameters.
-fn write_samples(document: &mut Document, problem: &Problem, geometry: Geometry<'_>, grid: Grid) {
-    let u = Geometry::uniform_parameters(&problem.u().basis, grid.rows);
-    let v = problem.v().map(|v| {
-        let count = grid.columns;
-        Geometry::uniform_parameters(&v.basis, count)
-    });
-    let points = geometry.evaluate(&u, v.as_deref().unwrap_or_default());
-    let across = v.as_ref().map(Vec::len);
-    let shape: Vec<usize> = [u.len()].into_iter().chain(across).collect();
-    let shape = [shape, vec![problem.dimension()]].concat();
+fn write_samples(document: &mut Document, samples: &Samples) {
+    let (u, v) = (samples.u, samples.v);
+    let counts = [
+        Some(u.count()),
+        v.map(Uniform::count),
+        Some(samples.dimension()),
+    ];
+    let shape: Vec<usize> = counts.into_iter().flatten().collect();
     document.arrays(&shape, |document| {
-        match &v {
-            None => document.array("parameters", &[u.len()], u.clone()),
+        match v {
+            None => document.array("parameters", &[u.count()], u),
             Some(v) => document.object("parameters", |document| {
-                document.array("u", &[u.len()], u.clone());
-                document.array("v", &[v.len()], v.clone());
+                document.array("u", &[u.count()], u);
+                document.array("v", &[v.count()], v);
             }),
         }
-        document.coordinates("samples", &shape, points.clone());
+        document.coordinates("samples", &shape, samples.clone());
     });
 }
 

@@ -8,11 +8,18 @@ use crate::fit::direction::Direction;
 use crate::fit::invalid::Axis;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::fit::samples::{Samples, Uniform};
 
 /// An array of numbers. It is shared by threads and lives as long as somebody may send it.
 pub trait Source: Send + Sync + 'static {
     /// The numbers from `start` on, as many as there is room for.
     fn fill(&self, start: usize, numbers: &mut [f64]);
+
+    /// Whether the numbers are finite in 32 bits, as far as they are in 64, if that can be told
+    /// without looking at each of them.
+    fn fits_32_bits(&self) -> Option<bool> {
+        None
+    }
 }
 
 impl Source for Vec<f64> {
@@ -28,6 +35,28 @@ impl Source for Points {
         for (k, numbers) in numbers.chunks_mut(dimension).enumerate() {
             let point = self.point(start / dimension + k);
             numbers.iter_mut().zip(point).for_each(|(to, x)| *to = x);
+        }
+    }
+}
+
+/// The coordinates of samples, sample by sample.
+impl Source for Samples {
+    fn fill(&self, start: usize, numbers: &mut [f64]) {
+        Samples::fill(self, start / self.dimension(), numbers);
+    }
+
+    /// What is sampled lies between its control points, or else can be anywhere.
+    fn fits_32_bits(&self) -> Option<bool> {
+        let geometry = self.geometry();
+        let fits = |index| geometry.place(index).all(|x| (x as f32).is_finite());
+        Some(geometry.is_within_hull() && (0..geometry.control_points()).all(fits))
+    }
+}
+
+impl Source for Uniform {
+    fn fill(&self, start: usize, numbers: &mut [f64]) {
+        for (k, t) in numbers.iter_mut().enumerate() {
+            *t = self.at(start + k);
         }
     }
 }

@@ -157,6 +157,9 @@ impl Writer {
 
 /// Whether all numbers of an array are finite in 32 bits, as far as they are in 64.
 pub fn fits_32_bits(count: usize, source: &impl Source) -> bool {
+    if let Some(fits) = source.fits_32_bits() {
+        return fits;
+    }
     let mut fits = true;
     each_chunk(0..count, source, |_, numbers| {
         // Without a branch for each, so that they are looked at side by side.

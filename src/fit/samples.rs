@@ -1,0 +1,118 @@
+//! Points of a curve or surface at equal steps of its parameters: any of them, at any time.
+
+use std::sync::Arc;
+
+use super::basis::Basis;
+use super::geometry::Geometry;
+use super::points::{Grid, Points};
+use super::problem::Problem;
+
+/// So many samples are evaluated at a time: the values of all basis functions at their parameters,
+/// of which there can be thousands each, are held for that long.
+const AT_ONCE: usize = 256;
+
+/// Parameters at equal distances over the domain of a direction, both ends included.
+#[derive(Clone, Copy, Debug)]
+pub struct Uniform {
+    domain: (f64, f64),
+    count: usize,
+}
+
+impl Uniform {
+    /// `count` parameters over the domain of a basis.
+    pub fn new(basis: &Basis, count: usize) -> Self {
+        Self {
+            domain: basis.domain(),
+            count,
+        }
+    }
+
+    /// How many there are.
+    pub fn count(self) -> usize {
+        self.count
+    }
+
+    /// Parameter `i`.
+    pub fn at(self, i: usize) -> f64 {
+        let (low, high) = self.domain;
+        let s = i as f64 / self.count.saturating_sub(1).max(1) as f64;
+        (1.0 - s) * low + s * high
+    }
+}
+
+/// A grid of samples, of which none is kept.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    problem: Arc<Problem>,
+    control_points: Arc<Points>,
+    /// The parameters of a curve, or in the u direction.
+    pub u: Uniform,
+    /// Those in the v direction of a surface.
+    pub v: Option<Uniform>,
+}
+
+impl Samples {
+    /// Samples of a level; of a curve, whose grid has one column, as many as rows.
+    pub fn new(problem: Arc<Problem>, control_points: Arc<Points>, grid: Grid) -> Self {
+        let v = problem.v();
+        Self {
+            u: Uniform::new(&problem.u().basis, grid.rows),
+            v: v.map(|v| Uniform::new(&v.basis, grid.columns)),
+            problem,
+            control_points,
+        }
+    }
+
+    /// How many there are in a row.
+    pub fn columns(&self) -> usize {
+        self.v.map_or(1, Uniform::count)
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.u.count() * self.columns()
+    }
+
+    /// The number of coordinates of each.
+    pub fn dimension(&self) -> usize {
+        self.problem.dimension()
+    }
+
+    /// The curve or surface itself.
+    pub fn geometry(&self) -> Geometry<'_> {
+        Geometry::new(&self.problem, &self.control_points)
+    }
+
+    /// Writes the coordinates of the samples from `start` on, row by row, as far as there is room.
+    pub fn fill(&self, start: usize, coordinates: &mut [f64]) {
+        let columns = self.columns();
+        let dimension = self.dimension();
+        let end = start + coordinates.len() / dimension;
+        let mut at = start;
+        let mut rest = coordinates;
+        while at < end {
+            // A part of a row, or as many whole rows as are evaluated at a time.
+            let (row, column) = (at / columns, at % columns);
+            let left = (end - at).min(AT_ONCE);
+            let (rows, width) = match column {
+                0 if left >= columns => (left / columns, columns),
+                _ => (1, left.min(columns - column)),
+            };
+            let u: Vec<f64> = (row..row + rows).map(|i| self.u.at(i)).collect();
+            let v = self
+                .v
+                .map(|v| (column..column + width).map(move |j| v.at(j)));
+            let v: Vec<f64> = v.into_iter().flatten().collect();
+            let points = self.geometry().evaluate(&u, &v);
+            let part;
+            (part, rest) = rest.split_at_mut(rows * width * dimension);
+            for (k, place) in part.chunks_exact_mut(dimension).enumerate() {
+                place
+                    .iter_mut()
+                    .zip(points.point(k))
+                    .for_each(|(to, x)| *to = x);
+            }
+            at += rows * width;
+        }
+    }
+}
