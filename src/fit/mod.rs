@@ -31,7 +31,8 @@
 //! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
 //! - [`plain`], [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
-//! - [`limit`]: where local fits end, in closed form.
+//! - [`limit`]: where local fits end, in closed form;
+//! - [`warning`]: what is doubtful about a fit, with [`rehearsal`] of those that rounding may spoil.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
 //! Comput. Math. Appl. 50 (2005) — **LBW05**; Lin, Wang, Dong, *Constructing iterative non-uniform
@@ -63,10 +64,12 @@ pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
+pub mod rehearsal;
 pub mod samples;
 pub mod spectrum;
 pub mod sweep;
 pub mod system;
 pub mod tensor;
 pub mod update;
+pub mod warning;
 pub mod weights;

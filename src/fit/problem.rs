@@ -208,6 +208,12 @@ impl Problem {
         std::iter::once(&self.u).chain(&self.v)
     }
 
+    /// Whether the bases of a surface's directions were asked for separately.
+    pub fn bases_differ(&self) -> bool {
+        let v = self.request.v.as_ref();
+        v.is_some_and(|v| v.basis != self.request.u.basis)
+    }
+
     /// The method.
     pub fn method(&self) -> Method {
         self.request.method

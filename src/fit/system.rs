@@ -6,6 +6,7 @@ use super::linear::{Inverse, apply_tensor, qr::Orthogonal};
 use super::method::{Method, Start};
 use super::points::Points;
 use super::problem::Problem;
+use super::rehearsal;
 use super::spectrum;
 use super::tensor::Tensor;
 
@@ -50,6 +51,8 @@ pub struct Forecast {
     pub rate: Option<f64>,
     /// The number of iterations after which the fit is exact, where there is one.
     pub exact_after: Option<usize>,
+    /// About how large a distance rounding leaves then, if that is more than the tolerance.
+    pub rounding: Option<f64>,
 }
 
 impl Forecast {
@@ -85,12 +88,16 @@ impl System {
     fn with(problem: Arc<Problem>, collocation: Arc<Tensor>) -> Self {
         let forecast = forecast(&problem, &collocation);
         let transform = transform(problem.method(), &collocation, &forecast);
-        Self {
+        let mut system = Self {
             problem,
             collocation,
             transform,
             forecast,
+        };
+        if matches!(system.transform, Transform::Orthogonal(..)) {
+            system.forecast.rounding = rehearsal::left_by_rounding(&system);
         }
+        system
     }
 
     /// The problem.
@@ -192,7 +199,7 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
                 lambda_min: lambda,
                 omega,
                 rate,
-                exact_after: None,
+                ..Forecast::default()
             }
         }
         Method::Chebyshev => {

@@ -8,6 +8,8 @@ use uuid::Uuid;
 use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
+use crate::fit::system::Forecast;
+use crate::fit::warning::Warning;
 
 /// A job without its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +36,10 @@ pub struct Outline {
     pub memory: usize,
     /// Multiplications of one iteration.
     pub step_cost: usize,
+    /// What was doubtful about it when it was accepted.
+    pub warnings: Vec<Warning>,
+    /// Surfaces: the bases of both directions were asked for separately.
+    pub bases_differ: bool,
 }
 
 /// What a client says about a job besides the problem.
@@ -75,6 +81,17 @@ impl Outline {
             max_iterations: problem.max_iterations(),
             memory: problem.memory(),
             step_cost: problem.step_cost(),
+            warnings: Warning::of_problem(problem),
+            bases_differ: problem.bases_differ(),
         }
+    }
+
+    /// What is doubtful about it, as far as is known by now.
+    pub fn warnings(&self, forecast: Option<&Forecast>) -> impl Iterator<Item = Warning> {
+        let found = forecast.map(|it| Warning::of_forecast(it, self.method));
+        self.warnings
+            .clone()
+            .into_iter()
+            .chain(found.into_iter().flatten())
     }
 }

@@ -129,6 +129,32 @@ pub enum Reason {
 }
 
 impl Reason {
+    /// Why, in words, and how far from the data the fit is left: at first and at last.
+    fn detail(self, first: f64, last: f64, tolerance: f64) -> String {
+        let left = format!("a distance of {last:.3e} is left, the tolerance is {tolerance:.3e}");
+        match self {
+            Self::Stationary => format!("no step brings the fit nearer to all of the data: {left}"),
+            Self::Stalled(Stall::Convexity) => {
+                format!("no step keeps the turns of the data: {left}")
+            }
+            Self::Stalled(Stall::Nilpotent) if last > first => format!(
+                "the extended method has come to its end, and rounding of the much larger distances in between has \
+                 spoilt it: {left}; use direct"
+            ),
+            Self::Stalled(Stall::Nilpotent) => {
+                format!(
+                    "the extended method has come to its end, and what is left is rounding: {left}"
+                )
+            }
+            Self::Stalled(Stall::Rounding) => {
+                format!("distances do not fall any more, for rounding: {left}")
+            }
+            Self::Stalled(Stall::Diverging) => {
+                format!("distances grow, as the step is too long: {left}")
+            }
+        }
+    }
+
     /// The name on the wire.
     pub fn name(self) -> &'static str {
         match self {
@@ -156,6 +182,13 @@ impl Status {
             started: Some(Timestamp::now()),
             ..Self::QUEUED
         }
+    }
+
+    /// Why it ended, in words, where the state does not say it.
+    pub fn detail(&self, tolerance: f64) -> Option<String> {
+        let (reason, levels) = self.reason.zip(self.levels)?;
+        let (first, last) = (levels.first.error.max, levels.last.error.max);
+        Some(reason.detail(first, last, tolerance))
     }
 
     /// How far the fit is, in [0, 1]. PIA converges geometrically, so that with a tolerance it is

@@ -53,6 +53,7 @@ mod streams;
 mod support;
 mod suspects;
 mod views;
+mod warnings;
 
 /// The messages and the client that the contract gives to everybody.
 #[allow(clippy::all, reason = "generated")]

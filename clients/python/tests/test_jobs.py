@@ -53,6 +53,14 @@ def test_cancelled_jobs_have_a_result(client: piad.Client) -> None:
     assert refused.value.status == 409
 
 
+def test_what_is_doubtful_is_a_warning(client: piad.Client) -> None:
+    job = client.create(CURVE[:3], degree=5)
+    (warning,) = job.wait().warnings
+    assert (warning.code, warning.pointer) == ("few_points", "/curve/basis/degree")
+    assert "degree 5" in warning.detail
+    assert client.create(CURVE).status.warnings == ()
+
+
 def test_edits_start_from_the_job(client: piad.Client) -> None:
     job = client.create(CURVE)
     job.wait()

@@ -2,7 +2,7 @@
 
 pub mod edit;
 pub(super) mod method;
-mod places;
+pub(super) mod places;
 mod schema;
 
 use std::sync::Arc;

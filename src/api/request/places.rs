@@ -4,7 +4,7 @@ use crate::fit::invalid::{Axis, Invalid, Place};
 
 /// Which parts of the request have a value for each direction.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Places {
+pub(in crate::api) struct Places {
     /// The number of columns of a surface; `None` for a curve.
     pub(super) surface_columns: Option<usize>,
     pub(super) basis_each: bool,
@@ -15,6 +15,15 @@ pub(super) struct Places {
 }
 
 impl Places {
+    /// Of a job as it is shown, of whose parts only the bases are looked for.
+    pub(in crate::api) fn of_input(surface_columns: Option<usize>, basis_each: bool) -> Self {
+        Self {
+            surface_columns,
+            basis_each,
+            ..Self::default()
+        }
+    }
+
     pub(super) fn root(&self) -> &'static str {
         match self.surface_columns {
             None => "/curve",
@@ -49,8 +58,13 @@ impl Places {
 
     /// The JSON pointer to what is wrong.
     pub(super) fn pointer(&self, error: &Invalid) -> String {
+        self.pointer_to(error.place())
+    }
+
+    /// The JSON pointer to a part of the problem.
+    pub(in crate::api) fn pointer_to(&self, place: Place) -> String {
         let root = self.root();
-        match error.place() {
+        match place {
             Place::Points => format!("{root}/points"),
             Place::Point(index) => self.element("points", index),
             Place::Line(Axis::U, index) => format!("{root}/points/{index}"),

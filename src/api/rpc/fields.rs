@@ -43,7 +43,8 @@ impl Layout {
         problem
     }
 
-    fn field(&self, pointer: &str) -> String {
+    /// The field at a JSON pointer of the model.
+    pub(super) fn field(&self, pointer: &str) -> String {
         let parts: Vec<&str> = pointer.split('/').skip(1).collect();
         match parts.as_slice() {
             [] | [""] => String::new(),

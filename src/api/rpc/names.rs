@@ -6,6 +6,7 @@ use crate::fit::basis::{Basis, Polynomial};
 use crate::fit::direction::{BasisChoice, Direction};
 use crate::fit::problem as fit;
 use crate::fit::update::Stall;
+use crate::fit::warning::Warning;
 use crate::job::outline::Outline;
 use crate::job::state::{Reason, State};
 
@@ -47,6 +48,15 @@ pub fn reason(reason: Option<Reason>) -> pb::EndReason {
             Stall::Rounding => pb::EndReason::Rounding,
             Stall::Diverging => pb::EndReason::Diverging,
         },
+    }
+}
+
+/// What is doubtful.
+pub fn warning(warning: &Warning) -> pb::WarningCode {
+    match warning {
+        Warning::FewPoints { .. } => pb::WarningCode::FewPoints,
+        Warning::EvenDegree { .. } => pb::WarningCode::EvenDegree,
+        Warning::Rounding { .. } => pb::WarningCode::Rounding,
     }
 }
 

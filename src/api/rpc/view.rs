@@ -6,15 +6,18 @@ use bytes::Bytes;
 use jiff::Timestamp;
 use prost::Message;
 
+use super::fields::Layout;
 use super::messages::{self as pb, method::Kind, stop_rules::Rule};
 use super::{names, stream};
 use crate::api::options::object::StreamObject;
 use crate::api::problem as api;
+use crate::api::view::warning::pointer;
 use crate::fit::direction::Direction;
 use crate::fit::method::{LeastSquares, Method, Start, Variant};
 use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
+use crate::fit::warning::Warning;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
@@ -55,7 +58,21 @@ pub fn job(job: &Job) -> pb::Job {
         finished_at: status.finished.map(time),
         parent,
         problem: status.failure.map(problem),
+        detail: status.detail(outline.tolerance).unwrap_or_default(),
+        warnings: warnings(outline, forecast.as_ref()),
     }
+}
+
+/// What is doubtful about a job, as far as is known by now.
+fn warnings(outline: &Outline, forecast: Option<&Forecast>) -> Vec<pb::Warning> {
+    let layout = Layout::default();
+    let view = |warning: Warning| pb::Warning {
+        code: names::warning(&warning).into(),
+        // In messages every direction of a surface has a basis of its own.
+        field: layout.field(&pointer(&warning, outline, outline.surface)),
+        detail: warning.detail(),
+    };
+    outline.warnings(forecast).map(view).collect()
 }
 
 /// A page of the list of jobs.
@@ -205,6 +222,7 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
             iterations: iterations.map(|iterations| iterations as u64),
         }),
         stop: Some(stop(outline)),
+        warnings: warnings(outline, forecast.as_ref()),
     };
     Bytes::from(message.encode_to_vec()).into()
 }
@@ -220,6 +238,7 @@ pub fn end(job: &Job, status: &Status) -> Content {
         error: level.map(|level| distances(&level.error, job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
+        detail: status.detail(job.outline().tolerance).unwrap_or_default(),
     };
     Bytes::from(message.encode_to_vec()).into()
 }

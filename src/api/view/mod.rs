@@ -3,6 +3,7 @@
 //! - `input`: a job as it was asked for;
 //! - [`level`]: the geometry of a level;
 //! - [`document`]: objects with large arrays of numbers, over [`source`] and [`writer`];
+//! - [`warning`]: what is doubtful about a job;
 //! - [`decimal`]: numbers with as many digits as they deserve.
 
 pub mod decimal;
@@ -10,6 +11,7 @@ pub mod document;
 mod input;
 pub mod level;
 pub mod source;
+pub mod warning;
 pub mod writer;
 
 use std::sync::Arc;
@@ -20,6 +22,7 @@ use serde_json::{Value, json};
 
 use document::Document;
 use level::{write_along, write_knots};
+use warning::{WarningView, warnings};
 use writer::Digits;
 
 pub use input::input;
@@ -123,14 +126,17 @@ pub fn job(job: &Job) -> Value {
     let status = job.status();
     let outline = job.outline();
     let level = status.levels.map(|levels| levels.last);
+    let forecast = status.levels.map(|levels| levels.forecast);
     let mut value = json!({
         "id": outline.id,
         "name": outline.label.name,
         "kind": kind(outline),
         "state": status.state.name(),
         "reason": status.reason.map(Reason::name),
+        "detail": status.detail(outline.tolerance),
+        "warnings": warnings(outline, forecast.as_ref()),
         "points": outline.grid.count(),
-        "method": method(outline, status.levels.map(|levels| levels.forecast)),
+        "method": method(outline, forecast),
         "stop": stop(outline),
         "stream": stream(outline),
         "iteration": level.map(|level| level.iteration),
@@ -263,8 +269,10 @@ pub fn description(
         predicted: Value,
         stop: Value,
         links: Value,
+        warnings: Vec<WarningView>,
     }
     let outline = job.outline();
+    let forecast = levels.map(|levels| levels.forecast);
     let head = Head {
         id: outline.id,
         name: outline.label.name.as_deref(),
@@ -278,15 +286,16 @@ pub fn description(
         degree: per_direction(problem, |direction| direction.basis.degree()),
         closed: json!(per_direction(problem, Direction::is_closed)),
         rational: rational(problem),
-        method: method(outline, levels.map(|levels| levels.forecast)),
+        method: method(outline, forecast),
         predicted: json!({
-            "rate": levels.and_then(|levels| levels.forecast.rate),
+            "rate": forecast.and_then(|it| it.rate),
             "iterations": levels.and_then(|levels| {
                 levels.forecast.iterations(levels.first.error.max, problem.tolerance())
             }),
         }),
         stop: stop(outline),
         links: links(job),
+        warnings: warnings(outline, forecast.as_ref()),
     };
     let numbers = problem.directions().map(|it| 2 * it.parameters.len()).sum();
     let digits = match in_base64 {
@@ -332,6 +341,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
     let mut value = json!({
         "state": status.state.name(),
         "reason": status.reason.map(Reason::name),
+        "detail": status.detail(job.outline().tolerance),
         "iterations": level.map_or(0, |level| level.iteration),
         "error": level.map(|level| error(&level.error, job.outline())),
         "elapsed": elapsed,

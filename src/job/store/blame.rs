@@ -103,6 +103,8 @@ mod tests {
             max_iterations: 1,
             memory: 1,
             step_cost: 1,
+            warnings: Vec::new(),
+            bases_differ: false,
         };
         Record {
             outline,

@@ -28,7 +28,7 @@ from .errors import (
 )
 from .geometry import Basis, Curve, Surface
 from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape
-from .job import Job, Status
+from .job import Job, JobWarning, Status
 
 # Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
 __path__ = extend_path(__path__, __name__)
@@ -45,6 +45,7 @@ __all__ = [
     "Iteration",
     "Job",
     "JobFailed",
+    "JobWarning",
     "MissingPackage",
     "PiadError",
     "Problem",

@@ -41,6 +41,23 @@ _ENDS_ONLY = {**_PLAIN, "every": "1000000000"}
 
 
 @dataclass(frozen=True)
+class JobWarning:
+    """What is doubtful about a fit that is computed even so."""
+
+    code: str
+    """What it is, such as "few_points"."""
+    pointer: str
+    """The part of the job's input that it is about, such as "/curve/basis/degree"."""
+    detail: str
+    """Why it is doubtful, and what to do about it."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> JobWarning:
+        """Reads a warning."""
+        return cls(value["code"], value["pointer"], value["detail"])
+
+
+@dataclass(frozen=True)
 class Status:
     """A job as it stood when the server was asked."""
 
@@ -50,6 +67,10 @@ class Status:
     state: State
     reason: Optional[str]
     """Why a job ended that did not reach its tolerance, such as "convexity"."""
+    detail: Optional[str]
+    """The reason in words, with the distance that is left."""
+    warnings: tuple[JobWarning, ...]
+    """What is doubtful about the fit; some of it is known only when the job runs."""
     points: int
     method: Mapping[str, Any]
     """With the numbers that were computed for it."""
@@ -81,6 +102,8 @@ class Status:
         error, problem = value["error"], value.get("problem")
         return cls(
             **fields,
+            detail=value.get("detail"),
+            warnings=tuple(JobWarning.from_json(it) for it in value.get("warnings", ())),
             error=None if error is None else Deviation.from_json(error),
             parent=value.get("parent"),
             problem=None if problem is None else Problem.from_json(problem),

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::job::{ID, error_example, id, links_example};
+use super::job::{ID, detail, error_example, id, links_example, warnings};
 use super::{Named, a, count, number, numbers, object, or_null, path, per_direction, text};
 use crate::api::openapi::operation::reference;
 
@@ -62,6 +62,7 @@ fn job() -> Value {
             ("predicted", a("Prediction", "How fast it converges.")),
             ("stop", a("AppliedStop", "When it ends.")),
             ("links", a("Links", "The paths of the job.")),
+            ("warnings", warnings()),
             (
                 "weights",
                 per_direction(
@@ -93,7 +94,7 @@ fn job() -> Value {
             "id": ID, "name": null, "kind": "curve", "points": 4, "dimension": 2, "control_points": 6,
             "basis": "bspline", "degree": 3, "closed": false, "rational": null, "method": {"kind": "global", "lambda_min": 0.2},
             "predicted": {"rate": 0.8, "iterations": 60}, "stop": {"tolerance": 1e-6, "max_iterations": 1000},
-            "links": links_example(), "weights": null,
+            "links": links_example(), "warnings": [], "weights": null,
             "knots": [0, 0, 0, 0, 1, 2, 3, 3, 3, 3], "parameters": [0, 1, 2, 3],
         }),
     )
@@ -131,6 +132,7 @@ fn end() -> Value {
                     "Why it ended, where the state does not say it.",
                 )),
             ),
+            ("detail", detail()),
             ("iterations", count("The number of the last iteration.")),
             (
                 "error",
@@ -146,7 +148,7 @@ fn end() -> Value {
         ],
         &[("problem", a("Problem", "Why it failed."))],
         json!({
-            "state": "converged", "reason": null, "iterations": 23, "error": error_example(), "elapsed": 0.00015,
+            "state": "converged", "reason": null, "detail": null, "iterations": 23, "error": error_example(), "elapsed": 0.00015,
             "links": {"self": format!("/v1/jobs/{ID}"), "result": format!("/v1/jobs/{ID}/result")},
         }),
     )

@@ -5,7 +5,9 @@ use serde_json::{Value, json};
 use super::{
     Named, a, count, flag, list, number, object, or_null, path, per_direction, text, time,
 };
+use crate::fit::invalid::Axis;
 use crate::fit::update::Stall;
+use crate::fit::warning::Warning;
 use crate::job::state::{Reason, State};
 
 pub(super) const ID: &str = "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10";
@@ -14,6 +16,7 @@ pub(super) fn schemas() -> Vec<Named> {
     vec![
         ("State", state()),
         ("Reason", reason()),
+        ("Warning", warning()),
         ("Kind", kind()),
         ("FitError", fit_error()),
         ("AppliedMethod", applied_method()),
@@ -53,6 +56,43 @@ fn reason() -> Value {
         "enum": names,
         "examples": ["stationary"],
     })
+}
+
+pub(super) fn warnings() -> Value {
+    list(
+        "What is doubtful about it; some of that is found out only when the job begins to run.",
+        a("Warning", "A warning."),
+    )
+}
+
+fn warning() -> Value {
+    object(
+        "What is doubtful about a fit that is computed even so.",
+        &[
+            (
+                "code",
+                json!({
+                    "description": "What it is. `few_points`: with knots at the data the degree is no less than the number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance. There may be others in later versions.",
+                    "type": "string",
+                    "examples": Warning::CODES,
+                }),
+            ),
+            ("pointer", text("A JSON pointer into the input of the job.")),
+            (
+                "detail",
+                text("What is doubtful here, why, and what to do about it."),
+            ),
+        ],
+        &[],
+        json!({
+            "code": "even_degree", "pointer": "/curve/basis/degree",
+            "detail": Warning::EvenDegree { axis: Axis::U, degree: 4 }.detail(),
+        }),
+    )
+}
+
+pub(super) fn detail() -> Value {
+    or_null(text("The reason in words, with what is left."))
 }
 
 fn kind() -> Value {
@@ -236,6 +276,8 @@ fn job() -> Value {
                     "Why it ended, where the state does not say it.",
                 )),
             ),
+            ("detail", detail()),
+            ("warnings", warnings()),
             ("points", count("The number of data points.")),
             ("method", a("AppliedMethod", "The method.")),
             ("stop", a("AppliedStop", "When it ends.")),
@@ -265,7 +307,7 @@ fn job() -> Value {
             ("problem", a("Problem", "Why it failed.")),
         ],
         json!({
-            "id": ID, "name": "wing section", "kind": "curve", "state": "converged", "reason": null, "points": 4,
+            "id": ID, "name": "wing section", "kind": "curve", "state": "converged", "reason": null, "detail": null, "warnings": [], "points": 4,
             "method": {"kind": "global"}, "stop": {"tolerance": 1e-6, "max_iterations": 1000}, "stream": null,
             "iteration": 23, "error": error_example(), "progress": 1.0,
             "created_at": "2026-11-21T16:31:51.123456789Z", "started_at": "2026-11-21T16:31:51.1236Z",

@@ -9,6 +9,7 @@ use uuid::Uuid;
 use super::super::{Key, Made, Record, StoreError};
 use super::input::MethodMessage;
 use super::tables::damaged;
+use super::warning::WarningMessage;
 use crate::fit::iteration::Level;
 use crate::fit::norms::FitError;
 use crate::fit::points::Grid;
@@ -63,6 +64,10 @@ pub(super) struct Header {
     /// It runs under watch, as it may be to blame for a crash.
     #[prost(bool, tag = "20")]
     pub(super) watched: bool,
+    #[prost(message, repeated, tag = "21")]
+    warnings: Vec<WarningMessage>,
+    #[prost(bool, tag = "22")]
+    bases_differ: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]
@@ -131,6 +136,8 @@ struct ForecastMessage {
     rate: Option<f64>,
     #[prost(uint64, optional, tag = "4")]
     exact_after: Option<u64>,
+    #[prost(double, optional, tag = "5")]
+    rounding: Option<f64>,
 }
 
 /// Which job was made for a key.
@@ -248,6 +255,12 @@ impl Header {
             bytes,
             key,
             watched: record.watched,
+            warnings: outline
+                .warnings
+                .iter()
+                .filter_map(WarningMessage::new)
+                .collect(),
+            bases_differ: outline.bases_differ,
         }
     }
 
@@ -294,6 +307,12 @@ impl Header {
                 max_iterations: number(self.max_iterations)?,
                 memory: number(self.memory)?,
                 step_cost: number(self.step_cost)?,
+                warnings: self
+                    .warnings
+                    .iter()
+                    .filter_map(WarningMessage::meaning)
+                    .collect(),
+                bases_differ: self.bases_differ,
             },
             status: self
                 .status
@@ -393,6 +412,7 @@ impl From<Forecast> for ForecastMessage {
             omega: forecast.omega,
             rate: forecast.rate,
             exact_after: forecast.exact_after.map(|count| count as u64),
+            rounding: forecast.rounding,
         }
     }
 }
@@ -406,6 +426,7 @@ impl TryFrom<ForecastMessage> for Forecast {
             omega: message.omega,
             rate: message.rate,
             exact_after: message.exact_after.map(number).transpose()?,
+            rounding: message.rounding,
         })
     }
 }

@@ -4,7 +4,7 @@
 //! - [`writer`]: the one thread that writes, many writes in a commit;
 //! - [`opening`]: the file is found whole, or refused with a reason; [`quiet`]: panics of the database;
 //! - [`room`]: what is kept back for when the disk is full;
-//! - [`header`], [`input`]: records and problems as protobuf messages, so that fields can be added.
+//! - [`header`], [`warning`], [`input`]: records and problems as protobuf messages, so that fields can be added.
 //!
 //! Reads see what was committed. Lists wait for the writes before them.
 
@@ -14,6 +14,7 @@ mod opening;
 mod quiet;
 mod room;
 mod tables;
+mod warning;
 mod writer;
 
 use std::path::Path;

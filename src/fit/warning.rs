@@ -1,0 +1,116 @@
+//! What is accepted but doubtful: a fit that can be computed, and that may not be what was meant.
+//!
+//! Some of it is known from the problem, some only once its matrix has been looked at.
+
+use super::basis::knots::Knots;
+use super::direction::{BasisChoice, Direction, DirectionChoice};
+use super::invalid::{Axis, Place};
+use super::method::Method;
+use super::problem::Problem;
+use super::system::Forecast;
+
+/// What is doubtful about a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Warning {
+    /// Knots at the data: the degree is no less than the number of points.
+    FewPoints {
+        /// The direction.
+        axis: Axis,
+        /// The degree of the B-spline.
+        degree: usize,
+        /// The number of data points in this direction.
+        count: usize,
+    },
+    /// Knots at the data: the degree is even.
+    EvenDegree {
+        /// The direction.
+        axis: Axis,
+        /// The degree of the B-spline.
+        degree: usize,
+    },
+    /// Extended: rounding leaves more than the tolerance.
+    Rounding {
+        /// About how much is left, in data units.
+        left: f64,
+        /// The number of iterations after which the method has come to its end.
+        iterations: usize,
+    },
+}
+
+impl Warning {
+    /// What is doubtful about a problem as it is asked for.
+    pub fn of_problem(problem: &Problem) -> Vec<Self> {
+        let request = problem.request();
+        let u = of_direction(&request.u, problem.u(), Axis::U);
+        let v = request.v.as_ref().zip(problem.v());
+        let v = v.map(|(choice, direction)| of_direction(choice, direction, Axis::V));
+        u.into_iter().chain(v.into_iter().flatten()).collect()
+    }
+
+    /// What is doubtful by what was found out before the first step.
+    pub fn of_forecast(forecast: &Forecast, method: Method) -> Vec<Self> {
+        let rounding = forecast.rounding.zip(forecast.exact_after);
+        let rounding = rounding.filter(|_| matches!(method, Method::Extended { .. }));
+        let rounding = rounding.map(|(left, iterations)| Self::Rounding { left, iterations });
+        rounding.into_iter().collect()
+    }
+
+    /// All names on the wire.
+    pub const CODES: [&str; 3] = ["few_points", "even_degree", "rounding"];
+
+    /// The name on the wire.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::FewPoints { .. } => "few_points",
+            Self::EvenDegree { .. } => "even_degree",
+            Self::Rounding { .. } => "rounding",
+        }
+    }
+
+    /// The part of the problem that is doubtful.
+    pub fn place(&self) -> Place {
+        match *self {
+            Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
+            Self::Rounding { .. } => Place::Method,
+        }
+    }
+
+    /// What is doubtful, why, and what to do about it.
+    pub fn detail(&self) -> String {
+        match *self {
+            Self::FewPoints { degree, count, .. } => format!(
+                "degree {degree} is more than {count} points determine: {copies} of the {all} control points are copies \
+                 of the first and the last point, near which the curve hardly moves; use at most degree {most}",
+                copies = degree - 1,
+                all = count + degree - 1,
+                most = count - 1
+            ),
+            Self::EvenDegree { degree, .. } => format!(
+                "degree {degree} is even: with knots at the data a point that is moved is felt along the whole curve; \
+                 use an odd degree or averaged knots"
+            ),
+            Self::Rounding { left, iterations } => format!(
+                "rounding is expected to leave a distance of about {left:.0e} when the extended method has come to its \
+                 end after {iterations} iterations, as distances in between are much larger than the data; use direct"
+            ),
+        }
+    }
+}
+
+fn of_direction(choice: &DirectionChoice, direction: &Direction, axis: Axis) -> Vec<Warning> {
+    let BasisChoice::BSpline { degree, knots } = &choice.basis else {
+        return Vec::new();
+    };
+    let at_data = matches!(knots, Knots::Usual | Knots::Data) && choice.control_points.is_none();
+    if !at_data || direction.is_closed() {
+        return Vec::new();
+    }
+    let (degree, count) = (*degree, direction.parameters.len());
+    let few = (degree >= count).then_some(Warning::FewPoints {
+        axis,
+        degree,
+        count,
+    });
+    let even = (degree % 2 == 0).then_some(Warning::EvenDegree { axis, degree });
+    few.into_iter().chain(even).collect()
+}

@@ -1,0 +1,188 @@
+//! What is accepted but doubtful: it is said in the job and in its event stream, and what an end means.
+
+use std::f64::consts::PI;
+
+use serde_json::{Value, json};
+
+use crate::messages as pb;
+use crate::rpc::connect;
+use crate::support::{Server, Story, base};
+
+/// A planar curve through points of a wave.
+fn curve(count: usize, basis: &Value) -> Value {
+    let points: Vec<[f64; 2]> = (0..count)
+        .map(|i| [i as f64, (i as f64 * 0.9).sin()])
+        .collect();
+    json!({"curve": {"points": points, "basis": basis}})
+}
+
+fn surface(rows: usize, columns: usize, basis: &Value) -> Value {
+    let row = |i: usize| -> Vec<[f64; 3]> {
+        (0..columns)
+            .map(|j| [i as f64, j as f64, (i as f64 + 0.7 * j as f64).sin()])
+            .collect()
+    };
+    let points: Vec<_> = (0..rows).map(row).collect();
+    json!({"surface": {"points": points, "basis": basis}})
+}
+
+/// The codes and pointers of the warnings of a job or of its event.
+fn warnings(job: &Value) -> Vec<(String, String)> {
+    let texts = |name: &str, it: &Value| it[name].as_str().unwrap().to_owned();
+    let all = job["warnings"].as_array().unwrap().iter();
+    all.map(|it| {
+        assert!(!texts("detail", it).is_empty());
+        (texts("code", it), texts("pointer", it))
+    })
+    .collect()
+}
+
+fn expect(job: &Value, expected: &[(&str, &str)]) {
+    let found = warnings(job);
+    let found: Vec<_> = found
+        .iter()
+        .map(|(a, b)| (a.as_str(), b.as_str()))
+        .collect();
+    assert_eq!(found, expected, "{job:#}");
+}
+
+/// The job, its event and whatever follows say the same, and the pointer leads somewhere.
+async fn expect_everywhere(server: &Server, job: &Value, expected: &[(&str, &str)]) -> Story {
+    let created = server.fit(job).await;
+    expect(&created, expected);
+    let path = base(&created).to_owned();
+    let input = server.json(&format!("{path}/input")).await;
+    for (_, pointer) in expected {
+        assert!(input.pointer(pointer).is_some(), "{pointer}: {input:#}");
+    }
+    let listed = server.json("/v1/jobs?limit=1").await;
+    expect(&listed["jobs"][0], expected);
+    let events = server.get(&format!("{path}/events"));
+    let story = Story::read(events.send().await.unwrap()).await;
+    expect(&story.job, expected);
+    story
+}
+
+#[tokio::test]
+async fn degrees_that_few_points_do_not_deserve_are_warned_of() {
+    let server = Server::start().await;
+    let degree = |degree: usize| json!({"kind": "bspline", "degree": degree});
+    let few = ("few_points", "/curve/basis/degree");
+    expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
+    expect_everywhere(&server, &curve(5, &degree(5)), &[few]).await;
+    expect_everywhere(&server, &curve(6, &degree(5)), &[]).await;
+    let even = ("even_degree", "/curve/basis/degree");
+    expect_everywhere(&server, &curve(4, &degree(4)), &[few, even]).await;
+    expect_everywhere(&server, &curve(9, &degree(4)), &[even]).await;
+    // Midway between the parameters, and averaged, knots of even degree are at their best.
+    let mut closed = curve(9, &degree(4));
+    closed["curve"]["closed"] = json!(true);
+    expect_everywhere(&server, &closed, &[]).await;
+    let averaged = json!({"kind": "bspline", "degree": 4, "knots": "averaged"});
+    expect_everywhere(&server, &curve(9, &averaged), &[]).await;
+    expect_everywhere(&server, &curve(9, &json!({"kind": "bernstein"})), &[]).await;
+
+    let story = expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
+    let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
+    // Four copies: of seven control points three are data.
+    assert!(detail.contains("4 of the 7 control points"), "{detail}");
+}
+
+#[tokio::test]
+async fn warnings_of_surfaces_name_the_direction() {
+    let server = Server::start().await;
+    let both = json!({"kind": "bspline", "degree": 5});
+    let of_both = ("few_points", "/surface/basis/degree");
+    expect_everywhere(&server, &surface(4, 9, &both), &[of_both]).await;
+    let each =
+        json!({"u": {"kind": "bspline", "degree": 3}, "v": {"kind": "bspline", "degree": 4}});
+    let of_v = ("even_degree", "/surface/basis/v/degree");
+    expect_everywhere(&server, &surface(7, 8, &each), &[of_v]).await;
+}
+
+/// 36 points of a Bézier curve: intermediate errors of 1e70 leave nothing of the data.
+#[tokio::test]
+async fn extended_fits_that_rounding_spoils_are_warned_of() {
+    let server = Server::start().await;
+    let job = |count: usize| {
+        let points: Vec<[f64; 2]> = (0..count)
+            .map(|i| i as f64 * 2.0 * PI / (count - 1) as f64)
+            .map(|a| [a.cos(), a.sin() * a.cos()])
+            .collect();
+        json!({
+            "curve": {"points": points, "basis": {"kind": "bernstein"}, "parameters": "uniform"},
+            "method": {"kind": "extended"},
+        })
+    };
+    let story = expect_everywhere(&server, &job(36), &[("rounding", "/method")]).await;
+    assert_eq!(story.end["reason"], "nilpotent");
+    let left = story.end["error"]["max"].as_f64().unwrap();
+    assert!(left > 1e10, "{left}");
+    let detail = story.end["detail"].as_str().unwrap();
+    assert!(detail.contains(&format!("{left:.3e}")), "{detail}");
+    assert!(detail.contains("use direct"), "{detail}");
+
+    let story = expect_everywhere(&server, &job(11), &[]).await;
+    assert_eq!(
+        (story.state(), &story.end["detail"]),
+        ("converged", &Value::Null)
+    );
+}
+
+/// Whoever is not warned gets there, for all sizes and bases; whoever is, does not.
+#[tokio::test]
+async fn extended_fits_get_there_unless_they_are_warned_of() {
+    let server = Server::start().await;
+    let bases = [
+        json!({"kind": "bspline", "degree": 3}),
+        json!({"kind": "bspline", "degree": 5}),
+        json!({"kind": "bernstein"}),
+        json!({"kind": "wang_ball"}),
+    ];
+    for basis in &bases {
+        for count in [6, 12, 20, 30, 60, 150, 400] {
+            let mut job = curve(count, basis);
+            job["method"] = json!({"kind": "extended"});
+            job["stop"] = json!({"relative_tolerance": 1e-9});
+            let ended = server.fit(&job).await;
+            let warned = warnings(&ended).iter().any(|(code, _)| code == "rounding");
+            assert_eq!(
+                warned,
+                ended["state"] != "converged",
+                "{basis} {count}: {ended:#}"
+            );
+        }
+    }
+}
+
+#[tokio::test]
+async fn messages_have_warnings_with_fields() {
+    let server = Server::start().await;
+    let input = pb::JobInput {
+        geometry: Some(pb::job_input::Geometry::Surface(pb::Surface {
+            dimension: 1,
+            rows: 3,
+            columns: 4,
+            points: (0..12).map(f64::from).collect(),
+            ..pb::Surface::default()
+        })),
+        ..pb::JobInput::default()
+    };
+    let mut client = connect(&server).await;
+    let request = pb::CreateJobRequest {
+        input: Some(input),
+        ..pb::CreateJobRequest::default()
+    };
+    let job = client
+        .create_job(request)
+        .await
+        .unwrap()
+        .into_inner()
+        .job
+        .unwrap();
+    let warning = &job.warnings[0];
+    assert_eq!(job.warnings.len(), 1);
+    assert_eq!(warning.code(), pb::WarningCode::FewPoints);
+    assert_eq!(warning.field, "surface.u.basis.degree");
+    assert!(warning.detail.contains("3 points"), "{}", warning.detail);
+}
