@@ -25,7 +25,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Serve fitting jobs over HTTP (what piad does without a command).
-    Serve(Config),
+    Serve(Box<Config>),
     /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
     Health {
         /// The server's address; 0.0.0.0 and [::] stand for this machine.
@@ -100,6 +100,20 @@ pub struct Config {
     /// Seconds without a byte after which a request body is given up.
     #[arg(long, env = "PIAD_BODY_TIMEOUT", default_value = "30", value_parser = seconds)]
     pub body_timeout: Duration,
+
+    /// Seconds in which the head of a request must arrive, from its first byte on; and in which a
+    /// connection must bring its first request.
+    #[arg(long, env = "PIAD_HEADER_TIMEOUT", default_value = "30", value_parser = some_seconds)]
+    pub header_timeout: Duration,
+
+    /// Seconds without a request after which a connection is closed. Behind a proxy: more than it
+    /// keeps its own connections to the server.
+    #[arg(long, env = "PIAD_IDLE_TIMEOUT", default_value = "120", value_parser = some_seconds)]
+    pub idle_timeout: Duration,
+
+    /// Seconds after which an answer is given up of which the client takes nothing.
+    #[arg(long, env = "PIAD_WRITE_TIMEOUT", default_value = "60", value_parser = some_seconds)]
+    pub write_timeout: Duration,
 
     /// Seconds that requests may take to end after SIGTERM or SIGINT.
     #[arg(long, env = "PIAD_GRACE", default_value = "4", value_parser = seconds)]

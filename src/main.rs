@@ -19,7 +19,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     match cli.command {
         None => serve(cli.config),
-        Some(Command::Serve(config)) => serve(config),
+        Some(Command::Serve(config)) => serve(*config),
         Some(Command::Health { listen, timeout }) => health(listen, timeout),
     }
 }
@@ -37,7 +37,7 @@ async fn serve(config: Config) -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    match server::serve(listener, config, server::interrupted()).await {
+    match server::serve(vec![listener], config, server::interrupted()).await {
         Ok(()) => {
             info!("stopped");
             ExitCode::SUCCESS

@@ -1,11 +1,23 @@
 //! A running server: binds configuration, jobs and API together.
+//!
+//! - [`accept`]: takes in connections; [`connection`]: serves one;
+//! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
+//! - [`answer`]: the bodies of its answers; [`stalled`]: those that the client does not take;
+//! - [`rarely`]: log lines that are not told each time.
+
+mod accept;
+mod activity;
+mod answer;
+mod connection;
+mod rarely;
+mod stalled;
+mod watched;
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::serve::ListenerExt;
 use bytes::Bytes;
 use http_body_util::Empty;
 use hyper_util::client::legacy::Client;
@@ -23,11 +35,12 @@ use crate::job::service::{Jobs, Limits};
 use crate::job::store::embedded::EmbeddedStore;
 use crate::job::store::memory::MemoryStore;
 use crate::job::store::{Retention, Store};
+use activity::Times;
 
-/// Serves on `listener` until `shutdown` completes; then ends event streams, lets other requests
+/// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
 /// finish within the grace period and returns.
 pub async fn serve(
-    listener: TcpListener,
+    listeners: Vec<TcpListener>,
     config: Config,
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
@@ -41,37 +54,33 @@ pub async fn serve(
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
     jobs.resume().await.map_err(io::Error::other)?;
     let (stop, stopping) = watch::channel(false);
-    let grace = config.grace;
+    let (grace, times) = (config.grace, times(&config));
     let router = api::router(App::new(Arc::clone(&jobs), config, stopping.clone()));
 
-    info!("listening on http://{}", listener.local_addr()?);
-    let listener = listener.tap_io(|connection| {
-        // Events are small and must leave at once.
-        if let Err(reason) = connection.set_nodelay(true) {
-            warn!("TCP_NODELAY: {reason}");
-        }
-    });
-    let mut stopped = stopping.clone();
-    let served = axum::serve(listener, router).with_graceful_shutdown(async move {
-        shutdown.await;
-        info!("stopping: no new requests, event streams end");
-        stop.send_replace(true);
-    });
-    let served = tokio::select! {
-        result = served.into_future() => result,
+    for listener in &listeners {
+        info!("listening on http://{}", listener.local_addr()?);
+    }
+    tokio::select! {
+        () = accept::serve(listeners, router, times, stopping) => {}
         () = async {
-            // The sender is gone only if serving has ended.
-            let _ = stopped.wait_for(|stop| *stop).await;
+            shutdown.await;
+            info!("stopping: no new requests, event streams end");
+            stop.send_replace(true);
             tokio::time::sleep(grace).await;
-        } => {
-            warn!("requests were still open after the grace period of {grace:?}");
-            Ok(())
-        }
-    };
+        } => warn!("requests were still open after the grace period of {grace:?}"),
+    }
     if tokio::time::timeout(grace, jobs.suspend()).await.is_err() {
         warn!("jobs were still running after the grace period of {grace:?}");
     }
-    served
+    Ok(())
+}
+
+fn times(config: &Config) -> Times {
+    Times {
+        head: config.header_timeout,
+        idle: config.idle_timeout,
+        write: config.write_timeout,
+    }
 }
 
 fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {

@@ -22,6 +22,7 @@ mod data;
 mod deleting;
 mod description;
 mod digits;
+mod doors;
 mod durable;
 mod edits;
 mod encodings;

@@ -37,7 +37,7 @@ impl Server {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();
-        let served = tokio::spawn(piad::server::serve(listener, config, async {
+        let served = tokio::spawn(piad::server::serve(vec![listener], config, async {
             let _ = stopped.await;
         }));
         let client = Client::builder().timeout(PATIENCE).build().unwrap();

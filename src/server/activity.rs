@@ -1,0 +1,199 @@
+//! What happens on a connection, as far as it decides how long the connection may stay.
+
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+use tokio::time::{Duration, Instant, sleep, sleep_until};
+
+/// How long connections may do nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Times {
+    /// Until the head of a request is there.
+    pub(super) head: Duration,
+    /// Between requests.
+    pub(super) idle: Duration,
+    /// While there is something to write.
+    pub(super) write: Duration,
+}
+
+/// What has happened on a connection.
+#[derive(Debug)]
+pub(super) struct Activity(Mutex<State>);
+
+#[derive(Debug)]
+struct State {
+    /// Requests whose answers are not complete.
+    open: usize,
+    /// Since when there are none.
+    idle: Instant,
+    /// When the first byte of a request came of which the head is not complete.
+    head: Option<Instant>,
+    /// When something was written, and how much in all.
+    written: (Instant, u64),
+    /// There has been a request.
+    served: bool,
+    /// It is HTTP/2, where bytes may come and go without a request.
+    multiplexed: bool,
+}
+
+/// Why a connection has stayed too long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Overdue {
+    /// The head of a request does not come to its end.
+    Half,
+    /// There are no requests.
+    Idle,
+}
+
+impl Activity {
+    /// Of a connection that is new.
+    pub(super) fn new() -> Self {
+        let now = Instant::now();
+        Self(Mutex::new(State {
+            open: 0,
+            idle: now,
+            head: None,
+            written: (now, 0),
+            served: false,
+            multiplexed: false,
+        }))
+    }
+
+    /// Something has come.
+    pub(super) fn read(&self) {
+        let mut state = self.0.lock();
+        if state.open == 0 && state.head.is_none() {
+            state.head = Some(Instant::now());
+        }
+    }
+
+    /// So many bytes have gone.
+    pub(super) fn wrote(&self, bytes: usize) {
+        let mut state = self.0.lock();
+        state.written = (Instant::now(), state.written.1 + bytes as u64);
+    }
+
+    /// A request has come, which is open until the guard is dropped.
+    pub(super) fn open(self: &Arc<Self>, multiplexed: bool) -> OpenRequest {
+        let mut state = self.0.lock();
+        state.open += 1;
+        state.head = None;
+        state.served = true;
+        state.multiplexed = multiplexed;
+        OpenRequest(Arc::clone(self))
+    }
+
+    /// Completes when the connection has stayed too long.
+    pub(super) async fn overdue(&self, times: Times) -> Overdue {
+        // Whatever begins after a look ends its time after the next one.
+        let shortest = times.head.min(times.idle);
+        loop {
+            let now = Instant::now();
+            let (end, why) = self
+                .0
+                .lock()
+                .end(times)
+                .unwrap_or((now + shortest, Overdue::Idle));
+            if end <= now {
+                return why;
+            }
+            sleep_until(end.min(now + shortest)).await;
+        }
+    }
+
+    /// Completes when no request is open and nothing has been written for a time.
+    pub(super) async fn silence(&self, time: Duration) {
+        let of = |state: &State| (state.open == 0).then_some(state.written.1);
+        loop {
+            let before = of(&self.0.lock());
+            sleep(time).await;
+            if before.is_some() && before == of(&self.0.lock()) {
+                return;
+            }
+        }
+    }
+}
+
+impl State {
+    /// When the connection has stayed too long if nothing happens on it, and why.
+    fn end(&self, times: Times) -> Option<(Instant, Overdue)> {
+        if self.open > 0 {
+            return None;
+        }
+        if !self.served {
+            let end = self.idle + times.head;
+            return Some(match self.head {
+                // Its first bytes are no reason to wait for longer.
+                Some(_) => (end, Overdue::Half),
+                None => (end, Overdue::Idle),
+            });
+        }
+        if self.multiplexed {
+            return Some((self.idle + times.idle, Overdue::Idle));
+        }
+        match self.head {
+            Some(since) => Some((since + times.head, Overdue::Half)),
+            // The end of an answer may take its time on its way.
+            None => Some((self.idle.max(self.written.0) + times.idle, Overdue::Idle)),
+        }
+    }
+}
+
+/// A request whose answer is not complete.
+#[derive(Debug)]
+#[must_use]
+pub(super) struct OpenRequest(Arc<Activity>);
+
+impl Drop for OpenRequest {
+    fn drop(&mut self) {
+        let mut state = self.0.0.lock();
+        state.open -= 1;
+        state.idle = Instant::now();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TIMES: Times = Times {
+        head: Duration::from_secs(10),
+        idle: Duration::from_secs(100),
+        write: Duration::from_secs(1000),
+    };
+
+    fn left(activity: &Activity, since: Instant) -> Option<(u64, Overdue)> {
+        let (end, why) = activity.0.lock().end(TIMES)?;
+        Some(((end - since).as_secs_f64().round() as u64, why))
+    }
+
+    #[test]
+    fn requests_and_their_heads_and_pauses_have_times_of_their_own() {
+        let activity = Arc::new(Activity::new());
+        let now = Instant::now();
+        assert_eq!(left(&activity, now), Some((10, Overdue::Idle)));
+        activity.read();
+        assert_eq!(left(&activity, now), Some((10, Overdue::Half)));
+        let request = activity.open(false);
+        assert_eq!(left(&activity, now), None);
+        activity.read();
+        activity.wrote(5);
+        drop(request);
+        assert_eq!(left(&activity, now), Some((100, Overdue::Idle)));
+        activity.read();
+        assert_eq!(left(&activity, now), Some((10, Overdue::Half)));
+    }
+
+    #[test]
+    fn pings_of_http_2_are_no_requests() {
+        let activity = Arc::new(Activity::new());
+        let now = Instant::now();
+        let requests = [activity.open(true), activity.open(true)];
+        for request in requests {
+            assert_eq!(left(&activity, now), None);
+            drop(request);
+        }
+        activity.read();
+        assert_eq!(left(&activity, now), Some((100, Overdue::Idle)));
+    }
+}

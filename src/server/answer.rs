@@ -1,0 +1,78 @@
+//! The body of an answer on its way: its request is open until it has gone.
+
+use std::pin::Pin;
+use std::task::{Context, Poll, ready};
+
+use axum::body::Body;
+use bytes::Bytes;
+use http_body::{Body as HttpBody, Frame, SizeHint};
+
+use super::activity::OpenRequest;
+use super::stalled;
+
+/// The most that a stream of HTTP/2 is given at once, so that its progress shows.
+const PIECE: usize = 64 * 1024;
+
+/// The body of an answer.
+pub(super) struct Answer {
+    body: Body,
+    /// What is still to be given of the last frame.
+    rest: Bytes,
+    /// The most to be given at once.
+    most: usize,
+    _open: OpenRequest,
+}
+
+impl Answer {
+    pub(super) fn new(body: Body, open: OpenRequest, multiplexed: bool) -> Self {
+        Self {
+            body,
+            rest: Bytes::new(),
+            most: if multiplexed { PIECE } else { usize::MAX },
+            _open: open,
+        }
+    }
+
+    fn piece(&mut self) -> Frame<Bytes> {
+        let length = self.rest.len().min(self.most);
+        Frame::data(self.rest.split_to(length))
+    }
+}
+
+impl HttpBody for Answer {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        stalled::asked();
+        if self.rest.is_empty() {
+            let frame = Pin::new(&mut self.body).poll_frame(context);
+            let frame = ready!(frame.map(|frame| frame.transpose())?);
+            stalled::given();
+            match frame.map(Frame::into_data) {
+                None => return Poll::Ready(None),
+                Some(Err(trailers)) => return Poll::Ready(Some(Ok(trailers))),
+                Some(Ok(data)) => self.rest = data,
+            }
+        }
+        stalled::given();
+        Poll::Ready(Some(Ok(self.piece())))
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.rest.is_empty() && self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        let (rest, of_body) = (self.rest.len() as u64, self.body.size_hint());
+        let mut hint = SizeHint::new();
+        hint.set_lower(of_body.lower() + rest);
+        if let Some(upper) = of_body.upper() {
+            hint.set_upper(upper + rest);
+        }
+        hint
+    }
+}

@@ -1,0 +1,113 @@
+//! One connection: HTTP/1.1 or HTTP/2, as long as there is something to do on it.
+
+use std::convert::Infallible;
+use std::pin::pin;
+use std::sync::Arc;
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::{Request, Version};
+use hyper::body::Incoming;
+use hyper::rt::Executor;
+use hyper::service::service_fn;
+use hyper_util::rt::TokioIo;
+use hyper_util::server::conn::auto::Builder;
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::sync::watch;
+use tokio::time::Duration;
+use tower::Service;
+use tracing::debug;
+
+use super::activity::{Activity, Overdue, Times};
+use super::answer::Answer;
+use super::stalled::unless_stalled;
+use super::watched::Watched;
+use crate::job::peer::Peer;
+
+/// How long a connection that has no requests any more may be silent before it is cut off.
+const LINGER: Duration = Duration::from_secs(2);
+
+/// Serves a connection of `peer` until it ends, is told to stop, or does nothing for too long.
+pub(super) async fn serve<S>(
+    stream: S,
+    peer: Peer,
+    router: Router,
+    times: Times,
+    stopping: watch::Receiver<bool>,
+) where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
+    let served = converse(stream, peer, router, times, stopping);
+    Peer::scope(Some(peer), served).await;
+}
+
+async fn converse<S>(
+    stream: S,
+    peer: Peer,
+    router: Router,
+    times: Times,
+    mut stopping: watch::Receiver<bool>,
+) where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
+    let activity = Arc::new(Activity::new());
+    let io = Watched::new(stream, Arc::clone(&activity), times.write);
+    let requests = Arc::clone(&activity);
+    let service = service_fn(move |request| answer(router.clone(), Arc::clone(&requests), request));
+    let mut builder = Builder::new(Streams {
+        peer,
+        write: times.write,
+    });
+    // Heads have their time as everything else has: see `activity`.
+    builder.http1().header_read_timeout(None);
+    let mut connection = pin!(builder.serve_connection(TokioIo::new(io), service));
+    tokio::select! {
+        ended = connection.as_mut() => return told(ended),
+        overdue = activity.overdue(times) => {
+            debug!(%peer, "a connection is closed: {overdue:?}");
+            if overdue == Overdue::Half {
+                return;
+            }
+        }
+        _ = stopping.wait_for(|stopping| *stopping) => {}
+    }
+    connection.as_mut().graceful_shutdown();
+    tokio::select! {
+        ended = connection => told(ended),
+        () = activity.silence(LINGER) => {}
+    }
+}
+
+fn told<E: std::fmt::Display>(ended: Result<(), E>) {
+    if let Err(reason) = ended {
+        debug!("a connection has ended: {reason}");
+    }
+}
+
+async fn answer(
+    mut router: Router,
+    activity: Arc<Activity>,
+    request: Request<Incoming>,
+) -> Result<hyper::Response<Answer>, Infallible> {
+    let multiplexed = request.version() == Version::HTTP_2;
+    let open = activity.open(multiplexed);
+    let response = router.call(request.map(Body::new)).await?;
+    Ok(response.map(|body| Answer::new(body, open, multiplexed)))
+}
+
+/// Starts the tasks of streams of HTTP/2.
+#[derive(Clone, Copy)]
+struct Streams {
+    peer: Peer,
+    write: Duration,
+}
+
+impl<F> Executor<F> for Streams
+where
+    F: Future<Output = ()> + Send + 'static,
+{
+    fn execute(&self, task: F) {
+        let task = unless_stalled(self.write, task);
+        tokio::spawn(Peer::scope(Some(self.peer), task));
+    }
+}
