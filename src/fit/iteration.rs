@@ -17,6 +17,9 @@ const STATIONARY: f64 = 1e-6;
 /// is left is rounding.
 const REFINED: f64 = 0.5;
 
+/// Chebyshev steps that have made the residual grow by this factor will not make it fall any more.
+const HOPELESS: f64 = 1e4;
+
 /// A level of the iteration: how far the curve of these control points is from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
@@ -53,7 +56,8 @@ pub struct Iteration {
     system: Arc<System>,
     engine: Engine,
     level: Level,
-    /// The length of the residual, and its relative decrease in the last update.
+    /// The length of the residual, at level 0 and now, and its relative decrease in the last update.
+    first_length: f64,
     length: f64,
     decrease: f64,
 }
@@ -106,6 +110,7 @@ impl Iteration {
                 moved: 0,
                 bad_weight: None,
             },
+            first_length: length,
             length,
             decrease: 1.0,
         };
@@ -282,6 +287,8 @@ impl Iteration {
         } = self.level;
         let updated_least_squares =
             matches!(problem.method(), Method::LeastSquares(_)) && iteration > 0;
+        let hopeless = matches!(problem.method(), Method::Chebyshev)
+            && self.length > HOPELESS * self.first_length;
         let refined = matches!(problem.method(), Method::Direct) && iteration > 0;
         // Homogeneous distances can be infinite where a weight is not positive; residuals cannot.
         if !self.length.is_finite() {
@@ -290,7 +297,7 @@ impl Iteration {
             Some(Outcome::Converged)
         } else if updated_least_squares && self.decrease.abs() < STATIONARY {
             Some(Outcome::Stationary)
-        } else if updated_least_squares && self.decrease < 0.0 {
+        } else if (updated_least_squares && self.decrease < 0.0) || hopeless {
             Some(Outcome::Stalled(Stall::Diverging))
         } else if refined && self.decrease <= REFINED {
             Some(Outcome::Stalled(Stall::Rounding))

@@ -163,6 +163,17 @@ pub fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
     estimate
 }
 
+/// By how much each step of the Chebyshev semi-iteration on [a, 1] reduces the part of an eigenvalue
+/// λ ≤ a in the long run: `(z + √(z² − 1)) / (z₀ + √(z₀² − 1))` with `z = (1 + a − 2 λ)/(1 − a)`, and z₀ of λ = 0.
+pub fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
+    // Both times (1 − a), so that a = 1 is no exception: 1 − λ, the rate of classical PIA.
+    let grown = |lambda: f64| {
+        let excess = a - lambda;
+        1.0 + a - 2.0 * lambda + 2.0 * (excess * (1.0 - lambda)).sqrt()
+    };
+    grown(lambda) / grown(0.0)
+}
+
 fn length(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

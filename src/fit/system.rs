@@ -51,6 +51,8 @@ pub struct Forecast {
     pub rate: Option<f64>,
     /// The number of iterations after which the fit is exact, where there is one.
     pub exact_after: Option<usize>,
+    /// Chebyshev: where the interval of its steps begins, if not at the least eigenvalue.
+    pub interval: Option<f64>,
     /// About how large a distance rounding leaves then, if that is more than the tolerance.
     pub rounding: Option<f64>,
 }
@@ -97,7 +99,22 @@ impl System {
         if matches!(system.transform, Transform::Orthogonal(..)) {
             system.forecast.rounding = rehearsal::left_by_rounding(&system);
         }
+        if matches!(system.problem.method(), Method::Chebyshev) {
+            system.choose_interval();
+        }
         system
+    }
+
+    /// Takes shorter steps, unless those by the least eigenvalue keep distances low.
+    fn choose_interval(&mut self) {
+        for interval in rehearsal::safe_intervals(self) {
+            if rehearsal::stays_low(self) {
+                return;
+            }
+            self.forecast.interval = Some(interval);
+            let least = self.forecast.lambda_min.unwrap_or(1.0);
+            self.forecast.rate = Some(spectrum::chebyshev_rate(least, interval));
+        }
     }
 
     /// The problem.
@@ -204,10 +221,9 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
         }
         Method::Chebyshev => {
             let lambda = least();
-            let root = lambda.sqrt();
             Forecast {
                 lambda_min: Some(lambda),
-                rate: Some((1.0 - root) / (1.0 + root)),
+                rate: Some(spectrum::chebyshev_rate(lambda, lambda)),
                 ..Forecast::default()
             }
         }

@@ -35,6 +35,13 @@ pub enum Warning {
         /// The number of iterations after which the method has come to its end.
         iterations: usize,
     },
+    /// Chebyshev: with steps by the least eigenvalue distances would rise far.
+    ShorterInterval {
+        /// The least eigenvalue.
+        least: f64,
+        /// Where the interval begins instead.
+        begin: f64,
+    },
 }
 
 impl Warning {
@@ -52,11 +59,14 @@ impl Warning {
         let rounding = forecast.rounding.zip(forecast.exact_after);
         let rounding = rounding.filter(|_| matches!(method, Method::Extended { .. }));
         let rounding = rounding.map(|(left, iterations)| Self::Rounding { left, iterations });
-        rounding.into_iter().collect()
+        let least = forecast.lambda_min.unwrap_or(0.0);
+        let begin = forecast.interval;
+        let interval = begin.map(|begin| Self::ShorterInterval { least, begin });
+        rounding.into_iter().chain(interval).collect()
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 3] = ["few_points", "even_degree", "rounding"];
+    pub const CODES: [&str; 4] = ["few_points", "even_degree", "rounding", "shorter_interval"];
 
     /// The name on the wire.
     pub fn code(&self) -> &'static str {
@@ -64,6 +74,7 @@ impl Warning {
             Self::FewPoints { .. } => "few_points",
             Self::EvenDegree { .. } => "even_degree",
             Self::Rounding { .. } => "rounding",
+            Self::ShorterInterval { .. } => "shorter_interval",
         }
     }
 
@@ -71,7 +82,7 @@ impl Warning {
     pub fn place(&self) -> Place {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
-            Self::Rounding { .. } => Place::Method,
+            Self::Rounding { .. } | Self::ShorterInterval { .. } => Place::Method,
         }
     }
 
@@ -92,6 +103,11 @@ impl Warning {
             Self::Rounding { left, iterations } => format!(
                 "rounding is expected to leave a distance of about {left:.0e} when the extended method has come to its \
                  end after {iterations} iterations, as distances in between are much larger than the data; use direct"
+            ),
+            Self::ShorterInterval { least, begin } => format!(
+                "the least eigenvalue of the collocation matrix, {least:.2e}, says little of this matrix: with Chebyshev \
+                 steps for [{least:.2e}, 1] distances would rise far above those of the data; the steps are for \
+                 [{begin:.2e}, 1], which takes more iterations; direct gives the limit"
             ),
         }
     }

@@ -186,3 +186,86 @@ async fn messages_have_warnings_with_fields() {
     assert_eq!(warning.field, "surface.u.basis.degree");
     assert!(warning.detail.contains("3 points"), "{}", warning.detail);
 }
+
+/// The largest rise of a fit's distances, its job and its end.
+async fn rise(server: &Server, job: &Value) -> (f64, Story) {
+    let mut job = job.clone();
+    job["stream"] = json!({"view": "errors"});
+    let story = server.stream(&job).await;
+    let errors = story.iterations.iter().map(|it| &it["error"]["max"]);
+    let errors: Vec<f64> = errors.map(|max| max.as_f64().unwrap()).collect();
+    let largest = errors.iter().copied().fold(0.0, f64::max);
+    (largest / errors[0], story)
+}
+
+/// Points whose distances differ by four orders of magnitude.
+fn uneven(count: usize) -> Vec<[f64; 2]> {
+    let steps = (0..count).map(|i| 10_f64.powf(2.0 * (i as f64 * 2.3).sin()));
+    let places = steps.scan(0.0, |x, step| {
+        *x += step;
+        Some(*x)
+    });
+    places
+        .enumerate()
+        .map(|(i, x)| [x, (i as f64 * 1.7).sin()])
+        .collect()
+}
+
+/// With steps by the least eigenvalue the distances of these fits rise by 1e13 to 1e88.
+#[tokio::test]
+async fn chebyshev_steps_keep_distances_low() {
+    let server = Server::start().await;
+    let job = |points: Value, basis: Value| {
+        json!({
+            "curve": {"points": points, "basis": basis}, "method": {"kind": "chebyshev"},
+            "stop": {"relative_tolerance": 1e-9, "max_iterations": 400},
+        })
+    };
+    // Many eigenvalues nearly coincide where even degrees have their knots at the data.
+    let wave = |count: usize| curve(count, &Value::Null)["curve"]["points"].clone();
+    let mut jobs = Vec::new();
+    for degree in [4, 6, 8] {
+        let basis = json!({"kind": "bspline", "degree": degree});
+        jobs.push((true, job(wave(400), basis.clone())));
+        jobs.push((true, job(json!(uneven(200)), basis)));
+    }
+    // Those that did well before do as well now.
+    for degree in [2, 3, 5] {
+        let basis = json!({"kind": "bspline", "degree": degree});
+        jobs.push((false, job(wave(50), basis)));
+    }
+    jobs.push((
+        false,
+        job(
+            wave(300),
+            json!({"kind": "bspline", "degree": 6, "knots": "averaged"}),
+        ),
+    ));
+    for (warned, job) in jobs {
+        let (rise, story) = rise(&server, &job).await;
+        // The residual stays within a hundred times that of level 0, distances a little above.
+        assert!(rise < 1e3, "{rise} {}", job["curve"]["basis"]);
+        let codes = warnings(&story.job);
+        let found = codes.iter().any(|(code, _)| code == "shorter_interval");
+        assert_eq!(found, warned, "{} {codes:?}", job["curve"]["basis"]);
+        if !warned {
+            assert_eq!(story.state(), "converged");
+        }
+    }
+
+    // Nearly singular: points hardly meet the supports of their functions, `u_i < t_i < u_{i+4}`.
+    let mut knots = vec![0.0; 4];
+    knots.extend((0..16).map(|i| f64::from(i) / 19.0 + 1e-6));
+    knots.extend([1.0; 4]);
+    let basis = json!({"kind": "bspline", "degree": 3, "knots": knots});
+    let mut singular = job(wave(20), basis);
+    singular["curve"]["parameters"] = json!("uniform");
+    // No steps keep those low, not even the shortest: what can be said is said.
+    let (risen, story) = rise(&server, &singular).await;
+    assert!(risen < 1e6, "{risen}");
+    assert_eq!(
+        (story.state(), &story.end["reason"]),
+        ("stalled", &json!("diverging"))
+    );
+    expect(&story.job, &[("shorter_interval", "/method")]);
+}

@@ -57,6 +57,7 @@ pub fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::FewPoints { .. } => pb::WarningCode::FewPoints,
         Warning::EvenDegree { .. } => pb::WarningCode::EvenDegree,
         Warning::Rounding { .. } => pb::WarningCode::Rounding,
+        Warning::ShorterInterval { .. } => pb::WarningCode::ShorterInterval,
     }
 }
 

@@ -1,4 +1,4 @@
-//! Chebyshev semi-iteration on [λ_min, 1]: steps of classical PIA with momentum.
+//! Chebyshev semi-iteration on [λ_min, 1], or a shorter interval: steps of classical PIA with momentum.
 
 use super::{Change, State, Update};
 use crate::fit::points::Points;
@@ -18,7 +18,8 @@ pub struct Recurrence {
 impl Recurrence {
     /// Before the first update.
     pub fn new(system: &System) -> Self {
-        let least = system.forecast().lambda_min.unwrap_or(1.0);
+        let forecast = system.forecast();
+        let least = forecast.interval.or(forecast.lambda_min).unwrap_or(1.0);
         // All eigenvalues are one if B = I; the interval must not be empty.
         let delta = ((1.0 - least) / 2.0).max(f64::EPSILON);
         let theta = f64::midpoint(1.0, least);
@@ -43,7 +44,8 @@ impl Recurrence {
     }
 }
 
-/// Steps by that recurrence. Single errors may rise for a few levels.
+/// Steps by that recurrence. Errors may rise for some levels: the interval is chosen so that they do not
+/// rise far.
 #[derive(Debug)]
 pub struct Chebyshev {
     recurrence: Recurrence,

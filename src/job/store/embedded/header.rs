@@ -138,6 +138,8 @@ struct ForecastMessage {
     exact_after: Option<u64>,
     #[prost(double, optional, tag = "5")]
     rounding: Option<f64>,
+    #[prost(double, optional, tag = "6")]
+    interval: Option<f64>,
 }
 
 /// Which job was made for a key.
@@ -413,6 +415,7 @@ impl From<Forecast> for ForecastMessage {
             rate: forecast.rate,
             exact_after: forecast.exact_after.map(|count| count as u64),
             rounding: forecast.rounding,
+            interval: forecast.interval,
         }
     }
 }
@@ -427,6 +430,7 @@ impl TryFrom<ForecastMessage> for Forecast {
             rate: message.rate,
             exact_after: message.exact_after.map(number).transpose()?,
             rounding: message.rounding,
+            interval: message.interval,
         })
     }
 }
