@@ -189,8 +189,8 @@ impl Direction {
     /// weights, and returns the index of the first of them.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
         let (low, high) = self.basis.domain();
-        // Knots of even degree lie between the sites: data near the end of the period can lie
-        // beyond the last span, that is, in the first.
+        // The knots of even degree lie between the parameters: where the last one is next to the end of
+        // the period, rounding may put it behind.
         let wraps = self.is_closed() && t > high;
         let t = if wraps { t - (high - low) } else { t };
         let start = self.basis.evaluate(t, values);

@@ -211,3 +211,103 @@ async fn what_cannot_be_closed_is_refused() {
         server.assert_refused(&job, pointer, reason).await;
     }
 }
+
+/// The value of a B-spline at a parameter, by de Boor's algorithm.
+fn de_boor(degree: usize, knots: &[f64], points: &[Vec<f64>], t: f64) -> Vec<f64> {
+    let last = points.len() - 1;
+    let span = (degree..last).find(|&i| t < knots[i + 1]).unwrap_or(last);
+    let mut d = points[span - degree..=span].to_vec();
+    for r in 1..=degree {
+        for j in (r..=degree).rev() {
+            let i = span - degree + j;
+            let alpha = (t - knots[i]) / (knots[i + degree - r + 1] - knots[i]);
+            d[j] = (0..d[j].len())
+                .map(|c| (1.0 - alpha) * d[j - 1][c] + alpha * d[j][c])
+                .collect();
+        }
+    }
+    d.remove(degree)
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(number).collect()
+}
+
+/// A curve is where its stream says, by nothing but degree, knots, control points and parameters:
+/// these lie in the domain, and there the distances are those of the event.
+async fn check_streamed(server: &Server, job: &Value) {
+    let story = server.stream(job).await;
+    let degree = story.job["degree"].as_u64().unwrap() as usize;
+    let (knots, parameters) = (
+        numbers(&story.job["knots"]),
+        numbers(&story.job["parameters"]),
+    );
+    let (low, high) = (knots[degree], knots[knots.len() - 1 - degree]);
+    let inside = parameters.iter().all(|t| (low..=high).contains(t));
+    assert!(inside, "{low} {high} {parameters:?}\n{job}");
+    let last = story.iterations.last().unwrap();
+    let control_points: Vec<_> = last["control_points"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(numbers)
+        .collect();
+    let points = job["curve"]["points"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(numbers);
+    let largest = points
+        .zip(&parameters)
+        .map(|(point, &t)| {
+            let place = de_boor(degree, &knots, &control_points, t);
+            point
+                .iter()
+                .zip(place)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        })
+        .fold(0.0, f64::max);
+    let said = number(&last["error"]["max"]);
+    // Rounding of coordinates below 4, in up to twelve steps.
+    assert!((largest - said).abs() < 1e-12, "{largest} {said}\n{job}");
+}
+
+#[tokio::test]
+async fn the_domain_contains_the_data() {
+    let server = Server::start().await;
+    let ring = |count: usize| -> Vec<[f64; 2]> {
+        (0..count)
+            .map(|i| i as f64 + 0.4 * (i as f64 * 2.7).sin())
+            .map(|i| i * std::f64::consts::TAU / count as f64)
+            .map(|a| [2.0 * a.cos() + 0.3 * (3.0 * a).sin(), a.sin()])
+            .collect()
+    };
+    for degree in 1..=10_usize {
+        for count in [12, 23, 39, 64] {
+            let explicit: Vec<f64> = (0..=count).map(|i| (i * i + 5 * i) as f64).collect();
+            for parameters in [
+                json!("uniform"),
+                json!("chord_length"),
+                json!("centripetal"),
+                json!(explicit),
+            ] {
+                let mut job = json!({
+                    "curve": {
+                        "points": ring(count), "closed": true, "parameters": parameters,
+                        "basis": {"kind": "bspline", "degree": degree},
+                    },
+                    "stop": {"max_iterations": 2},
+                });
+                check_streamed(&server, &job).await;
+                for control_points in [degree + 1, count / 2, count - 1, count] {
+                    if control_points > degree {
+                        job["method"] = json!({"kind": "least_squares", "control_points": control_points, "variant": "cg"});
+                        check_streamed(&server, &job).await;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -52,14 +52,18 @@ pub fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64
 /// the start of the domain, and p more on either side.
 ///
 /// The sites are the parameters, or with fewer control points than parameters interpolated
-/// between them at equal distances. Odd degrees have their knots at the sites, even degrees
-/// midway between them: at the sites the collocation matrix of an even number of points would be
-/// singular.
+/// between them at equal distances. Odd degrees have their knots at the sites, even degrees half a
+/// parameter before them: at the sites the collocation matrix of an even number of points would be
+/// singular, and further away the last parameters would lie outside of the domain.
 pub fn periodic(t: &[f64], period: f64, degree: usize, control_points: usize) -> Vec<f64> {
-    let sites = |j: isize| -> f64 {
+    let before = if degree.is_multiple_of(2) { 0.5 } else { 0.0 };
+    let knot = |j: isize| -> f64 {
         let n = control_points as isize;
-        let turns = j.div_euclid(n) as f64;
-        let x = j.rem_euclid(n) as f64 * t.len() as f64 / n as f64;
+        let mut turns = j.div_euclid(n) as f64;
+        let mut x = j.rem_euclid(n) as f64 * t.len() as f64 / n as f64 - before;
+        if x < 0.0 {
+            (x, turns) = (x + t.len() as f64, turns - 1.0);
+        }
         let i = x as usize;
         let alpha = x - i as f64;
         let next = t.get(i + 1).copied().unwrap_or(t[0] + period);
@@ -69,10 +73,6 @@ pub fn periodic(t: &[f64], period: f64, degree: usize, control_points: usize) ->
             (1.0 - alpha) * t[i] + alpha * next
         };
         site + turns * period
-    };
-    let knot = |j: isize| match degree % 2 {
-        0 => (sites(j - 1) + sites(j)) / 2.0,
-        _ => sites(j),
     };
     let p = degree as isize;
     (-p..=control_points as isize + p).map(knot).collect()
