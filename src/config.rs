@@ -64,6 +64,21 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_JOBS", default_value_t = 10_000)]
     pub max_jobs: usize,
 
+    /// Most jobs of one client address that have not ended; further ones are refused with 429.
+    /// Behind a proxy, which is one address: as many as --max-jobs [default: half of --max-jobs].
+    #[arg(long, env = "PIAD_MAX_JOBS_PER_PEER")]
+    pub max_jobs_per_peer: Option<usize>,
+
+    /// Most connections; further ones are answered 503, but for /livez, /readyz and /metrics
+    /// [default: what the limit of open files leaves, which is the most in any case].
+    #[arg(long, env = "PIAD_MAX_CONNECTIONS")]
+    pub max_connections: Option<usize>,
+
+    /// Most connections of one client address. Behind a proxy, which is one address: as many as
+    /// --max-connections [default: half of --max-connections].
+    #[arg(long, env = "PIAD_MAX_CONNECTIONS_PER_PEER")]
+    pub max_connections_per_peer: Option<usize>,
+
     /// Directory in which jobs are kept, or :memory: to forget them when the server ends.
     #[arg(long, env = "PIAD_DATA_DIR", default_value = "./piad-data")]
     pub data_dir: DataDir,
@@ -172,6 +187,12 @@ impl Config {
     pub fn memory_bytes(&self) -> u64 {
         self.memory
             .map_or_else(half_of_the_machine, |size| size.as_u64())
+    }
+
+    /// Jobs of one peer that may be unfinished: as set, or half of all.
+    pub fn jobs_of_a_peer(&self) -> usize {
+        let half = self.max_jobs.div_ceil(2);
+        self.max_jobs_per_peer.unwrap_or(half).min(self.max_jobs)
     }
 
     /// The number of compute threads of each lane.

@@ -86,6 +86,7 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
             "milestones": MOST_MILESTONES,
             "iterations": config.max_iterations,
             "jobs": config.max_jobs,
+            "jobs_per_peer": config.jobs_of_a_peer(),
             "memory_bytes": config.memory_bytes(),
             "retained_jobs": config.retain_jobs,
             "retained_bytes": config.retain_bytes.as_u64(),

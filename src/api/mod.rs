@@ -16,11 +16,13 @@
 //! - [`rpc`]: the same in protobuf messages, and as a gRPC service;
 //! - [`openapi`]: the description of all of this in OpenAPI, and its reference for people;
 //! - [`schema`]: what JSON clients may send;
+//! - [`crowd`]: what is answered on connections beyond the limits;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457); [`short`]: texts of clients in them, cut.
 
 pub mod body;
 pub mod create;
+pub mod crowd;
 pub mod encode;
 pub mod events;
 pub mod export;
@@ -92,6 +94,7 @@ pub fn router(app: App) -> Router {
         .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
         .layer(TraceLayer::new_for_http().make_span_with(span))
         .layer(middleware::from_fn(problem::render))
+        .layer(middleware::from_fn(crowd::hold_back))
         .layer(CatchPanicLayer::custom(|_| {
             use axum::response::IntoResponse;
             Problem::new(

@@ -36,6 +36,8 @@ pub enum Kind {
     UnsupportedMediaType,
     KeyTaken,
     QueueFull,
+    TooManyJobs,
+    TooManyConnections,
     StoreFull,
     Stopping,
     Overflow,
@@ -57,7 +59,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::NotJson,
         Self::NotProtobuf,
         Self::InvalidRequest,
@@ -76,6 +78,8 @@ impl Kind {
         Self::UnsupportedMediaType,
         Self::KeyTaken,
         Self::QueueFull,
+        Self::TooManyJobs,
+        Self::TooManyConnections,
         Self::StoreFull,
         Self::Stopping,
         Self::Overflow,
@@ -209,6 +213,18 @@ impl Kind {
                 S::SERVICE_UNAVAILABLE,
                 "The server has as many jobs as it takes",
                 "Send the job again after the number of seconds in Retry-After.",
+            ),
+            Self::TooManyJobs => (
+                "too-many-jobs",
+                S::TOO_MANY_REQUESTS,
+                "You have as many jobs as one client may have",
+                "So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After.",
+            ),
+            Self::TooManyConnections => (
+                "too-many-connections",
+                S::SERVICE_UNAVAILABLE,
+                "The server has as many connections as it takes",
+                "So many connections may be open, in all and from one address. Send requests over those that are open, or again after the number of seconds in Retry-After.",
             ),
             Self::Stopping => (
                 "stopping",
@@ -452,6 +468,7 @@ impl From<Refused> for Problem {
         let detail = refused.to_string();
         match refused {
             Refused::Full { .. } => Self::new(Kind::QueueFull, detail).retry_after(5),
+            Refused::PeerFull { .. } => Self::new(Kind::TooManyJobs, detail).retry_after(5),
             Refused::TooLarge { .. } => Self::at_pointer(Kind::InvalidFit, String::new(), detail),
             Refused::KeyTaken(_) => Self::new(Kind::KeyTaken, detail),
             Refused::Store(error) => error.into(),

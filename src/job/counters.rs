@@ -25,6 +25,7 @@ pub struct Counters {
     pub writes: Counter,
     ended: Family<Ending, Counter>,
     streams: Gauge,
+    connections: Gauge,
 }
 
 /// Something that is open, and counted until this is dropped.
@@ -62,6 +63,11 @@ impl Counters {
         Open::new(&self.streams)
     }
 
+    /// Counts a connection while it is open.
+    pub fn open_connection(&self) -> Open {
+        Open::new(&self.connections)
+    }
+
     /// Makes the counters known under their names.
     pub fn register(&self, registry: &mut Registry) {
         let plain = [
@@ -81,6 +87,8 @@ impl Counters {
         }
         let (name, help) = ("piad_streams_open", "Event streams that are open");
         registry.register(name, help, self.streams.clone());
+        let (name, help) = ("piad_connections_open", "Connections that are open");
+        registry.register(name, help, self.connections.clone());
         let ended = self.ended.clone();
         registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
     }

@@ -8,6 +8,7 @@
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
 //!   for each other; [`peer`]: whose they are;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
+//! - [`places`]: how many jobs there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`suspects`]: those that may have brought the process down;
 //! - [`store`]: where jobs are kept; [`recent`]: those that are still at hand;
@@ -24,6 +25,7 @@ pub mod frame;
 pub mod outline;
 pub mod patience;
 pub mod peer;
+pub mod places;
 pub mod recent;
 pub mod run;
 pub mod scheduler;

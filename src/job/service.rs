@@ -15,6 +15,8 @@ use uuid::Uuid;
 
 use super::frame::Frame;
 use super::outline::{Label, Outline};
+use super::peer::Peer;
+use super::places::{Occupied, Place, Places};
 use super::recent::Recent;
 use super::run::{Ending, Run};
 use super::scheduler::Lane;
@@ -47,6 +49,8 @@ pub struct Limits {
     pub recent: usize,
     /// Jobs that have not ended.
     pub jobs: usize,
+    /// Those of them that one peer has made.
+    pub jobs_of_a_peer: usize,
     /// What is kept of jobs that have ended.
     pub retention: Retention,
 }
@@ -57,6 +61,12 @@ pub enum Refused {
     /// There are as many unfinished jobs as are allowed.
     #[error("{limit} jobs are unfinished, the limit of this server")]
     Full {
+        /// The limit.
+        limit: usize,
+    },
+    /// The client has as many unfinished jobs as one may have.
+    #[error("{limit} jobs from your address are unfinished, the limit of this server for each")]
+    PeerFull {
         /// The limit.
         limit: usize,
     },
@@ -96,7 +106,8 @@ pub struct Jobs {
     quick: Arc<Semaphore>,
     /// Jobs that were running in a crash, which run again a few at a time.
     suspects: Suspects,
-    unfinished: AtomicUsize,
+    /// For jobs that have not ended.
+    places: Arc<Places>,
     /// The process is about to end: jobs go back to the queue.
     suspended: AtomicBool,
     recent: Recent,
@@ -119,7 +130,7 @@ impl Jobs {
             heavy: Arc::new(Semaphore::new(pages - pages / 4)),
             quick: Arc::new(Semaphore::new(pages / 4)),
             suspects: Suspects::default(),
-            unfinished: AtomicUsize::new(0),
+            places: Places::new(limits.jobs, limits.jobs_of_a_peer),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent),
             ended: Arc::default(),
@@ -146,7 +157,7 @@ impl Jobs {
         }
         for record in unfinished {
             let job = self.bring_to_life(record);
-            let place = Place::occupy(self);
+            let place = self.places.occupy();
             tokio::spawn(Arc::clone(self).drive(job, None, place));
         }
         let jobs = Arc::downgrade(self);
@@ -177,7 +188,7 @@ impl Jobs {
             job.suspend();
         }
         // Stopping takes a step, of at most a few seconds.
-        while self.unfinished.load(Ordering::Acquire) > 0 {
+        while self.places.taken() > 0 {
             sleep(Duration::from_millis(1)).await;
         }
     }
@@ -193,11 +204,13 @@ impl Jobs {
     ) -> Result<Accepted, Refused> {
         let jobs = Arc::clone(self);
         let problem = Arc::new(problem);
+        let peer = Peer::current();
         // A client that goes away in the meantime must not leave half a job behind.
         let accepted = tokio::spawn(async move {
             loop {
                 let (label, problem, like) = (label.clone(), Arc::clone(&problem), like.clone());
-                let accepted = Arc::clone(&jobs).accept(label, problem, like, key.clone());
+                let key = key.clone();
+                let accepted = Arc::clone(&jobs).accept(label, problem, like, key, peer);
                 // The job of the key may be deleted when it is looked for.
                 if let Some(accepted) = accepted.await? {
                     return Ok(accepted);
@@ -216,10 +229,11 @@ impl Jobs {
         problem: Arc<Problem>,
         like: Option<Arc<System>>,
         key: Option<Key>,
+        peer: Option<Peer>,
     ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem);
         self.admit(&outline)?;
-        let place = Place::take(&self)?;
+        let place = self.places.take(peer)?;
         let memory = self.memory_at_once(&outline);
         let record = Record {
             outline,
@@ -558,29 +572,11 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
     }
 }
 
-/// A place among the unfinished jobs.
-struct Place(Arc<Jobs>);
-
-impl Place {
-    /// Of a job that was accepted before.
-    fn occupy(jobs: &Arc<Jobs>) -> Self {
-        jobs.unfinished.fetch_add(1, Ordering::AcqRel);
-        Self(Arc::clone(jobs))
-    }
-
-    fn take(jobs: &Arc<Jobs>) -> Result<Self, Refused> {
-        let limit = jobs.limits.jobs;
-        jobs.unfinished
-            .fetch_update(Ordering::AcqRel, Ordering::Acquire, |count| {
-                (count < limit).then_some(count + 1)
-            })
-            .map_err(|_| Refused::Full { limit })?;
-        Ok(Self(Arc::clone(jobs)))
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.0.unfinished.fetch_sub(1, Ordering::AcqRel);
+impl From<Occupied> for Refused {
+    fn from(occupied: Occupied) -> Self {
+        match occupied {
+            Occupied::All(limit) => Self::Full { limit },
+            Occupied::ByPeer(limit) => Self::PeerFull { limit },
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::future::poll_fn;
 use std::io;
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::task::Poll;
 use std::time::Instant;
 
@@ -14,54 +15,112 @@ use tokio::time::{Duration, sleep};
 use tracing::{error, warn};
 
 use super::activity::Times;
-use super::connection;
+use super::connection::{self, Origin};
+use super::limits::{Admission, Connections};
 use super::rarely::Rarely;
+use crate::job::counters::Counters;
 use crate::job::peer::Peer;
 
 /// How long to wait when connections cannot be taken in, as when there are no descriptors left.
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// How often to tell about what keeps happening.
-pub(super) const TELLING: Duration = Duration::from_secs(10);
+const TELLING: Duration = Duration::from_secs(10);
 
-/// Takes in connections until `stopping` becomes true; returns when all of them have ended.
-pub(super) async fn serve(
-    listeners: Vec<TcpListener>,
-    router: Router,
-    times: Times,
-    mut stopping: watch::Receiver<bool>,
-) {
-    let mut connections = JoinSet::new();
-    let mut failures = Rarely::new(TELLING);
-    let stopped = stopping.clone();
-    loop {
-        let accepted = tokio::select! {
-            accepted = next(&listeners) => accepted,
-            Some(ended) = connections.join_next() => {
-                tell(ended);
-                continue;
-            }
-            _ = stopping.wait_for(|stopping| *stopping) => break,
-        };
-        match accepted {
-            Ok((stream, address)) => {
-                prepare(&stream);
-                let peer = Peer::at(address.ip());
-                let (router, stopped) = (router.clone(), stopped.clone());
-                connections.spawn(connection::serve(stream, peer, router, times, stopped));
-            }
-            Err(reason) if is_of_the_connection(&reason) => {}
-            Err(reason) => {
-                if let Some(times) = failures.happened(Instant::now()) {
-                    error!(times, "connections cannot be taken in: {reason}");
+/// Connections beyond the limits are there for a short question.
+const BEYOND: Times = Times {
+    head: Duration::from_secs(2),
+    idle: Duration::from_millis(100),
+    write: Duration::from_secs(2),
+};
+
+/// What connections are let in to.
+pub(super) struct Doors {
+    /// Where requests go.
+    pub(super) router: Router,
+    /// How long connections may do nothing.
+    pub(super) times: Times,
+    /// Those that there are.
+    pub(super) connections: Arc<Connections>,
+    pub(super) counters: Counters,
+    /// Becomes true when no more are taken in.
+    pub(super) stopping: watch::Receiver<bool>,
+}
+
+impl Doors {
+    /// Takes in connections until it is time to stop; returns when all of them have ended.
+    pub(super) async fn serve(mut self, listeners: Vec<TcpListener>) {
+        let mut tasks = JoinSet::new();
+        let (mut failures, mut crowds) = (Rarely::new(TELLING), Rarely::new(TELLING));
+        loop {
+            let (accepted, room) = tokio::select! {
+                next = async {
+                    let room = self.connections.room().await;
+                    (next(&listeners).await, room)
+                } => next,
+                Some(ended) = tasks.join_next() => {
+                    tell(ended);
+                    continue;
                 }
-                sleep(PAUSE).await;
+                _ = self.stopping.wait_for(|stopping| *stopping) => break,
+            };
+            match accepted {
+                Ok((stream, address)) => {
+                    prepare(&stream);
+                    let peer = Peer::at(address.ip());
+                    let task = self.take_in(stream, peer, &mut crowds);
+                    tasks.spawn(async move {
+                        task.await;
+                        drop(room);
+                    });
+                }
+                Err(reason) if is_of_the_connection(&reason) => {}
+                Err(reason) => {
+                    if let Some(times) = failures.happened(Instant::now()) {
+                        error!(times, "connections cannot be taken in: {reason}");
+                    }
+                    sleep(PAUSE).await;
+                }
             }
         }
+        drop(listeners);
+        while let Some(ended) = tasks.join_next().await {
+            tell(ended);
+        }
     }
-    drop(listeners);
-    while let Some(ended) = connections.join_next().await {
-        tell(ended);
+
+    /// The task of a connection.
+    fn take_in(
+        &self,
+        stream: TcpStream,
+        peer: Peer,
+        crowds: &mut Rarely,
+    ) -> impl Future<Output = ()> + use<> {
+        let open = self.counters.open_connection();
+        let admission = self.connections.admit(peer);
+        let (crowded, times) = match &admission {
+            Admission::Within(_) => (None, self.times),
+            Admission::Beyond(crowded, _) => (Some(*crowded), BEYOND),
+        };
+        if let Some(crowded) = crowded
+            && let Some(times) = crowds.happened(Instant::now())
+        {
+            warn!(%peer, times, "{crowded}: only /livez, /readyz and /metrics are answered");
+        }
+        let origin = Origin { peer, crowded };
+        let (router, stopping) = (self.router.clone(), self.stopping.clone());
+        let served = connection::serve(stream, origin, router, times, stopping);
+        async move {
+            let _open = open;
+            match admission {
+                Admission::Within(_place) => served.await,
+                Admission::Beyond(_, ended) => tokio::select! {
+                    () = served => {}
+                    // It makes room for another one.
+                    _ = ended => {}
+                },
+            }
+        }
     }
 }
 

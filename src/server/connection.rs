@@ -20,6 +20,7 @@ use tracing::debug;
 
 use super::activity::{Activity, Overdue, Times};
 use super::answer::Answer;
+use super::limits::Crowded;
 use super::stalled::unless_stalled;
 use super::watched::Watched;
 use crate::job::peer::Peer;
@@ -27,23 +28,31 @@ use crate::job::peer::Peer;
 /// How long a connection that has no requests any more may be silent before it is cut off.
 const LINGER: Duration = Duration::from_secs(2);
 
-/// Serves a connection of `peer` until it ends, is told to stop, or does nothing for too long.
+/// Where a connection comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Origin {
+    pub(super) peer: Peer,
+    /// It is beyond the limits.
+    pub(super) crowded: Option<Crowded>,
+}
+
+/// Serves a connection until it ends, is told to stop, or does nothing for too long.
 pub(super) async fn serve<S>(
     stream: S,
-    peer: Peer,
+    origin: Origin,
     router: Router,
     times: Times,
     stopping: watch::Receiver<bool>,
 ) where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
-    let served = converse(stream, peer, router, times, stopping);
-    Peer::scope(Some(peer), served).await;
+    let served = converse(stream, origin, router, times, stopping);
+    Peer::scope(Some(origin.peer), served).await;
 }
 
 async fn converse<S>(
     stream: S,
-    peer: Peer,
+    origin: Origin,
     router: Router,
     times: Times,
     mut stopping: watch::Receiver<bool>,
@@ -53,7 +62,13 @@ async fn converse<S>(
     let activity = Arc::new(Activity::new());
     let io = Watched::new(stream, Arc::clone(&activity), times.write);
     let requests = Arc::clone(&activity);
-    let service = service_fn(move |request| answer(router.clone(), Arc::clone(&requests), request));
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        if let Some(crowded) = origin.crowded {
+            request.extensions_mut().insert(crowded);
+        }
+        answer(router.clone(), Arc::clone(&requests), request)
+    });
+    let peer = origin.peer;
     let mut builder = Builder::new(Streams {
         peer,
         write: times.write,

@@ -2,6 +2,7 @@
 //!
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
+//! - [`limits`]: how many connections there may be;
 //! - [`answer`]: the bodies of its answers; [`stalled`]: those that the client does not take;
 //! - [`rarely`]: log lines that are not told each time.
 
@@ -9,6 +10,7 @@ mod accept;
 mod activity;
 mod answer;
 mod connection;
+pub(crate) mod limits;
 mod rarely;
 mod stalled;
 mod watched;
@@ -35,7 +37,9 @@ use crate::job::service::{Jobs, Limits};
 use crate::job::store::embedded::EmbeddedStore;
 use crate::job::store::memory::MemoryStore;
 use crate::job::store::{Retention, Store};
+use accept::Doors;
 use activity::Times;
+use limits::{Connections, Most};
 
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
 /// finish within the grace period and returns.
@@ -54,14 +58,23 @@ pub async fn serve(
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
     jobs.resume().await.map_err(io::Error::other)?;
     let (stop, stopping) = watch::channel(false);
-    let (grace, times) = (config.grace, times(&config));
+    let grace = config.grace;
+    let (times, most) = (times(&config), Most::of(&config));
+    let counters = jobs.resources().counters.clone();
     let router = api::router(App::new(Arc::clone(&jobs), config, stopping.clone()));
 
     for listener in &listeners {
         info!("listening on http://{}", listener.local_addr()?);
     }
+    let doors = Doors {
+        router,
+        times,
+        connections: Connections::new(most),
+        counters,
+        stopping,
+    };
     tokio::select! {
-        () = accept::serve(listeners, router, times, stopping) => {}
+        () = doors.serve(listeners) => {}
         () = async {
             shutdown.await;
             info!("stopping: no new requests, event streams end");
@@ -98,6 +111,7 @@ fn limits(config: &Config) -> Limits {
         memory: bytes(config.memory_bytes()),
         recent: bytes(config.recent.as_u64()),
         jobs: config.max_jobs,
+        jobs_of_a_peer: config.jobs_of_a_peer(),
         retention: Retention {
             jobs: config.retain_jobs,
             bytes: config.retain_bytes.as_u64(),

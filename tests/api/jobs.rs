@@ -225,7 +225,11 @@ async fn several_jobs_at_once_do_not_disturb_each_other() {
 
 #[tokio::test]
 async fn a_full_server_says_when_to_come_back() {
-    let server = Server::with(|config| config.max_jobs = 2).await;
+    let server = Server::with(|config| {
+        config.max_jobs = 2;
+        config.max_jobs_per_peer = Some(2);
+    })
+    .await;
     let first = server.create(&data::endless_job()).await;
     server.create(&data::endless_job()).await;
     let response = server

@@ -41,6 +41,7 @@ mod methods;
 mod milestones;
 mod nets;
 mod openapi;
+mod peers;
 mod process;
 mod program;
 mod rational;

@@ -4,6 +4,7 @@ use std::ffi::OsStr;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use reqwest::{Client, RequestBuilder};
@@ -16,6 +17,7 @@ pub const PROGRAM: &str = env!("CARGO_BIN_EXE_piad");
 /// A running server.
 pub struct Program {
     child: Child,
+    log: Arc<Mutex<String>>,
     pub address: String,
     pub client: Client,
 }
@@ -64,9 +66,16 @@ impl Program {
             Err(said) => return Err((child.wait().unwrap().code(), said)),
         };
         // A pipe that nobody reads would fill up.
-        std::thread::spawn(move || std::io::copy(&mut log, &mut std::io::sink()));
+        let lines = Arc::new(Mutex::new(String::new()));
+        let kept = Arc::clone(&lines);
+        std::thread::spawn(move || {
+            for line in log.lines().map_while(Result::ok) {
+                *kept.lock().unwrap() += &format!("{line}\n");
+            }
+        });
         Ok(Self {
             child,
+            log: lines,
             address,
             client: Client::builder().timeout(PATIENCE).build().unwrap(),
         })
@@ -77,6 +86,11 @@ impl Program {
         let mut command = Command::new(PROGRAM);
         command.args(["--listen", "127.0.0.1:0", "--data-dir"]);
         command.arg(data).output().unwrap()
+    }
+
+    /// What it has logged since it listens.
+    pub fn log(&self) -> String {
+        self.log.lock().unwrap().clone()
     }
 
     pub fn id(&self) -> u32 {

@@ -182,7 +182,7 @@ fn problem_answer(status: u16, kinds: &[Kind]) -> Value {
     });
     let examples: Map<String, Value> = examples.collect();
     let headers: &[&str] = match status {
-        503 => &["Retry-After"],
+        429 | 503 => &["Retry-After"],
         _ => &[],
     };
     json!({

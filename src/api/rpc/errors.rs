@@ -28,10 +28,12 @@ fn code(kind: Kind) -> Code {
         Kind::NoResult | Kind::NoLimit | Kind::NoExport | Kind::AlreadyEnded | Kind::Overflow => {
             Code::FailedPrecondition
         }
-        Kind::BodyTooLarge | Kind::QueueFull | Kind::StoreFull => Code::ResourceExhausted,
+        Kind::BodyTooLarge | Kind::QueueFull | Kind::TooManyJobs | Kind::StoreFull => {
+            Code::ResourceExhausted
+        }
         Kind::BodyTimeout => Code::DeadlineExceeded,
         Kind::MethodNotAllowed => Code::Unimplemented,
-        Kind::Stopping => Code::Unavailable,
+        Kind::Stopping | Kind::TooManyConnections => Code::Unavailable,
         Kind::Internal => Code::Internal,
     }
 }

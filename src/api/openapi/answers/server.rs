@@ -258,7 +258,7 @@ fn grpc() -> Value {
 
 fn limits_example() -> Value {
     json!({
-        "body_bytes": 268435456, "points": 4000000, "samples": 1000000, "milestones": 100, "iterations": 1000000, "jobs": 10000,
+        "body_bytes": 268435456, "points": 4000000, "samples": 1000000, "milestones": 100, "iterations": 1000000, "jobs": 10000, "jobs_per_peer": 5000,
         "memory_bytes": 8589934592_u64, "retained_jobs": 1000, "retained_bytes": 1073741824, "retained_seconds": 604800,
     })
 }
@@ -273,6 +273,10 @@ fn limits() -> Value {
             ("milestones", count("The most milestones of a stream.")),
             ("iterations", count("The largest max_iterations.")),
             ("jobs", count("The most jobs that have not ended.")),
+            (
+                "jobs_per_peer",
+                count("The most jobs from one address that have not ended."),
+            ),
             ("memory_bytes", count("Memory for running jobs.")),
             ("retained_jobs", count("The most ended jobs that are kept.")),
             (

@@ -46,7 +46,7 @@ const OF_A_JOB: [Kind; 4] = [
 ];
 
 /// What may be wrong with a request for a new job.
-const NEW_JOB: [Kind; 12] = [
+const NEW_JOB: [Kind; 13] = [
     Kind::NotJson,
     Kind::NotProtobuf,
     Kind::InvalidRequest,
@@ -57,6 +57,7 @@ const NEW_JOB: [Kind; 12] = [
     Kind::InvalidFit,
     Kind::KeyTaken,
     Kind::QueueFull,
+    Kind::TooManyJobs,
     Kind::StoreFull,
     Kind::Stopping,
 ];

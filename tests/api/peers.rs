@@ -1,0 +1,136 @@
+//! One client does not take what is there for all: jobs and connections of one address.
+
+use std::path::Path;
+
+use reqwest::Client;
+use serde_json::{Value, json};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpSocket, TcpStream};
+use tokio::time::{Duration, sleep, timeout};
+
+use crate::data;
+use crate::program::Program;
+use crate::support::{PATIENCE, Server, base, problem};
+
+#[tokio::test]
+async fn one_client_does_not_fill_the_queue() {
+    let server = Server::with(|config| config.max_jobs = 4).await;
+    let capabilities = server.json("/v1/capabilities").await;
+    assert_eq!(capabilities["limits"]["jobs_per_peer"], 2);
+    let first = server.create(&data::endless_job()).await;
+    server.create(&data::endless_job()).await;
+
+    let request = server.post("/v1/jobs").json(&data::small_job());
+    let response = request.send().await.unwrap();
+    assert_eq!(response.headers()["retry-after"], "5");
+    let (status, answer) = problem(response).await;
+    assert_eq!(status, 429);
+    assert_eq!(answer["type"], "/problems/too-many-jobs");
+    assert!(answer["detail"].as_str().unwrap().contains("2 jobs"));
+    // An edit is a job, too.
+    let edit = server.post(&format!("{}/edits", base(&first)));
+    let edit = edit.json(&json!({"stop": {"tolerance": 1}}));
+    assert_eq!(edit.send().await.unwrap().status(), 429);
+
+    let other = Client::builder().local_address(Some([127, 0, 0, 2].into()));
+    let other = other.timeout(PATIENCE).build().unwrap();
+    let request = other.post(format!("{}/v1/jobs", server.url));
+    let response = request.json(&data::small_job()).send().await.unwrap();
+    assert_eq!(response.status(), 201);
+
+    let cancel = server.post(&format!("{}/cancel", base(&first)));
+    assert!(cancel.send().await.unwrap().status().is_success());
+    assert_eq!(server.fit(&data::small_job()).await["state"], "converged");
+}
+
+async fn connect_from(program: &Program, last: u8) -> TcpStream {
+    let socket = TcpSocket::new_v4().unwrap();
+    socket.bind(([127, 0, 0, last], 0).into()).unwrap();
+    let address = program.address.parse().unwrap();
+    timeout(PATIENCE, socket.connect(address))
+        .await
+        .unwrap()
+        .unwrap()
+}
+
+/// The head and the body of an answer to a client at 127.0.0.`last`, on a connection of its own.
+async fn get_from(program: &Program, last: u8, path: &str) -> (String, String) {
+    let mut stream = connect_from(program, last).await;
+    let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut answer = String::new();
+    let read = stream.read_to_string(&mut answer);
+    timeout(PATIENCE, read).await.unwrap().unwrap();
+    let (head, body) = answer.split_once("\r\n\r\n").expect(&answer);
+    (head.to_owned(), body.to_owned())
+}
+
+fn is_ok(answer: &(String, String)) -> bool {
+    answer.0.starts_with("HTTP/1.1 200 ")
+}
+
+#[tokio::test]
+async fn idle_connections_lock_nobody_out() {
+    // 192 connections in all, 96 of an address.
+    let mut program = Program::in_shell(
+        r#"ulimit -n 256; exec "$@" --header-timeout 3600"#,
+        Path::new(":memory:"),
+    );
+    let mut idle = Vec::new();
+    for _ in 0..300 {
+        idle.push(connect_from(&program, 1).await);
+    }
+    assert!(is_ok(&get_from(&program, 2, "/v1/jobs").await));
+    assert!(is_ok(&get_from(&program, 1, "/livez").await));
+    assert!(is_ok(&get_from(&program, 1, "/readyz").await));
+    let (head, body) = get_from(&program, 1, "/v1/jobs").await;
+    assert!(head.starts_with("HTTP/1.1 503 "), "{head}");
+    assert!(head.to_lowercase().contains("\r\nretry-after: 5"), "{head}");
+    assert!(
+        head.to_lowercase().contains("\r\nconnection: close"),
+        "{head}"
+    );
+    let body: Value = serde_json::from_str(&body).unwrap();
+    assert_eq!(body["type"], "/problems/too-many-connections");
+    assert!(
+        body["detail"].as_str().unwrap().starts_with("96 "),
+        "{body}"
+    );
+
+    // Others take the rest; then nobody has more than the state of the server.
+    for last in 2..=4 {
+        for _ in 0..100 {
+            idle.push(connect_from(&program, last).await);
+        }
+    }
+    for last in 1..=5 {
+        assert!(is_ok(&get_from(&program, last, "/livez").await));
+    }
+    let (_, body) = get_from(&program, 5, "/v1/jobs").await;
+    assert!(body.contains("192 connections are open"), "{body}");
+    let (_, metrics) = get_from(&program, 5, "/metrics").await;
+    let open = metrics
+        .lines()
+        .find_map(|line| line.strip_prefix("piad_connections_open "));
+    let open: u32 = open.expect(&metrics).parse().unwrap();
+    assert!((193..=192 + 32 + 1).contains(&open), "{open}");
+
+    // It is told once in a while, not each time.
+    let log = program.log();
+    let told = log
+        .lines()
+        .filter(|line| line.contains("connections from one address are open"));
+    assert!((1..=12).contains(&told.count()), "{log}");
+    assert!(!log.contains("connections cannot be taken in"), "{log}");
+
+    // When they have gone everything is as before.
+    drop(idle);
+    let again = async {
+        while !is_ok(&get_from(&program, 1, "/v1/jobs").await) {
+            sleep(Duration::from_millis(20)).await;
+        }
+    };
+    timeout(PATIENCE, again).await.unwrap();
+    program.signal("-TERM");
+    assert_eq!(program.wait().code(), Some(0));
+}
