@@ -1,6 +1,6 @@
 # A static binary in an empty image.
 #
-#   docker build -t piad .
+#   docker build -t piad --build-arg PIAD_COMMIT="$(git rev-parse --short=12 HEAD)" .
 #   docker run --rm -p 8080:8080 -v piad-data:/data piad
 
 FROM rust:1-slim-bookworm AS build
@@ -8,6 +8,8 @@ WORKDIR /build
 COPY Cargo.toml Cargo.lock build.rs ./
 COPY proto ./proto
 COPY src ./src
+# What `piad --version` tells beside the version: there is no repository in here.
+ARG PIAD_COMMIT=""
 # A static binary cannot look getrandom up by name: it calls the kernel rather than open /dev/urandom.
 ENV RUSTFLAGS="-C target-feature=+crt-static --cfg getrandom_backend=\"linux_getrandom\""
 RUN target="$(uname -m)-unknown-linux-gnu" \

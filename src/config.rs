@@ -1,6 +1,5 @@
 //! The settings of a server: flags and `PIAD_*` variables.
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -9,9 +8,11 @@ use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use jiff::SignedDuration;
 
+use crate::server::listen::Listen;
+
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
 #[derive(Debug, Parser)]
-#[command(name = "piad", version, about, args_conflicts_with_subcommands = true)]
+#[command(name = "piad", version = env!("PIAD_VERSION"), about, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     /// What to do; without a command, serve.
     #[command(subcommand)]
@@ -30,7 +31,7 @@ pub enum Command {
     Health {
         /// The server's address; 0.0.0.0 and [::] stand for this machine.
         #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
-        listen: SocketAddr,
+        listen: Listen,
         /// How many seconds to wait for the answer.
         #[arg(long, default_value = "3")]
         timeout: u64,
@@ -40,9 +41,9 @@ pub enum Command {
 /// The settings of a server.
 #[derive(Args, Clone, Debug)]
 pub struct Config {
-    /// Address and port to listen on; port 0 takes any free one.
+    /// Address or name, and port, to listen on: all addresses of a name; port 0 takes any free one.
     #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
-    pub listen: SocketAddr,
+    pub listen: Listen,
 
     /// Compute threads for each of the two lanes (small and large steps) [default: the number of cores].
     #[arg(long, env = "PIAD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -84,7 +85,7 @@ pub struct Config {
     pub data_dir: DataDir,
 
     /// Memory for running fits; jobs that do not fit in wait, those that never fit are refused
-    /// [default: half of what the machine or its control group has].
+    /// [default: half of what the machine or its control group has; 512MiB where that is not known].
     #[arg(long, env = "PIAD_MEMORY")]
     pub memory: Option<ByteSize>,
 
@@ -185,8 +186,13 @@ impl Config {
 
     /// Bytes that running fits may take together: as set, or half of what there is.
     pub fn memory_bytes(&self) -> u64 {
-        self.memory
-            .map_or_else(half_of_the_machine, |size| size.as_u64())
+        let half = || machine_memory().map_or(UNKNOWN_MEMORY, |memory| memory / 2);
+        self.memory.map_or_else(half, |size| size.as_u64())
+    }
+
+    /// Whether the memory is set, or that of the machine is known.
+    pub fn knows_memory(&self) -> bool {
+        self.memory.is_some() || machine_memory().is_some()
     }
 
     /// Jobs of one peer that may be unfinished: as set, or half of all.
@@ -204,17 +210,18 @@ impl Config {
     }
 }
 
-/// Half of the memory of the machine, or of the control group if that may have less.
-fn half_of_the_machine() -> u64 {
+/// What fits may take where nobody says how much memory there is.
+const UNKNOWN_MEMORY: u64 = 512 << 20;
+
+/// The memory of the machine, or of the control group if that may have less. It is not known where
+/// the system does not tell, as Linux without /proc.
+fn machine_memory() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();
-    let machine = system.total_memory();
+    let machine = Some(system.total_memory()).filter(|&memory| memory > 0)?;
     let group = system.cgroup_limits().map(|limits| limits.total_memory);
-    group
-        .filter(|&group| group > 0)
-        .unwrap_or(machine)
-        .min(machine)
-        / 2
+    let group = group.filter(|&group| group > 0).unwrap_or(machine);
+    Some(group.min(machine))
 }
 
 #[derive(Parser)]

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use piad::config::{Cli, Command, Config, LogFormat};
 use piad::server;
-use tokio::net::TcpListener;
+use piad::server::listen::Listen;
 use tracing::{error, info};
 use tracing_subscriber::EnvFilter;
 
@@ -30,14 +30,14 @@ async fn serve(config: Config) -> ExitCode {
         eprintln!("piad: --log {:?}: {reason}", config.log);
         return ExitCode::from(2);
     }
-    let listener = match TcpListener::bind(config.listen).await {
-        Ok(listener) => listener,
+    let listeners = match config.listen.bind().await {
+        Ok(listeners) => listeners,
         Err(reason) => {
             error!("cannot listen on {}: {reason}", config.listen);
             return ExitCode::FAILURE;
         }
     };
-    match server::serve(vec![listener], config, server::interrupted()).await {
+    match server::serve(listeners, config, server::interrupted()).await {
         Ok(()) => {
             info!("stopped");
             ExitCode::SUCCESS
@@ -50,8 +50,8 @@ async fn serve(config: Config) -> ExitCode {
 }
 
 #[tokio::main(flavor = "current_thread")]
-async fn health(listen: std::net::SocketAddr, timeout: u64) -> ExitCode {
-    match server::probe(listen, std::time::Duration::from_secs(timeout)).await {
+async fn health(listen: Listen, timeout: u64) -> ExitCode {
+    match server::probe(&listen, std::time::Duration::from_secs(timeout)).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
             eprintln!("piad: {listen} is not ready: {reason}");

@@ -1,5 +1,6 @@
 //! A running server: binds configuration, jobs and API together.
 //!
+//! - [`listen`]: the addresses of the server;
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
 //! - [`limits`]: how many connections there may be;
@@ -11,12 +12,12 @@ mod activity;
 mod answer;
 mod connection;
 pub(crate) mod limits;
+pub mod listen;
 mod rarely;
 mod stalled;
 mod watched;
 
 use std::io;
-use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -40,6 +41,7 @@ use crate::job::store::{Retention, Store};
 use accept::Doors;
 use activity::Times;
 use limits::{Connections, Most};
+use listen::Listen;
 
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
 /// finish within the grace period and returns.
@@ -58,6 +60,12 @@ pub async fn serve(
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
     jobs.resume().await.map_err(io::Error::other)?;
     let (stop, stopping) = watch::channel(false);
+    if !config.knows_memory() {
+        let memory = config.memory_bytes();
+        warn!(
+            "the memory of the machine is not known: fits may take {memory} bytes; --memory sets another limit"
+        );
+    }
     let grace = config.grace;
     let (times, most) = (times(&config), Most::of(&config));
     let counters = jobs.resources().counters.clone();
@@ -162,14 +170,9 @@ pub async fn interrupted() {
     interrupt.await;
 }
 
-/// Asks the server at `address` whether it is ready; says why not.
-pub async fn probe(address: SocketAddr, timeout: Duration) -> Result<(), String> {
-    let ip = match address.ip() {
-        IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
-        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => Ipv6Addr::LOCALHOST.into(),
-        ip => ip,
-    };
-    let target = format!("http://{}/readyz", SocketAddr::new(ip, address.port()));
+/// Asks the server that listens there whether it is ready; says why not.
+pub async fn probe(listen: &Listen, timeout: Duration) -> Result<(), String> {
+    let target = format!("http://{}/readyz", listen.reached_at());
     let uri = target.parse().map_err(|_| format!("{target} is no URL"))?;
     let client: Client<_, Empty<Bytes>> = Client::builder(TokioExecutor::new()).build_http();
     match tokio::time::timeout(timeout, client.get(uri)).await {

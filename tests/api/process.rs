@@ -1,7 +1,8 @@
 //! The program itself: its flags, its signals, its health check.
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use futures_util::StreamExt;
 
@@ -106,4 +107,64 @@ fn a_port_in_use_is_an_error() {
     assert_eq!(second.status.code(), Some(1));
     let message = String::from_utf8(second.stderr).unwrap();
     assert!(message.contains("cannot listen on"), "{message}");
+}
+
+#[test]
+fn the_version_is_told() {
+    let version = Command::new(PROGRAM).arg("--version").output().unwrap();
+    let version = String::from_utf8(version.stdout).unwrap();
+    // With the commit, if the build knew it.
+    let expected = match option_env!("PIAD_BUILD_COMMIT") {
+        None | Some("") => concat!("piad ", env!("CARGO_PKG_VERSION"), "\n").to_owned(),
+        Some(commit) => format!("piad {} ({commit})\n", env!("CARGO_PKG_VERSION")),
+    };
+    assert_eq!(version, expected);
+}
+
+#[tokio::test]
+async fn names_are_resolved() {
+    let mut child = Command::new(PROGRAM)
+        .args(["--listen", "localhost:0", "--data-dir", ":memory:"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let log = BufReader::new(child.stderr.take().unwrap());
+    // One line for each of the addresses, all of them on the same port.
+    let told = log.lines().map_while(Result::ok);
+    let address = told
+        .filter_map(|line| Some(line.split_once("listening on http://")?.1.to_owned()))
+        .next()
+        .unwrap();
+    let (_, port) = address.rsplit_once(':').unwrap();
+    let named = format!("localhost:{port}");
+    assert!(health(&named));
+    let url = format!("http://{address}/livez");
+    let answer = reqwest::get(url).await.unwrap();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(answer.status(), 200);
+    assert!(!health(&named));
+    assert!(!health("no-such-host.invalid:80"));
+}
+
+/// As in containers that hide it.
+#[tokio::test]
+async fn it_starts_without_proc() {
+    let hidden = Command::new("unshare")
+        .args(["-rm", "mount", "-t", "tmpfs", "none", "/proc"])
+        .status();
+    if !hidden.is_ok_and(|status| status.success()) {
+        eprintln!("nobody may hide /proc here");
+        return;
+    }
+    let program = Program::in_shell(
+        r#"exec unshare -rm sh -c 'mount -t tmpfs none /proc && exec "$@"' sh "$@""#,
+        Path::new(":memory:"),
+    );
+    let capabilities = program.json("/v1/capabilities").await;
+    assert_eq!(capabilities["limits"]["memory_bytes"], 512 << 20);
+    let request = program.post("/v1/jobs").header("prefer", "wait=100");
+    let answer = request.json(&data::small_job()).send().await.unwrap();
+    let job: serde_json::Value = answer.json().await.unwrap();
+    assert_eq!(job["state"], "converged");
 }
