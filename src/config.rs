@@ -45,6 +45,17 @@ pub struct Config {
     #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
     pub listen: Listen,
 
+    /// Names by which clients reach the server, such as fit.example.org or *.example.org; requests
+    /// for others are refused. Without any, a server on a loopback address is localhost and others
+    /// are not checked; * stands for all names.
+    #[arg(
+        long,
+        env = "PIAD_ALLOWED_HOST",
+        value_delimiter = ',',
+        value_name = "NAME"
+    )]
+    pub allowed_host: Vec<String>,
+
     /// Compute threads for each of the two lanes (small and large steps) [default: the number of cores].
     #[arg(long, env = "PIAD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,

@@ -91,7 +91,7 @@ def latency(output: str, percentile: int) -> float:
 
 def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
     """Posts and reads everything; seconds to the first iteration and to the end, and bytes."""
-    head = f"POST {path} HTTP/1.0\r\nHost: x\r\nContent-Type: application/json\r\nAccept: text/event-stream\r\nContent-Length: {len(body)}\r\n\r\n"
+    head = f"POST {path} HTTP/1.0\r\nHost: localhost\r\nContent-Type: application/json\r\nAccept: text/event-stream\r\nContent-Length: {len(body)}\r\n\r\n"
     connection = socket.create_connection(("127.0.0.1", port))
     begin = time.perf_counter()
     connection.sendall(head.encode() + body)
@@ -102,7 +102,7 @@ def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
 def read_events(port: int, path: str) -> int:
     """Reads all events of a job; the number of bytes."""
     connection = socket.create_connection(("127.0.0.1", port))
-    connection.sendall(f"GET {path} HTTP/1.0\r\nHost: x\r\nAccept: text/event-stream\r\n\r\n".encode())
+    connection.sendall(f"GET {path} HTTP/1.0\r\nHost: localhost\r\nAccept: text/event-stream\r\n\r\n".encode())
     return drain(connection, time.perf_counter())[1]
 
 

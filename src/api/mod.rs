@@ -17,6 +17,7 @@
 //! - [`openapi`]: the description of all of this in OpenAPI, and its reference for people;
 //! - [`schema`]: what JSON clients may send;
 //! - [`crowd`]: what is answered on connections beyond the limits;
+//! - [`host`]: for whom a request is meant; [`request_id`]: what it is called;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457); [`short`]: texts of clients in them, cut.
 
@@ -29,6 +30,7 @@ pub mod export;
 pub mod feed;
 pub mod file_name;
 pub mod geometry;
+pub mod host;
 pub mod info;
 pub mod jobs;
 pub mod milestones;
@@ -41,6 +43,7 @@ pub mod path;
 pub mod per_direction;
 pub mod problem;
 pub mod request;
+pub mod request_id;
 pub mod rpc;
 pub mod schema;
 pub mod sending;
@@ -49,23 +52,27 @@ pub mod strict;
 pub mod view;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::extract::Request;
-use axum::http::HeaderName;
+use axum::http::StatusCode;
 use axum::middleware;
 use axum::response::Response;
 use axum::{Router, http};
 use tokio::sync::watch;
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
-use tower_http::request_id::{MakeRequestId, RequestId, SetRequestIdLayer};
+use tower_http::classify::ServerErrorsFailureClass;
+use tower_http::request_id::SetRequestIdLayer;
 use tower_http::trace::TraceLayer;
-use uuid::Uuid;
+use tracing::{Span, error, info};
 
 use crate::config::Config;
 use crate::job::service::Jobs;
+use host::Hosts;
 use openapi::resources::Resources;
 use problem::{Kind, Problem};
+use request_id::{NewRequestId, REQUEST_ID};
 
 /// What handlers share.
 #[derive(Clone)]
@@ -86,15 +93,16 @@ impl App {
     }
 }
 
-const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
-
-/// All resources.
-pub fn router(app: App) -> Router {
+/// All resources, under the names of the server.
+pub fn router(app: App, hosts: Hosts) -> Router {
+    let trace = TraceLayer::new_for_http().make_span_with(span);
     let layers = ServiceBuilder::new()
+        .map_request(request_id::plain)
         .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
-        .layer(TraceLayer::new_for_http().make_span_with(span))
+        .layer(trace.on_failure(tell_failure))
         .layer(middleware::from_fn(problem::render))
         .layer(middleware::from_fn(crowd::hold_back))
+        .layer(middleware::from_fn_with_state(hosts, host::check))
         .layer(CatchPanicLayer::custom(|_| {
             use axum::response::IntoResponse;
             Problem::new(
@@ -165,17 +173,6 @@ async fn method_not_allowed(request: Request) -> Problem {
     )
 }
 
-/// Ids that grow with time, as those of jobs do.
-#[derive(Clone, Copy)]
-struct NewRequestId;
-
-impl MakeRequestId for NewRequestId {
-    fn make_request_id<B>(&mut self, _request: &http::Request<B>) -> Option<RequestId> {
-        let id = Uuid::now_v7().to_string();
-        id.parse().ok().map(RequestId::new)
-    }
-}
-
 fn span<B>(request: &http::Request<B>) -> tracing::Span {
     let id = request.headers().get(REQUEST_ID);
     tracing::info_span!(
@@ -184,6 +181,16 @@ fn span<B>(request: &http::Request<B>) -> tracing::Span {
         path = request.uri().path(),
         id = id.and_then(|id| id.to_str().ok()),
     )
+}
+
+/// A server that takes no more for the moment does as it should.
+fn tell_failure(failure: ServerErrorsFailureClass, latency: Duration, _span: &Span) {
+    match failure {
+        ServerErrorsFailureClass::StatusCode(StatusCode::SERVICE_UNAVAILABLE) => {
+            info!(?latency, "answered 503 Service Unavailable");
+        }
+        failure => error!(?latency, "the request failed: {failure}"),
+    }
 }
 
 /// Answers of this API are never the same twice.

@@ -7,7 +7,8 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 
-use super::{REQUEST_ID, short};
+use super::request_id::REQUEST_ID;
+use super::short;
 use crate::job::scheduler::Broken;
 use crate::job::service::Refused;
 use crate::job::state::Failure;
@@ -28,6 +29,7 @@ pub enum Kind {
     NoResult,
     NoLimit,
     NoExport,
+    UnknownHost,
     MethodNotAllowed,
     NotAcceptable,
     BodyTimeout,
@@ -59,7 +61,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::NotJson,
         Self::NotProtobuf,
         Self::InvalidRequest,
@@ -70,6 +72,7 @@ impl Kind {
         Self::NoResult,
         Self::NoLimit,
         Self::NoExport,
+        Self::UnknownHost,
         Self::MethodNotAllowed,
         Self::NotAcceptable,
         Self::BodyTimeout,
@@ -159,6 +162,12 @@ impl Kind {
                 S::CONFLICT,
                 "The curve or surface cannot be written in this format",
                 "The format cannot say what was fitted; detail tells why and what to do instead.",
+            ),
+            Self::UnknownHost => (
+                "unknown-host",
+                S::MISDIRECTED_REQUEST,
+                "The request is meant for another server",
+                "The Host of the request (in HTTP/2, its authority) is not a name of this server. A server on a loopback address is localhost, so that no page of the web reaches it under a name of its own; it is told further names with --allowed-host.",
             ),
             Self::MethodNotAllowed => (
                 "method-not-allowed",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::body::Body;
-use axum::http::{Request, Version};
+use axum::http::{HeaderValue, Request, Version, header};
 use hyper::body::Incoming;
 use hyper::rt::Executor;
 use hyper::service::service_fn;
@@ -20,6 +20,7 @@ use tracing::debug;
 
 use super::activity::{Activity, Overdue, Times};
 use super::answer::Answer;
+use super::arriving::Arriving;
 use super::limits::Crowded;
 use super::stalled::unless_stalled;
 use super::watched::Watched;
@@ -106,7 +107,16 @@ async fn answer(
 ) -> Result<hyper::Response<Answer>, Infallible> {
     let multiplexed = request.version() == Version::HTTP_2;
     let open = activity.open(multiplexed);
-    let response = router.call(request.map(Body::new)).await?;
+    let expects = request.headers().contains_key(header::EXPECT);
+    let (head, body) = request.into_parts();
+    let (body, unread) = Arriving::new(body);
+    let request = Request::from_parts(head, Body::new(body));
+    let mut response = router.call(request).await?;
+    // Streams of HTTP/2 are not in each other's way. Who waits for leave to send is not kept waiting.
+    if !multiplexed && !(unread.is_out_of_the_way(expects).await) {
+        let close = HeaderValue::from_static("close");
+        response.headers_mut().insert(header::CONNECTION, close);
+    }
     Ok(response.map(|body| Answer::new(body, open, multiplexed)))
 }
 

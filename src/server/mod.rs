@@ -4,12 +4,13 @@
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
 //! - [`limits`]: how many connections there may be;
-//! - [`answer`]: the bodies of its answers; [`stalled`]: those that the client does not take;
+//! - [`arriving`]: the bodies of its requests; [`answer`]: those of its answers; [`stalled`]: those that the client does not take;
 //! - [`rarely`]: log lines that are not told each time.
 
 mod accept;
 mod activity;
 mod answer;
+mod arriving;
 mod connection;
 pub(crate) mod limits;
 pub mod listen;
@@ -29,6 +30,7 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 use tracing::{info, warn};
 
+use crate::api::host::Hosts;
 use crate::api::{self, App};
 use crate::config::{Config, DataDir};
 use crate::job::Resources;
@@ -69,7 +71,8 @@ pub async fn serve(
     let grace = config.grace;
     let (times, most) = (times(&config), Most::of(&config));
     let counters = jobs.resources().counters.clone();
-    let router = api::router(App::new(Arc::clone(&jobs), config, stopping.clone()));
+    let hosts = Hosts::new(&config.allowed_host, is_loopback(&listeners)?);
+    let router = api::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
 
     for listener in &listeners {
         info!("listening on http://{}", listener.local_addr()?);
@@ -94,6 +97,16 @@ pub async fn serve(
         warn!("jobs were still running after the grace period of {grace:?}");
     }
     Ok(())
+}
+
+/// Whether only programs of this machine reach the server.
+fn is_loopback(listeners: &[TcpListener]) -> io::Result<bool> {
+    for listener in listeners {
+        if !listener.local_addr()?.ip().to_canonical().is_loopback() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 fn times(config: &Config) -> Times {

@@ -75,7 +75,7 @@ async fn stalled_client(program: &Program, path: &str) -> TcpStream {
         .await
         .unwrap();
     // In HTTP/1.0 the body is what comes until the end.
-    let request = format!("GET {path} HTTP/1.0\r\nHost: piad\r\n\r\n");
+    let request = format!("GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n");
     stream.write_all(request.as_bytes()).await.unwrap();
     stream
 }

@@ -67,7 +67,7 @@ async fn heads_of_requests_have_their_time() {
         b"PRI",
         &preface,
         b"G",
-        b"GET /livez HTTP/1.1\r\nHost: piad\r\n",
+        b"GET /livez HTTP/1.1\r\nHost: localhost\r\n",
     ] {
         let mut stream = connect(&server).await;
         stream.write_all(bare).await.unwrap();
@@ -84,7 +84,7 @@ async fn a_head_that_trickles_in_is_given_up() {
     })
     .await;
     // Also after a request that was in time.
-    for before in ["", "GET /livez HTTP/1.1\r\nHost: piad\r\n\r\n"] {
+    for before in ["", "GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"] {
         let mut stream = connect(&server).await;
         stream.write_all(before.as_bytes()).await.unwrap();
         if !before.is_empty() {
@@ -118,7 +118,7 @@ async fn idle_connections_are_closed() {
     })
     .await;
     let mut stream = connect(&server).await;
-    let request = b"GET /livez HTTP/1.1\r\nHost: piad\r\n\r\n";
+    let request = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n";
     stream.write_all(request).await.unwrap();
     assert!(to_the_end(&mut stream).await.contains("alive"));
 
@@ -199,7 +199,7 @@ async fn answers_that_nobody_takes_are_given_up() {
     let path = format!("{}/events", base(&job));
     // Reads a little now and then; a second is long for that, also on a busy machine.
     let mut slow = connect(&server).await;
-    let request = format!("GET {path} HTTP/1.1\r\nHost: piad\r\n\r\n");
+    let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n");
     slow.write_all(request.as_bytes()).await.unwrap();
     let slow = tokio::spawn(async move {
         let mut room = vec![0; 1 << 20];
@@ -274,7 +274,7 @@ async fn slow_clients_get_all_of_a_large_answer() {
     assert_eq!(taken, whole.len());
 
     let mut stream = connect(&server).await;
-    let request = format!("GET {path} HTTP/1.0\r\nHost: piad\r\n\r\n");
+    let request = format!("GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n");
     stream.write_all(request.as_bytes()).await.unwrap();
     let (mut room, mut taken, mut pause) = (vec![0; 1 << 16], 0, step);
     loop {

@@ -30,6 +30,7 @@ mod examples;
 mod exports;
 mod facts;
 mod goldens;
+mod heads;
 mod http;
 mod jobs;
 mod large;

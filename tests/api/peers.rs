@@ -121,7 +121,8 @@ async fn idle_connections_lock_nobody_out() {
         .lines()
         .filter(|line| line.contains("connections from one address are open"));
     assert!((1..=12).contains(&told.count()), "{log}");
-    assert!(!log.contains("connections cannot be taken in"), "{log}");
+    // That so much is asked for is no error of the server.
+    assert!(!log.contains(r#""level":"ERROR""#), "{log}");
 
     // When they have gone everything is as before.
     drop(idle);

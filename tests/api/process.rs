@@ -46,6 +46,7 @@ fn help_names_every_flag_and_its_variable() {
     let help = String::from_utf8(help.stdout).unwrap();
     for name in [
         "listen",
+        "allowed-host",
         "workers",
         "max-body",
         "max-points",

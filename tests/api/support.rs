@@ -29,12 +29,17 @@ impl Server {
 
     /// A server whose configuration differs from the standard one.
     pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        Self::on(listener, change).await
+    }
+
+    /// The same where it listens.
+    pub async fn on(listener: TcpListener, change: impl FnOnce(&mut Config)) -> Self {
         let mut config = Config::standard();
         // So that there are jobs that outlast any test.
         config.max_iterations = 1_000_000_000;
         config.data_dir = DataDir::Memory;
         change(&mut config);
-        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(piad::server::serve(vec![listener], config, async {

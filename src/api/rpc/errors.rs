@@ -24,7 +24,9 @@ fn code(kind: Kind) -> Code {
         | Kind::NotAcceptable
         | Kind::UnsupportedMediaType
         | Kind::KeyTaken => Code::InvalidArgument,
-        Kind::NotFound | Kind::UnknownJob | Kind::NoSuchIteration => Code::NotFound,
+        Kind::NotFound | Kind::UnknownHost | Kind::UnknownJob | Kind::NoSuchIteration => {
+            Code::NotFound
+        }
         Kind::NoResult | Kind::NoLimit | Kind::NoExport | Kind::AlreadyEnded | Kind::Overflow => {
             Code::FailedPrecondition
         }
