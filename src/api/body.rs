@@ -1,13 +1,10 @@
-//! Reading a request body: its media type, its size, its JSON, and a pointer to what is wrong in it.
+//! Reading a request body: its media type and its size.
 
 use axum::body::Body;
 use axum::extract::Request;
 use axum::http::header;
 use bytes::Bytes;
 use http_body_util::BodyExt;
-use serde::de::DeserializeOwned;
-use serde_json::error::Category;
-use serde_path_to_error::{Path, Segment};
 
 use super::App;
 use super::negotiate::{Language, PROTOBUF};
@@ -91,54 +88,4 @@ async fn collect(
 fn too_large(limit: usize) -> Problem {
     let detail = format!("the body is larger than {limit} bytes, the limit of this server");
     Problem::new(Kind::BodyTooLarge, detail)
-}
-
-/// Parses JSON. A body that is wrong is read a second time, to find out where.
-pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
-    serde_json::from_slice(body).map_err(|error| {
-        let mut reader = serde_json::Deserializer::from_slice(body);
-        match serde_path_to_error::deserialize::<_, T>(&mut reader) {
-            Err(located) => {
-                let pointer = pointer(located.path());
-                describe(&located.into_inner(), pointer)
-            }
-            // Whatever follows a complete value.
-            Ok(_) => describe(&error, String::new()),
-        }
-    })
-}
-
-fn describe(error: &serde_json::Error, pointer: String) -> Problem {
-    let text = error.to_string();
-    // 1e999 is JSON, but no 64-bit number.
-    if text.starts_with("number out of range") {
-        let detail = format!("the {text}: numbers are finite 64-bit floating-point numbers");
-        return Problem::at_pointer(Kind::InvalidFit, pointer, detail);
-    }
-    match error.classify() {
-        Category::Data => Problem::at_pointer(Kind::InvalidFit, pointer, text),
-        Category::Eof if error.column() == 0 && error.line() <= 1 => {
-            Problem::new(Kind::NotJson, "the body is empty; a job is expected")
-        }
-        Category::Syntax | Category::Eof | Category::Io => {
-            let hint = "JSON is expected, which has no NaN and no Infinity";
-            Problem::at_pointer(Kind::NotJson, pointer, format!("{text}; {hint}"))
-        }
-    }
-}
-
-/// The JSON pointer (RFC 6901) of a path.
-fn pointer(path: &Path) -> String {
-    let mut pointer = String::new();
-    for segment in path {
-        match segment {
-            Segment::Seq { index } => pointer.push_str(&format!("/{index}")),
-            Segment::Map { key } | Segment::Enum { variant: key } => {
-                pointer.push('/');
-                pointer.push_str(&key.replace('~', "~0").replace('/', "~1"));
-            }
-            Segment::Unknown => {}
-        }
-    }
-    pointer
 }

@@ -15,10 +15,10 @@ use super::options::object::StreamObject;
 use super::order::{self, Order};
 use super::path::Named;
 use super::problem::Problem;
+use super::read::Limits;
 use super::request::JobRequest;
 use super::request::edit::EditRequest;
-use super::strict::Object;
-use super::{App, body, events, jobs, rpc, view};
+use super::{App, body, events, jobs, read, rpc, view};
 use crate::job::service::Accepted;
 use crate::job::store::Key;
 
@@ -34,7 +34,10 @@ pub async fn job(State(app): State<App>, request: Request) -> Result<Response, P
     let (language, body) = posted.take_body();
     let order = Order::new(&app, body.len(), move |config| match language {
         Language::Json => {
-            let Object(request) = body::parse::<Object<JobRequest>>(&body)?;
+            let limits = Limits {
+                points: config.max_points,
+            };
+            let request = read::parse::<JobRequest>(&body, limits)?;
             drop(body);
             request.validate(config)
         }
@@ -59,7 +62,10 @@ pub async fn edit(
     let (language, body) = posted.take_body();
     let order = match language {
         Language::Json => {
-            let Object(request) = body::parse::<Object<EditRequest>>(&body)?;
+            let limits = Limits {
+                points: parent.outline().grid.count(),
+            };
+            let request = read::parse::<EditRequest>(&body, limits)?;
             Order::edit(&app, &parent, request).await?
         }
         Language::Protobuf => {

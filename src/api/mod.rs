@@ -1,10 +1,10 @@
 //! What goes over the wire: HTTP resources, event streams and problem objects.
 //!
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
-//! - [`strict`], [`numbers`], [`per_direction`]: JSON read to the letter, points and numbers straight into arrays,
-//!   one value for both directions or one for each;
+//! - [`read`]: JSON read to the letter, with all that is wrong in it; [`numbers`], [`per_direction`]: points and
+//!   numbers straight into arrays, one value for both directions or one for each;
 //! - [`path`]: the names in a path;
-//! - [`body`]: reading a request body, with limits and JSON pointers for what is wrong in it;
+//! - [`body`]: reading a request body, with limits;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`order`]: new jobs and edits, in whatever language; [`create`]: posting them;
 //! - [`jobs`]: list, get, cancel, delete;
@@ -42,13 +42,13 @@ pub mod order;
 pub mod path;
 pub mod per_direction;
 pub mod problem;
+pub mod read;
 pub mod request;
 pub mod request_id;
 pub mod rpc;
 pub mod schema;
 pub mod sending;
 pub mod short;
-pub mod strict;
 pub mod view;
 
 use std::sync::Arc;

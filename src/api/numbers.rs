@@ -1,10 +1,12 @@
 //! Reading points and numbers from JSON straight into the arrays that are computed with.
 
-use std::fmt;
+use std::cell::RefCell;
 
-use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::de::{MapAccess, SeqAccess};
 
+use super::read::values::Number;
+use super::read::{Anything, Limits, Members, Most, Numeral, Of, Read, Reader, Reading};
+use crate::fit::basis::MAX_DEGREE;
 use crate::fit::points::Points;
 
 /// The most coordinates of a point.
@@ -27,70 +29,88 @@ pub struct PointGrid {
     pub columns: usize,
 }
 
-impl<'de> Deserialize<'de> for PointList {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut gathered = Gathered::default();
-        deserializer.deserialize_seq(RowVisitor(&mut gathered))?;
-        Ok(Self(gathered.points()))
+/// The coordinates of a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinates {
+    values: [f64; MAX_DIMENSION],
+    count: usize,
+}
+
+impl Coordinates {
+    /// The coordinates, if there are not too many.
+    pub fn of(coordinates: &[f64]) -> Option<Self> {
+        let count = coordinates.len();
+        let mut values = [0.0; MAX_DIMENSION];
+        values.get_mut(..count)?.copy_from_slice(coordinates);
+        Some(Self { values, count })
+    }
+
+    /// One after the other.
+    pub fn as_slice(&self) -> &[f64] {
+        self.values.get(..self.count).unwrap_or(&[])
     }
 }
 
-impl<'de> Deserialize<'de> for PointGrid {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(GridVisitor)
+impl Reader for Of<PointList> {
+    type Value = PointList;
+
+    fn expected(&self) -> String {
+        "a list of points, [[x, y], …]".to_owned()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<PointList>, A::Error> {
+        let gathered = RefCell::new(Gathered::default());
+        let row = RowReader(&gathered, Under::Curve);
+        let whole = row.list(list, at)?;
+        Ok(whole.map(|_| PointList(gathered.into_inner().points())))
     }
 }
 
-struct GridVisitor;
-
-impl<'de> Visitor<'de> for GridVisitor {
+impl Reader for Of<PointGrid> {
     type Value = PointGrid;
 
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("rows of points")
+    fn expected(&self) -> String {
+        "rows of points, [[[x, y, z], …], …]".to_owned()
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut rows: A) -> Result<PointGrid, A::Error> {
-        let mut gathered = Gathered {
-            may_miss: true,
-            ..Gathered::default()
-        };
-        let mut count = 0;
-        let mut columns = None;
-        while let Some(length) = rows.next_element_seed(Row {
-            gathered: &mut gathered,
-            columns,
-        })? {
-            columns = Some(length);
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        rows: A,
+        at: &mut Reading,
+    ) -> Result<Option<PointGrid>, A::Error> {
+        let gathered = RefCell::new(Gathered::default());
+        let (mut count, mut columns) = (0, None);
+        let most = Most::of(at.limits().points, "rows");
+        let row = || RowReader(&gathered, Under::Surface);
+        let whole = at.elements(rows, most, row, |length, at| {
             count += 1;
-        }
-        Ok(PointGrid {
+            let columns = *columns.get_or_insert(length);
+            if columns != length {
+                at.wrong(format!("this row has {length} points, the first row has {columns}: all rows must have the same number"));
+                return None;
+            }
+            Some(())
+        })?;
+        let mut gathered = gathered.into_inner();
+        Ok(whole.then(|| PointGrid {
             missing: std::mem::take(&mut gathered.missing),
             points: gathered.points(),
             rows: count,
             columns: columns.unwrap_or(0),
-        })
+        }))
     }
 }
 
-/// A row of a grid, which must have as many points as the first; gives the number of its points.
-struct Row<'a> {
-    gathered: &'a mut Gathered,
-    columns: Option<usize>,
-}
-
-impl<'de> DeserializeSeed<'de> for Row<'_> {
-    type Value = usize;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
-        let length = deserializer.deserialize_seq(RowVisitor(self.gathered))?;
-        match self.columns {
-            Some(columns) if columns != length => Err(D::Error::custom(format_args!(
-                "this row has {length} points, the first row has {columns}: all rows must have the same number"
-            ))),
-            _ => Ok(length),
-        }
-    }
+/// What points belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Under {
+    Curve,
+    Surface,
+    Edit,
 }
 
 /// Points that were read so far.
@@ -99,7 +119,6 @@ struct Gathered {
     /// None before the first point, which says how many coordinates there are.
     points: Option<Points>,
     count: usize,
-    may_miss: bool,
     missing: Vec<usize>,
 }
 
@@ -109,161 +128,234 @@ impl Gathered {
         points.shrink_to_fit();
         points
     }
+
+    /// Appends a point, or that it is missing.
+    fn push(&mut self, point: Option<Coordinates>, at: &mut Reading) -> Option<()> {
+        let before = self.count;
+        match point {
+            None => {
+                if let Some(points) = &mut self.points {
+                    points.push(&[0.0; MAX_DIMENSION]);
+                }
+                self.missing.push(before);
+            }
+            Some(point) => {
+                let count = point.count;
+                let points = self
+                    .points
+                    .get_or_insert_with(|| Points::zeros(count, before));
+                let dimension = points.dimension();
+                if dimension != count {
+                    at.wrong(format!("this point has {count} coordinates, the first has {dimension}: all points must have the same number"));
+                    return None;
+                }
+                points.push(point.as_slice());
+            }
+        }
+        self.count += 1;
+        Some(())
+    }
 }
 
-/// Appends points.
-struct RowVisitor<'a>(&'a mut Gathered);
+/// Appends a list of points; gives their number.
+#[derive(Clone, Copy)]
+struct RowReader<'a>(&'a RefCell<Gathered>, Under);
 
-impl<'de> Visitor<'de> for RowVisitor<'_> {
+impl Reader for RowReader<'_> {
     type Value = usize;
 
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a list of points")
+    fn expected(&self) -> String {
+        "a row of points, [[x, y, z], …]".to_owned()
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<usize, A::Error> {
-        let mut count = 0;
-        while list.next_element_seed(PointSeed(self.0))?.is_some() {
-            count += 1;
-        }
-        Ok(count)
-    }
-}
-
-struct PointSeed<'a>(&'a mut Gathered);
-
-impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
-    type Value = ();
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        if self.0.may_miss {
-            deserializer.deserialize_any(self)
-        } else {
-            deserializer.deserialize_seq(self)
-        }
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<usize>, A::Error> {
+        let Self(gathered, under) = self;
+        let most = Most::of(at.limits().points, "points").after(gathered.borrow().count);
+        let mut length = 0;
+        let whole = at.elements(
+            list,
+            most,
+            || PointReader(under),
+            |point, at| {
+                length += 1;
+                gathered.borrow_mut().push(point, at)
+            },
+        )?;
+        Ok(whole.then_some(length))
     }
 }
 
-impl<'de> Visitor<'de> for PointSeed<'_> {
-    type Value = ();
+/// A point; none if it is missing.
+struct PointReader(Under);
 
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a point: a list of 1, 2 or 3 numbers")
+impl Reader for PointReader {
+    type Value = Option<Coordinates>;
+
+    fn expected(&self) -> String {
+        format!("a point: a list of 1, 2 or {MAX_DIMENSION} numbers")
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
-        let mut coordinates = [0.0; MAX_DIMENSION];
+    fn null(self, at: &mut Reading) -> Option<Option<Coordinates>> {
+        if self.0 == Under::Surface {
+            return Some(None);
+        }
+        at.mismatch(&self.expected(), "null");
+        None
+    }
+
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<Option<Coordinates>> {
+        let hint = match self.0 {
+            Under::Surface => "; a surface has rows of points, and a list of points is a curve",
+            Under::Curve | Under::Edit => "",
+        };
+        at.wrong(format!("expected {}, found {value}{hint}", self.expected()));
+        None
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Option<Coordinates>>, A::Error> {
+        let mut values = [0.0; MAX_DIMENSION];
         let mut count = 0;
-        while let Some(Number(x)) = list.next_element()? {
-            if count < MAX_DIMENSION {
-                coordinates[count] = x;
+        let reader = || CoordinateReader(self.0);
+        let whole = at.elements(list, Most::any(), reader, |x, _| {
+            if let Some(place) = values.get_mut(count) {
+                *place = x;
             }
             count += 1;
+            Some(())
+        })?;
+        if !whole {
+            return Ok(None);
         }
         if !(1..=MAX_DIMENSION).contains(&count) {
-            return Err(A::Error::invalid_length(count, &self));
+            let expected = self.expected();
+            at.wrong(format!("expected {expected}, found {count} of them"));
+            return Ok(None);
         }
-        let before = self.0.count;
-        let points = self
-            .0
-            .points
-            .get_or_insert_with(|| Points::zeros(count, before));
-        let dimension = points.dimension();
-        if dimension != count {
-            return Err(A::Error::custom(format_args!(
-                "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
-            )));
-        }
-        points.push(&coordinates[..count]);
-        self.0.count += 1;
-        Ok(())
+        Ok(Some(Some(Coordinates { values, count })))
     }
 
-    fn visit_unit<E: Error>(self) -> Result<(), E> {
-        if let Some(points) = &mut self.0.points {
-            points.push(&[0.0; MAX_DIMENSION]);
-        }
-        self.0.missing.push(self.0.count);
-        self.0.count += 1;
-        Ok(())
+    fn object<'de, A: MapAccess<'de>>(
+        self,
+        members: Members<A>,
+        at: &mut Reading,
+    ) -> Result<Option<Option<Coordinates>>, A::Error> {
+        at.wrong("expected a point as a list, [x, y] or [x, y, z], found an object");
+        Anything.object(members, at)?;
+        Ok(None)
     }
 }
 
-/// A finite number.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Number(pub f64);
+/// A coordinate of a point.
+struct CoordinateReader(Under);
 
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_f64(NumberVisitor).map(Self)
-    }
-}
-
-struct NumberVisitor;
-
-impl Visitor<'_> for NumberVisitor {
+impl Reader for CoordinateReader {
     type Value = f64;
 
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number")
+    fn expected(&self) -> String {
+        Number::reader().expected()
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
-        Ok(value)
+    fn null(self, at: &mut Reading) -> Option<f64> {
+        Number::reader().null(at).map(|Number(x)| x)
     }
 
-    fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
-        Ok(value as f64)
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<f64> {
+        Some(value.real())
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
-        Ok(value as f64)
-    }
-
-    fn visit_unit<E: Error>(self) -> Result<f64, E> {
-        Err(E::invalid_type(
-            Unexpected::Other("null (what many writers make of NaN and Infinity)"),
-            &self,
-        ))
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<f64>, A::Error> {
+        at.wrong(match self.0 {
+            Under::Curve => "expected a number, found a list: rows of points are fitted by a \"surface\", not by a \"curve\"",
+            Under::Surface | Under::Edit => "expected a number, found a list",
+        });
+        Anything.list(list, at)?;
+        Ok(None)
     }
 }
 
-/// A name, or explicit numbers.
+impl Reader for Of<Coordinates> {
+    type Value = Coordinates;
+
+    fn expected(&self) -> String {
+        PointReader(Under::Edit).expected()
+    }
+
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<Coordinates> {
+        PointReader(Under::Edit).number(value, at).flatten()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Coordinates>, A::Error> {
+        Ok(PointReader(Under::Edit).list(list, at)?.flatten())
+    }
+
+    fn object<'de, A: MapAccess<'de>>(
+        self,
+        members: Members<A>,
+        at: &mut Reading,
+    ) -> Result<Option<Coordinates>, A::Error> {
+        Ok(PointReader(Under::Edit).object(members, at)?.flatten())
+    }
+}
+
+/// A rule that has a name, or explicit numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NameOrNumbers {
-    /// A name.
-    Name(String),
+pub enum RuleOrNumbers<R> {
+    /// A rule.
+    Rule(R),
     /// Numbers.
     Numbers(Vec<f64>),
 }
 
-impl<'de> Deserialize<'de> for NameOrNumbers {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NameOrNumbersVisitor)
+impl<R> Reader for Of<RuleOrNumbers<R>>
+where
+    R: Read,
+{
+    type Value = RuleOrNumbers<R>;
+
+    fn expected(&self) -> String {
+        format!("{}; or a list of numbers", R::reader().expected())
+    }
+
+    fn text(self, name: &str, at: &mut Reading) -> Option<RuleOrNumbers<R>> {
+        R::reader().text(name, at).map(RuleOrNumbers::Rule)
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<RuleOrNumbers<R>>, A::Error> {
+        let mut numbers = Vec::new();
+        let most = most_numbers(at.limits());
+        let whole = at.elements(list, most, Number::reader, |Number(x), _| {
+            numbers.push(x);
+            Some(())
+        })?;
+        numbers.shrink_to_fit();
+        Ok(whole.then_some(RuleOrNumbers::Numbers(numbers)))
     }
 }
 
-struct NameOrNumbersVisitor;
-
-impl<'de> Visitor<'de> for NameOrNumbersVisitor {
-    type Value = NameOrNumbers;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a name or a list of numbers")
-    }
-
-    fn visit_str<E: Error>(self, name: &str) -> Result<NameOrNumbers, E> {
-        Ok(NameOrNumbers::Name(name.to_owned()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<NameOrNumbers, A::Error> {
-        let mut numbers = Vec::new();
-        while let Some(Number(x)) = list.next_element()? {
-            numbers.push(x);
-        }
-        numbers.shrink_to_fit();
-        Ok(NameOrNumbers::Numbers(numbers))
-    }
+/// The most numbers that belong to data points: of knots there are the most.
+fn most_numbers(limits: Limits) -> Most<'static> {
+    let ends = 2 * (MAX_DEGREE + 1);
+    Most::of(limits.points.saturating_add(ends), "numbers")
 }
 
 /// Weights: a list of numbers, or rows of them.
@@ -280,74 +372,72 @@ pub enum WeightList {
     },
 }
 
-impl<'de> Deserialize<'de> for WeightList {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(WeightListVisitor)
-    }
-}
-
-struct WeightListVisitor;
-
-impl<'de> Visitor<'de> for WeightListVisitor {
+impl Reader for Of<WeightList> {
     type Value = WeightList;
 
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a list of weights, or rows of them")
+    fn expected(&self) -> String {
+        "a list of weights, or rows of them".to_owned()
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<WeightList, A::Error> {
-        let mut values = Vec::new();
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<WeightList>, A::Error> {
+        let values = RefCell::new(Vec::new());
         let mut columns = None;
-        while let Some(length) = list.next_element_seed(WeightElement(&mut values))? {
-            if *columns.get_or_insert(length) != length {
-                return Err(A::Error::custom(
-                    "all rows of weights must have the same length",
-                ));
-            }
-        }
-        Ok(match columns.flatten() {
+        let most = most_numbers(at.limits());
+        let whole = at.elements(
+            list,
+            most,
+            || WeightReader(&values),
+            |length, at| {
+                if *columns.get_or_insert(length) != length {
+                    at.wrong("all rows of weights must have the same length");
+                    return None;
+                }
+                Some(())
+            },
+        )?;
+        let values = values.into_inner();
+        Ok(whole.then_some(match columns.flatten() {
             None => WeightList::Line(values),
             Some(columns) => WeightList::Grid { values, columns },
-        })
+        }))
     }
 }
 
 /// A weight, or a row of weights, of which the length is given.
-struct WeightElement<'a>(&'a mut Vec<f64>);
+struct WeightReader<'a>(&'a RefCell<Vec<f64>>);
 
-impl<'de> DeserializeSeed<'de> for WeightElement<'_> {
+impl Reader for WeightReader<'_> {
     type Value = Option<usize>;
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
-
-impl<'de> Visitor<'de> for WeightElement<'_> {
-    type Value = Option<usize>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a weight or a row of weights")
+    fn expected(&self) -> String {
+        "a weight or a row of weights".to_owned()
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
-        self.0.push(value);
-        Ok(None)
+    fn null(self, at: &mut Reading) -> Option<Option<usize>> {
+        Number::reader().null(at).map(|_| None)
     }
 
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
-        self.visit_f64(value as f64)
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<Option<usize>> {
+        self.0.borrow_mut().push(value.real());
+        Some(None)
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
-        let before = self.0.len();
-        while let Some(Number(x)) = list.next_element()? {
-            self.0.push(x);
-        }
-        Ok(Some(self.0.len() - before))
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Option<usize>>, A::Error> {
+        let before = self.0.borrow().len();
+        let most = most_numbers(at.limits()).after(before);
+        let whole = at.elements(list, most, Number::reader, |Number(x), _| {
+            self.0.borrow_mut().push(x);
+            Some(())
+        })?;
+        let length = self.0.borrow().len() - before;
+        Ok(whole.then_some(Some(length)))
     }
 }

@@ -343,6 +343,19 @@ impl Problem {
         problem
     }
 
+    /// One problem of several, of which the first says what kind it is; none of none.
+    pub fn of_all(problems: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let mut problems = problems.into_iter();
+        let mut all = problems.next()?;
+        let mut details = vec![std::mem::take(&mut all.detail)];
+        for problem in problems {
+            all.errors.extend(problem.errors);
+            details.push(problem.detail);
+        }
+        all.detail = short::cut(&details.join("; "), LONGEST_DETAIL).into_owned();
+        Some(all)
+    }
+
     /// A problem with a query parameter.
     pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
         let (name, detail) = (name.into(), detail.into());

@@ -55,7 +55,12 @@ fn not_json() -> Vec<Bad> {
     vec![
         text("", 400, None, "the body is empty"),
         text("hello", 400, None, "expected value at line 1 column 1"),
-        text("{\"curve\": ", 400, Some("/curve"), "EOF while parsing"),
+        text(
+            "{\"curve\": ",
+            400,
+            Some("/curve"),
+            "the body ends where a value should be",
+        ),
         text(
             "{\"curve\":{\"points\":[[0,0],[1,NaN]]}}",
             400,
@@ -72,16 +77,21 @@ fn not_json() -> Vec<Bad> {
             "{\"curve\":{\"points\":[[0,0],[1,1]]}} x",
             400,
             None,
-            "trailing characters",
+            "something follows",
         ),
         text(
             "{\"curve\":{\"points\":[[0,0],[1,1],]}}",
             400,
             None,
-            "trailing comma",
+            "a comma with nothing after it",
         ),
         text("\u{feff}{}", 400, None, "expected value"),
-        text(&"[".repeat(100_000), 422, None, "invalid type: sequence"),
+        text(
+            &"[".repeat(100_000),
+            422,
+            None,
+            "expected an object, found a list",
+        ),
         text(
             "{\"curve\":{\"points\":[[0,0],[1e999,1]]}}",
             422,
@@ -107,12 +117,16 @@ fn wrong_shape() -> Vec<Bad> {
             "/surface",
             "it cannot have a surface as well",
         ),
-        bad(json!({"curve": {}}), "/curve", "missing field `points`"),
-        bad(json!({"curv": {}}), "/curv", "unknown field `curv`"),
+        bad(
+            json!({"curve": {}}),
+            "/curve",
+            "the field \"points\" is missing",
+        ),
+        bad(json!({"curv": {}}), "/curv", "unknown field \"curv\""),
         bad(
             curve("degree", json!(3)),
             "/curve/degree",
-            "unknown field `degree`",
+            "unknown field \"degree\"",
         ),
         bad(
             curve("points", json!("many")),
@@ -133,12 +147,12 @@ fn wrong_shape() -> Vec<Bad> {
         bad(
             curve("points", json!([[0, 0], []])),
             "/curve/points/1",
-            "invalid length 0",
+            "found 0 of them",
         ),
         bad(
             curve("points", json!([[0, 0, 0, 0], [1, 1, 1, 1]])),
             "/curve/points/0",
-            "invalid length 4",
+            "found 4 of them",
         ),
         bad(
             curve("points", json!([[0, 0], [1, 1], [2, 2, 2]])),
@@ -209,7 +223,7 @@ fn wrong_form() -> Vec<Bad> {
         bad(
             curve("basis", json!({"kind": {"bspline": null}})),
             "/curve/basis/kind",
-            "expected a name",
+            "expected the name of a kind of",
         ),
         bad(
             json!({"curve": [[[0], [1]]]}),
@@ -232,12 +246,12 @@ fn wrong_basis() -> Vec<Bad> {
         bad(
             curve("basis", json!({"kind": "spline"})),
             "/curve/basis/kind",
-            "unknown variant `spline`",
+            "\"spline\" is no kind of",
         ),
         bad(
             curve("basis", json!({"degree": 3})),
             "/curve/basis",
-            "missing field `kind`",
+            "the field \"kind\" is missing",
         ),
         bad(
             curve("basis", json!("bspline")),
@@ -247,7 +261,7 @@ fn wrong_basis() -> Vec<Bad> {
         bad(
             bspline(json!({"order": 4})),
             "/curve/basis/order",
-            "unknown field `order`",
+            "unknown field \"order\"",
         ),
         bad(
             bspline(json!({"degree": 0})),
@@ -283,7 +297,7 @@ fn wrong_basis() -> Vec<Bad> {
         bad(
             bspline(json!({"knots": "mean"})),
             "/curve/basis/knots",
-            "not \"mean\"",
+            "\"mean\" is no rule for knots",
         ),
         bad(
             knots(json!([0, 0, 0, 1, 1, 1])),
@@ -318,7 +332,7 @@ fn wrong_basis() -> Vec<Bad> {
         bad(
             surface("basis", json!({"u": {"kind": "bspline"}})),
             "/surface/basis",
-            "missing field `v`",
+            "the field \"v\" is missing",
         ),
         bad(
             surface(
@@ -334,7 +348,7 @@ fn wrong_basis() -> Vec<Bad> {
                 json!({"u": {"kind": "bspline"}, "v": {"kind": "bspline"}, "w": 1}),
             ),
             "/surface/basis/w",
-            "unknown field `w`",
+            "unknown field \"w\"",
         ),
     ]
 }
@@ -344,12 +358,12 @@ fn wrong_parameters() -> Vec<Bad> {
         bad(
             curve("parameters", json!("cord")),
             "/curve/parameters",
-            "not \"cord\"",
+            "\"cord\" is no rule for parameters",
         ),
         bad(
             curve("parameters", json!(7)),
             "/curve/parameters",
-            "expected a name or a list",
+            "or a list of numbers",
         ),
         bad(
             curve("parameters", json!([0, 1, 2])),
@@ -422,13 +436,17 @@ fn wrong_rules() -> Vec<Bad> {
         bad(
             method(json!({"kind": "magic"})),
             "/method/kind",
-            "unknown variant `magic`",
+            "\"magic\" is no kind of",
         ),
-        bad(method(json!({})), "/method", "missing field `kind`"),
+        bad(
+            method(json!({})),
+            "/method",
+            "the field \"kind\" is missing",
+        ),
         bad(
             method(json!({"kind": ["global"]})),
             "/method/kind",
-            "expected a name",
+            "expected the name of a kind of",
         ),
         bad(
             method(json!({"kind": "global", "omega": 1})),
@@ -473,7 +491,7 @@ fn wrong_rules() -> Vec<Bad> {
         bad(
             stop(json!({"iterations": 5})),
             "/stop/iterations",
-            "unknown field `iterations`",
+            "unknown field \"iterations\"",
         ),
     ]
 }
@@ -515,4 +533,73 @@ async fn bodies() {
     assert_eq!(server.json("/v1/jobs").await["jobs"], json!([]));
     let job = server.fit(&data::small_job()).await;
     assert_eq!(job["state"], "converged");
+}
+
+/// The places that an answer tells, in their order.
+fn pointers(problem: &Value) -> Vec<&str> {
+    let errors = problem["errors"].as_array().unwrap().iter();
+    errors
+        .map(|error| error["pointer"].as_str().unwrap())
+        .collect()
+}
+
+#[tokio::test]
+async fn several_mistakes_are_told_at_once() {
+    let server = Server::start().await;
+    let post = async |path: &str, body: &Value| {
+        let response = server.post(path).json(body).send().await.unwrap();
+        let (status, problem) = problem(response).await;
+        assert_eq!(status, 422, "{problem:#}");
+        problem
+    };
+    let job = json!({
+        "name": 7,
+        "curve": {
+            "points": [[0, 0], [1, "1"], [2, 0], [null, 0], [4, 4]],
+            "basis": {"kind": "spline", "degree": -3},
+            "parametrs": "uniform",
+        },
+        "method": {"kind": "local", "indices": [1, 2.5]},
+        "stop": {"tolerance": "small", "max_iterations": null},
+    });
+    let answer = post("/v1/jobs", &job).await;
+    let expected = [
+        "/name",
+        "/curve/points/1/1",
+        "/curve/points/3/0",
+        "/curve/basis/kind",
+        "/curve/basis/degree",
+        "/curve/parametrs",
+        "/method/indices/1",
+        "/stop/tolerance",
+    ];
+    assert_eq!(pointers(&answer), expected);
+    for pointer in expected {
+        assert!(answer["detail"].as_str().unwrap().contains(pointer));
+    }
+    // The same mistake everywhere in a list is one mistake.
+    let rows = json!({"curve": {"points": [[[0, 0], [0, 1]], [[1, 0], [1, 1]]]}, "stop": []});
+    let answer = post("/v1/jobs", &rows).await;
+    assert_eq!(pointers(&answer), ["/curve/points/0/0", "/stop"]);
+    // There is an end to it.
+    let keys: String = (0..1000).map(|k| format!("\"key{k}\":0,")).collect();
+    let many: Value = serde_json::from_str(&format!("{{{}}}", keys.trim_end_matches(','))).unwrap();
+    let answer = post("/v1/jobs", &many).await;
+    assert_eq!(pointers(&answer).len(), 16);
+
+    let parent = server.fit(&data::small_job()).await;
+    let edits = format!("{}/edits", parent["links"]["self"].as_str().unwrap());
+    let edit = json!({
+        "iteration": "first",
+        "points": [{"index": 1, "point": [1, 2]}, {"point": {"x": 1, "y": 2}}],
+        "method": {"kind": "weighted", "omega": "most"},
+    });
+    let answer = post(&edits, &edit).await;
+    let expected = [
+        "/iteration",
+        "/points/1/point",
+        "/points/1",
+        "/method/omega",
+    ];
+    assert_eq!(pointers(&answer), expected);
 }

@@ -204,7 +204,7 @@ async fn what_cannot_be_closed_is_refused() {
         (
             curve(json!({"closed": "yes"})),
             "/curve/closed",
-            "expected a boolean",
+            "expected true or false",
         ),
     ];
     for (job, pointer, reason) in cases {

@@ -1,22 +1,28 @@
-//! Bodies of many megabytes that are wrong: the answers stay small.
+//! Bodies of many megabytes that are wrong: the answers stay small, and so does the server.
 
 use reqwest::Response;
+use serde_json::Value;
 
-use crate::support::{Server, problem};
+use crate::data;
+use crate::program::Program;
+use crate::support::{Server, base, problem};
 
 /// The most bytes of an answer, however much was sent.
 const MOST_ANSWERED: u64 = 8 * 1024;
 
+const MEGABYTE: usize = 1 << 20;
+
+const JSON: &str = "application/json";
+
 async fn post(server: &Server, body: String) -> Response {
-    let request = server.post("/v1/jobs");
-    let request = request.header("content-type", "application/json");
+    let request = server.post("/v1/jobs").header("content-type", JSON);
     request.body(body).send().await.unwrap()
 }
 
 #[tokio::test]
 async fn texts_are_not_repeated_whole() {
     let server = Server::start().await;
-    let long = "x".repeat(20 << 20);
+    let long = "x".repeat(20 * MEGABYTE);
     let curve = r#""points":[[0,0],[1,1]]"#;
     let cases = [
         (format!(r#"{{"{long}":1}}"#), "/xxx"),
@@ -53,5 +59,148 @@ async fn texts_are_not_repeated_whole() {
         assert_eq!(status, 422, "{problem:#}");
         let said = problem["errors"][0]["pointer"].as_str().unwrap();
         assert!(said.starts_with(pointer), "{problem:#}");
+    }
+}
+
+/// The bytes of each of the bodies that follow.
+const BODY: usize = 48 * MEGABYTE;
+
+/// The most points of jobs of the server that gets them.
+const MOST_POINTS: usize = 100_000;
+
+/// So many times the same, between something before and something after.
+fn many(before: &str, element: &str, after: &str) -> String {
+    let count = BODY / (element.len() + 1);
+    let list = vec![element; count].join(",");
+    format!("{before}{list}{after}")
+}
+
+/// Bodies with too much of everything, and what is wrong with them.
+fn too_much() -> Vec<(String, &'static str)> {
+    let curve = r#"{"curve":{"points":[[0,0],[1,1],[2,0]]"#;
+    let of_curve = |field: &str| format!(r#"{curve},"{field}":["#);
+    let of_job = |object: &str, field: &str| format!(r#"{curve}}},"{object}":{{{field}:["#);
+    let keys = (0..BODY / 16).map(|k| format!("\"key{k}\":0"));
+    let keys = keys.collect::<Vec<_>>().join(",");
+    vec![
+        (
+            many(&of_job("stream", r#""milestones""#), "1", "]}}"),
+            "at most 100 milestones",
+        ),
+        (
+            many(&of_job("method", r#""kind":"local","indices""#), "1", "]}}"),
+            "at most 100000 indices",
+        ),
+        (
+            many(
+                &of_job("method", r#""kind":"local","indices""#),
+                "[1,1]",
+                "]}}",
+            ),
+            "at most 100000 indices",
+        ),
+        (
+            many(
+                &of_job("method", r#""kind":"local","indices""#),
+                "\"x\"",
+                "]}}",
+            ),
+            "found \"x\"",
+        ),
+        (format!("{{{keys}}}"), "unknown field \"key0\""),
+        (many("{\"curve\":{", "\"points\":[]", "}}"), "given twice"),
+        (
+            many(&of_curve("parameters"), "1", "]}}"),
+            "at most 102002 numbers",
+        ),
+        (
+            many(&of_curve("weights"), "1", "]}}"),
+            "at most 102002 numbers",
+        ),
+        (
+            many(&of_curve("weights"), "[1]", "]}}"),
+            "at most 102002 numbers",
+        ),
+        (many(&of_curve("basis"), "1", "]}}"), "expected an object"),
+        (
+            many("{\"curve\":{\"points\":[", "[0,0]", "]}}"),
+            "at most 100000 points",
+        ),
+        (
+            many("{\"curve\":{\"points\":[", "[0,\"\"]", "]}}"),
+            "found \"\"",
+        ),
+        (
+            many("{\"curve\":{\"points\":[[", "0", "]]}}"),
+            "found 25165824 of them",
+        ),
+        (
+            many("{\"surface\":{\"points\":[", "[]", "]}}"),
+            "at most 100000 rows",
+        ),
+        (
+            many("{\"surface\":{\"points\":[[", "null", "]]}}"),
+            "at most 100000 points",
+        ),
+        (
+            many("{\"surface\":{\"points\":[", "[[0]]", "]}}"),
+            "at most 100000",
+        ),
+        ("[".repeat(BODY), "stand within one another"),
+        ("{\"a\":".repeat(BODY / 5), "stand within one another"),
+        (
+            format!("{{\"curve\":{}", "[".repeat(BODY)),
+            "stand within one another",
+        ),
+    ]
+}
+
+/// The most memory that the process has had since it was last asked, in bytes.
+fn peak(program: &Program) -> usize {
+    let path = |file: &str| format!("/proc/{}/{file}", program.id());
+    let status = std::fs::read_to_string(path("status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kilobytes = line.unwrap().trim().trim_end_matches(" kB");
+    // Five forgets the peak.
+    std::fs::write(path("clear_refs"), "5").unwrap();
+    kilobytes.parse::<usize>().unwrap() * 1024
+}
+
+/// Sends a body that must be refused, with this as a part of the reason; gives the most memory that
+/// the server has needed.
+async fn refuse(program: &Program, path: &str, body: String, reason: &str) -> usize {
+    peak(program);
+    let request = program.post(path).header("content-type", JSON);
+    let response = request.body(body).send().await.unwrap();
+    let length = response.content_length().unwrap();
+    assert!(length < MOST_ANSWERED, "{reason}: {length} bytes");
+    let (status, problem) = problem(response).await;
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.contains(reason), "{reason}: {problem:#}");
+    assert_eq!(status, 422, "{problem:#}");
+    peak(program)
+}
+
+#[tokio::test]
+async fn too_much_of_anything_costs_no_more_than_its_body() {
+    let directory = tempfile::tempdir().unwrap();
+    let most_points = MOST_POINTS.to_string();
+    let program = Program::with(directory.path(), &["--max-points", &most_points]);
+    let request = program.post("/v1/jobs").header("prefer", "wait=100");
+    let job = request.json(&data::small_job()).send().await.unwrap();
+    let job: Value = job.json().await.unwrap();
+    let edits = format!("{}/edits", base(&job));
+    let edit = many("{\"points\":[", "{\"index\":1,\"weight\":1}", "]}");
+    let cases = too_much().into_iter();
+    let cases = cases.map(|(body, reason)| ("/v1/jobs", body, reason));
+    let cases: Vec<_> = cases
+        .chain([(edits.as_str(), edit, "points can be given")])
+        .collect();
+    // The body, another that the allocator has not given back, half of one more while a body grows
+    // that has not announced its length; and the lists as far as they are allowed.
+    let bound = peak(&program) + BODY * 5 / 2 + 32 * MEGABYTE;
+    for (path, body, reason) in cases {
+        let most = refuse(&program, path, body, reason).await;
+        assert!(most < bound, "{reason}: {most} bytes of {bound}");
     }
 }

@@ -251,7 +251,7 @@ async fn wrong_settings_are_refused() {
         (
             json!({"kind": "least_squares", "control_points": 8, "variant": "qr"}),
             "/method/variant",
-            "unknown variant",
+            "is no variant",
         ),
         (
             json!({"kind": "least_squares", "control_points": 8, "mu": 1}),
@@ -313,7 +313,7 @@ async fn wrong_settings_are_refused() {
         (
             json!({"kind": "extended", "start": "zero"}),
             "/method/start",
-            "unknown variant",
+            "is no start",
         ),
     ];
     for (method, pointer, reason) in cases {

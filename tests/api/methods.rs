@@ -398,9 +398,10 @@ async fn capabilities_readme_and_code_agree() {
     let known: Vec<String> = answer["detail"]
         .as_str()
         .unwrap()
-        .split('`')
-        .skip(3)
-        .step_by(2)
+        .split_once("there are ")
+        .unwrap()
+        .1
+        .split(", ")
         .map(str::to_owned)
         .collect();
     assert_eq!(known, kinds);

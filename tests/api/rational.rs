@@ -210,7 +210,7 @@ async fn wrong_weights_are_refused() {
         (
             curve(json!([1, 1, 1, 1]), "both"),
             "/rational",
-            "unknown variant",
+            "is no use of weights",
         ),
         (
             surface(json!([1, 1]), "fixed"),
@@ -219,7 +219,7 @@ async fn wrong_weights_are_refused() {
         ),
         (
             surface(json!([[1, 1], [1]]), "fixed"),
-            "/surface/weights",
+            "/surface/weights/1",
             "same length",
         ),
         (

@@ -553,7 +553,7 @@ async fn errors_name_the_fields_that_are_wrong() {
         (
             of_curve(&|it| it.points = vec![0.5; 3003]),
             "input.curve.points",
-            "the limit of this server",
+            "the limit here",
         ),
         (
             of_curve(&|it| it.weights = vec![1.0; 29]),

@@ -260,7 +260,7 @@ async fn objects_are_read_to_the_letter() {
             "/stream/samples",
             "1000000 in all",
         ),
-        (json!({"milestones": 0.1}), "/stream/milestones", "sequence"),
+        (json!({"milestones": 0.1}), "/stream/milestones", "list"),
         (
             json!({"milestones": [0.1, "x"]}),
             "/stream/milestones/1",
@@ -278,11 +278,15 @@ async fn objects_are_read_to_the_letter() {
         ),
         (
             json!({"milestones": vec![1; 101]}),
-            "/stream/milestones/1",
-            "decrease",
+            "/stream/milestones/100",
+            "at most 100 milestones",
         ),
         (json!({"pace": "fast"}), "/stream/pace", "all, latest"),
-        (json!({"changed": "true"}), "/stream/changed", "boolean"),
+        (
+            json!({"changed": "true"}),
+            "/stream/changed",
+            "true or false",
+        ),
         (json!({"encoding": "hex"}), "/stream/encoding", "base64_f32"),
         (json!({"digits": 3}), "/stream/digits", "string"),
         (

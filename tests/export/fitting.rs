@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
+use piad::api::read::{Limits, parse};
 use piad::api::request::JobRequest;
 use piad::config::Config;
 use piad::export::nurbs::KnotVector;
@@ -27,10 +28,10 @@ pub struct Fit {
 
 impl Fit {
     pub fn new(job: &Value) -> Self {
-        let request: JobRequest = serde_json::from_value(job.clone()).unwrap();
-        let Ok(job) = request.validate(&Config::standard()) else {
-            panic!("{job}");
-        };
+        let limits = Limits { points: 1_000_000 };
+        let request = parse::<JobRequest>(job.to_string().as_bytes(), limits);
+        let valid = request.and_then(|request| request.validate(&Config::standard()));
+        let job = valid.unwrap_or_else(|problem| panic!("{job}: {problem:?}"));
         let problem = Arc::new(job.problem);
         let mut iteration = Iteration::start(Arc::new(System::new(Arc::clone(&problem))));
         let mut errors = vec![iteration.level().error.max];

@@ -1,25 +1,24 @@
 //! The `stream` object of a job: the parameters of its event streams, in JSON.
 
-use std::fmt;
 use std::sync::Arc;
 
 use schemars::{JsonSchema, json_schema};
-use serde::de::{Deserializer, Error, Unexpected, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 
 use super::form::{DIGITS, ENCODINGS, MOST_SAMPLES, SAMPLE_GRID, VIEWS};
 use super::{DISCONNECTS, MOST_MILESTONES, PACES, StreamParameters};
-use crate::api::numbers::Number;
 use crate::api::problem::{Kind, Problem};
+use crate::api::read::values::{Count, Element, LONGEST_TEXT, Number};
+use crate::api::read::{self, Limits, Numeral, Of, Reader, Reading, object};
 use crate::api::schema::{names, schema_of};
-use crate::api::strict::{Count, whole};
+use crate::api::short::{cut, quoted};
 use crate::fit::problem as fit;
 use crate::job::outline::Label;
 
 /// What the event streams of a job are like if they do not say it themselves. Some choices rule
 /// others out.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema, Serialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, JsonSchema, Serialize)]
+#[schemars(deny_unknown_fields)]
 #[schemars(rename = "StreamDefaults", extend("examples" = [{"view": "samples", "samples": 200, "every": 5}]))]
 pub struct StreamObject {
     /// What the events show.
@@ -62,12 +61,16 @@ pub struct StreamObject {
 impl StreamObject {
     /// The object of a job, as [`Self::text`] has written it.
     pub fn of(label: &Label) -> Result<Option<Self>, Problem> {
-        let broken = |error| {
-            let detail = format!("the stream object of the job cannot be read: {error}");
+        let broken = |problem: Problem| {
+            let detail = problem.detail();
+            let detail = format!("the stream object of the job cannot be read: {detail}");
             Problem::new(Kind::Internal, detail)
         };
+        // It has no lists of data.
+        let limits = Limits { points: 0 };
         let text = label.stream.as_deref();
-        text.map(serde_json::from_str).transpose().map_err(broken)
+        let object = text.map(|text| read::parse::<Self>(text.as_bytes(), limits));
+        object.transpose().map_err(broken)
     }
 
     /// The object as JSON, if streams of `problem` can go like that.
@@ -105,12 +108,6 @@ impl StreamObject {
 #[derive(Clone, Debug)]
 pub(in crate::api) struct SampleCount(pub(in crate::api) String);
 
-impl<'de> Deserialize<'de> for SampleCount {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(SampleCountVisitor)
-    }
-}
-
 impl Serialize for SampleCount {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.0.parse() {
@@ -120,32 +117,54 @@ impl Serialize for SampleCount {
     }
 }
 
-struct SampleCountVisitor;
-
-impl Visitor<'_> for SampleCountVisitor {
+impl Reader for Of<SampleCount> {
     type Value = SampleCount;
 
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a whole number for a curve, or \"40x40\" for a surface")
+    fn expected(&self) -> String {
+        "a whole number for a curve, or \"40x40\" for a surface".to_owned()
     }
 
-    fn visit_u64<E: Error>(self, count: u64) -> Result<SampleCount, E> {
-        Ok(SampleCount(count.to_string()))
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<SampleCount, E> {
-        match whole(value) {
-            Some(count) => self.visit_u64(count),
-            None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<SampleCount> {
+        let count = value.whole();
+        if count.is_none() {
+            at.mismatch(&self.expected(), &value.to_string());
         }
+        count.map(|count| SampleCount(count.to_string()))
     }
 
-    fn visit_str<E: Error>(self, text: &str) -> Result<SampleCount, E> {
+    fn text(self, text: &str, at: &mut Reading) -> Option<SampleCount> {
+        // What is longer is wrong, whatever it says.
+        let text = cut(text, LONGEST_TEXT);
         if text.contains('x') {
-            Ok(SampleCount(text.to_owned()))
-        } else {
-            Err(E::invalid_value(Unexpected::Str(text), &self))
+            return Some(SampleCount(text.into_owned()));
         }
+        at.mismatch(&self.expected(), &quoted(&text));
+        None
+    }
+}
+
+object!(
+    StreamObject,
+    "an object",
+    [
+        view,
+        samples,
+        every,
+        milestones,
+        pace,
+        changed,
+        encoding,
+        digits,
+        on_disconnect,
+    ]
+);
+
+/// Of the lists of numbers whose length is not that of the data there is one.
+impl Element for Number {
+    const MANY: &'static str = "milestones";
+
+    fn most(_: Limits) -> usize {
+        MOST_MILESTONES
     }
 }
 

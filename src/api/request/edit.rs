@@ -1,24 +1,23 @@
 //! The JSON of an edit, and its way from the parent's problem to a new one.
 
 use std::collections::HashSet;
-use std::fmt;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
-use serde::de::{Deserializer, Error, Unexpected, Visitor};
 
 use super::method::{Index, MethodRequest};
 use super::{
     LONGEST_NAME, RationalRequest, StopRequest, ValidJob, check_name, invalid, schema,
     surface_weights,
 };
-use crate::api::numbers::{Number, WeightList};
+use crate::api::numbers::{Coordinates, WeightList};
 use crate::api::options::object::StreamObject;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
+use crate::api::read::values::{Element, Number};
+use crate::api::read::{Limits, Numeral, Of, Reader, Reading, object};
 use crate::api::schema::numbers::{NewWeights, Point};
-use crate::api::strict::{Name, Object, whole};
+use crate::api::short::quoted;
 use crate::config::Config;
 use crate::fit::invalid::{Invalid, Place};
 use crate::fit::points::Points;
@@ -26,8 +25,8 @@ use crate::fit::problem::{self as fit, Weights};
 
 /// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
 /// `method` and `stop` is given.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(example = schema::example_edit())]
 pub struct EditRequest {
     /// A name of the new job.
@@ -36,71 +35,83 @@ pub struct EditRequest {
     /// The iteration of the parent to start from.
     pub(in crate::api) iteration: Option<IterationRequest>,
     /// Data points that go elsewhere or get another weight; none twice.
-    pub(in crate::api) points: Option<Vec<Object<Move>>>,
+    pub(in crate::api) points: Option<Vec<Move>>,
     /// New weights of all data points.
     #[schemars(with = "Option<NewWeights>")]
     pub(in crate::api) weights: Option<PerDirection<WeightList>>,
     /// How the weights are used. It stays as it is where there were weights before.
-    pub(in crate::api) rational: Option<Name<RationalRequest>>,
+    pub(in crate::api) rational: Option<RationalRequest>,
     /// Another method.
-    pub(in crate::api) method: Option<Object<MethodRequest>>,
+    pub(in crate::api) method: Option<MethodRequest>,
     /// Other rules when the iteration ends.
-    pub(in crate::api) stop: Option<Object<StopRequest>>,
+    pub(in crate::api) stop: Option<StopRequest>,
     /// What the event streams are like; without it as those of the parent.
-    pub(in crate::api) stream: Option<Object<StreamObject>>,
+    pub(in crate::api) stream: Option<StreamObject>,
 }
 
 /// The level of the parent to start from: a number or `"last"`.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::api) struct IterationRequest(pub(in crate::api) Option<usize>);
 
-impl<'de> Deserialize<'de> for IterationRequest {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct IterationVisitor;
-        impl Visitor<'_> for IterationVisitor {
-            type Value = IterationRequest;
+impl Reader for Of<IterationRequest> {
+    type Value = IterationRequest;
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("the number of an iteration, or \"last\"")
-            }
+    fn expected(&self) -> String {
+        "the number of an iteration, or \"last\"".to_owned()
+    }
 
-            fn visit_str<E: Error>(self, text: &str) -> Result<IterationRequest, E> {
-                match text {
-                    "last" => Ok(IterationRequest(None)),
-                    _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
-                }
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<IterationRequest, E> {
-                // Too large for this machine is beyond every job.
-                let value = usize::try_from(value).unwrap_or(usize::MAX);
-                Ok(IterationRequest(Some(value)))
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<IterationRequest, E> {
-                match whole(value) {
-                    Some(k) => self.visit_u64(k),
-                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
-                }
-            }
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<IterationRequest> {
+        let iteration = value.whole();
+        if iteration.is_none() {
+            at.mismatch(&self.expected(), &value.to_string());
         }
-        deserializer.deserialize_any(IterationVisitor)
+        // Too large for this machine is beyond every job.
+        iteration.map(|k| IterationRequest(Some(usize::try_from(k).unwrap_or(usize::MAX))))
+    }
+
+    fn text(self, value: &str, at: &mut Reading) -> Option<IterationRequest> {
+        if value == "last" {
+            return Some(IterationRequest(None));
+        }
+        at.mismatch(&self.expected(), &quoted(value));
+        None
     }
 }
 
 /// A data point that goes elsewhere, gets another weight, or both.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(example = schema::example_move())]
 pub(in crate::api) struct Move {
     /// Which data point.
     pub(in crate::api) index: Index,
     /// Where it goes.
     #[schemars(with = "Option<Point>")]
-    pub(in crate::api) point: Option<Vec<Number>>,
+    pub(in crate::api) point: Option<Coordinates>,
     /// Its new weight, in homogeneous fits.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) weight: Option<Number>,
+}
+
+object!(
+    EditRequest,
+    "an object",
+    [
+        name, iteration, points, weights, rational, method, stop, stream
+    ]
+);
+object!(
+    Move,
+    "an object with an index and a point or a weight",
+    [index, point, weight]
+);
+
+impl Element for Move {
+    const MANY: &'static str = "points";
+
+    fn most(limits: Limits) -> usize {
+        limits.points
+    }
 }
 
 impl EditRequest {
@@ -111,7 +122,7 @@ impl EditRequest {
 
     /// Streams go as those of the parent, unless the edit says it.
     pub fn inherit(&mut self, stream: Option<StreamObject>) {
-        self.stream = self.stream.take().or(stream.map(Object));
+        self.stream = self.stream.take().or(stream);
     }
 
     /// The problem with the changes, starting from the parent's control points. `lambda_min` is what
@@ -143,12 +154,12 @@ impl EditRequest {
         };
         let mut seen = HashSet::with_capacity(moved.len());
         let mut placed = HashSet::new();
-        let rational = self.rational.map(|Name(rational)| rational);
+        let rational = self.rational;
         // Fixed weights are a part of the basis.
         let same_matrix = self.weights.is_none() || rational == Some(RationalRequest::Homogeneous);
         request.lambda_min = lambda_min.filter(|_| same_matrix);
         set_weights(&mut request, self.weights, rational)?;
-        for (k, Object(change)) in moved.into_iter().enumerate() {
+        for (k, change) in moved.into_iter().enumerate() {
             let goes = change.point.is_some();
             let index = change.apply(k, &mut request)?;
             if !seen.insert(index) {
@@ -161,12 +172,12 @@ impl EditRequest {
             }
         }
         request.missing.retain(|index| !placed.contains(index));
-        if let Some(Object(method)) = self.method {
+        if let Some(method) = self.method {
             places.control_points_each = method.has_control_points_each();
             (request.method, request.selected) =
                 method.method(request.grid, request.v.is_some())?;
         }
-        if let Some(Object(stop)) = self.stop {
+        if let Some(stop) = self.stop {
             (request.tolerance, request.max_iterations) = stop.rules(config.max_iterations)?;
         }
         request.start = Some(start(parent, &request, control_points)?);
@@ -182,7 +193,7 @@ impl EditRequest {
             let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
             return Err(invalid("/method", detail));
         }
-        let stream = self.stream.map(|Object(stream)| stream.text(&problem));
+        let stream = self.stream.map(|stream| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
             stream: stream.transpose()?,
@@ -225,13 +236,14 @@ impl Move {
         }
         if let Some(point) = self.point {
             let dimension = request.points.dimension();
+            let point = point.as_slice();
             if point.len() != dimension {
                 let given = point.len();
                 let detail =
                     format!("{given} coordinates, but the points of this fit have {dimension}");
                 return wrong("/point", detail);
             }
-            let coordinates = point.into_iter().map(|Number(x)| x);
+            let coordinates = point.iter().copied();
             Arc::make_mut(&mut request.points).set(index, coordinates);
         }
         Ok(index)

@@ -1,27 +1,25 @@
 //! The JSON of a method, and its settings.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::Deserialize;
-use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use serde::de::SeqAccess;
 
 use super::{invalid, schema};
-use crate::api::numbers::Number;
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
-use crate::api::strict::{Count, Name, whole};
+use crate::api::read::values::{Count, Element, Number};
+use crate::api::read::{Limits, Most, Numeral, Of, Read, Reader, Reading, names, object};
+use crate::api::short::quoted;
 use crate::fit::method::{LeastSquares, Method, Start, Variant};
 use crate::fit::points::Grid;
 
 /// How the control points move from iteration to iteration.
 // Which settings belong to which kind is checked after reading, so that the error can say it.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(rename = "Method", transform = schema::method, example = schema::example_method())]
 pub(in crate::api) struct MethodRequest {
     /// The kind of the method.
-    pub(in crate::api) kind: Name<Kind>,
+    pub(in crate::api) kind: Kind,
     /// The relaxation. The best one is computed if it is `auto`.
     pub(in crate::api) omega: Option<Omega>,
     /// The data points whose control points may move.
@@ -33,20 +31,20 @@ pub(in crate::api) struct MethodRequest {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) threshold: Option<Number>,
     /// What iteration 0 is.
-    pub(in crate::api) start: Option<Name<StartRequest>>,
+    pub(in crate::api) start: Option<StartRequest>,
     /// The number of control points; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<schema::ControlPoints>")]
     pub(in crate::api) control_points: Option<PerDirection<Count>>,
     /// The step.
-    pub(in crate::api) variant: Option<Name<VariantRequest>>,
+    pub(in crate::api) variant: Option<VariantRequest>,
     /// The length of the step; without one 1 / (largest column sum).
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) mu: Option<Number>,
 }
 
 /// A kind of method.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(rename_all = "snake_case")]
 #[schemars(rename = "MethodKind", example = &"global")]
 pub(in crate::api) enum Kind {
     Global,
@@ -62,8 +60,8 @@ pub(in crate::api) enum Kind {
 }
 
 /// What iteration 0 of the extended method is: the transformed data, or the data themselves.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, JsonSchema)]
+#[schemars(rename_all = "snake_case")]
 #[schemars(rename = "ExtendedStart", extend("default" = "transformed"), example = &"transformed")]
 pub(in crate::api) enum StartRequest {
     Transformed,
@@ -72,8 +70,8 @@ pub(in crate::api) enum StartRequest {
 
 /// The step of a least-squares fit: with a diagonal matrix, with one number, or of conjugate
 /// gradients, which is the fastest.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[schemars(rename_all = "snake_case")]
 #[schemars(rename = "LeastSquaresVariant", extend("default" = "diagonal"), example = &"diagonal")]
 pub(in crate::api) enum VariantRequest {
     Diagonal,
@@ -81,23 +79,42 @@ pub(in crate::api) enum VariantRequest {
     Cg,
 }
 
-impl Kind {
-    /// The kind of method that settings of its own belong to, as clients write it.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Global => "global",
-            Self::Weighted => "weighted",
-            Self::Local => "local",
-            Self::Adaptive => "adaptive",
-            Self::Extended => "extended",
-            Self::Transpose => "transpose",
-            Self::Convex => "convex",
-            Self::Chebyshev => "chebyshev",
-            Self::Direct => "direct",
-            Self::LeastSquares => "least_squares",
-        }
-    }
-}
+object!(
+    MethodRequest,
+    "an object with a kind",
+    [
+        kind,
+        omega,
+        indices,
+        row_by_row,
+        threshold,
+        start,
+        control_points,
+        variant,
+        mu,
+    ]
+);
+names!(Kind, "kind of method", [
+    "global" => Global,
+    "weighted" => Weighted,
+    "local" => Local,
+    "adaptive" => Adaptive,
+    "extended" => Extended,
+    "transpose" => Transpose,
+    "convex" => Convex,
+    "chebyshev" => Chebyshev,
+    "direct" => Direct,
+    "least_squares" => LeastSquares,
+]);
+names!(StartRequest, "start of the method extended", [
+    "transformed" => Transformed,
+    "data" => Data,
+]);
+names!(VariantRequest, "variant of the method least_squares", [
+    "diagonal" => Diagonal,
+    "lspia" => Lspia,
+    "cg" => Cg,
+]);
 
 /// A method, and the points that it selects, if it does.
 pub(super) type Chosen = (Method, Option<Vec<usize>>);
@@ -112,7 +129,7 @@ impl MethodRequest {
     pub(super) fn method(self, grid: Grid, surface: bool) -> Result<Chosen, Problem> {
         self.check_settings()?;
         let selected = self.selected(grid, surface)?;
-        let method = match self.kind.0 {
+        let method = match self.kind {
             Kind::Global => Method::Global,
             Kind::Weighted => Method::Weighted {
                 omega: match self.omega {
@@ -132,8 +149,8 @@ impl MethodRequest {
             },
             Kind::Extended => Method::Extended {
                 start: match self.start {
-                    None | Some(Name(StartRequest::Transformed)) => Start::Transformed,
-                    Some(Name(StartRequest::Data)) => Start::Data,
+                    None | Some(StartRequest::Transformed) => Start::Transformed,
+                    Some(StartRequest::Data) => Start::Data,
                 },
             },
             Kind::Transpose => Method::Transpose,
@@ -148,28 +165,44 @@ impl MethodRequest {
     /// Refuses settings of other methods.
     fn check_settings(&self) -> Result<(), Problem> {
         let settings = [
-            ("omega", self.omega.is_some(), Kind::Weighted),
-            ("indices", self.indices.is_some(), Kind::Local),
-            ("row_by_row", self.row_by_row.is_some(), Kind::Local),
-            ("threshold", self.threshold.is_some(), Kind::Adaptive),
-            ("start", self.start.is_some(), Kind::Extended),
+            ("omega", self.omega.is_some(), Kind::Weighted, "weighted"),
+            ("indices", self.indices.is_some(), Kind::Local, "local"),
+            (
+                "row_by_row",
+                self.row_by_row.is_some(),
+                Kind::Local,
+                "local",
+            ),
+            (
+                "threshold",
+                self.threshold.is_some(),
+                Kind::Adaptive,
+                "adaptive",
+            ),
+            ("start", self.start.is_some(), Kind::Extended, "extended"),
             (
                 "control_points",
                 self.control_points.is_some(),
                 Kind::LeastSquares,
+                "least_squares",
             ),
-            ("variant", self.variant.is_some(), Kind::LeastSquares),
-            ("mu", self.mu.is_some(), Kind::LeastSquares),
+            (
+                "variant",
+                self.variant.is_some(),
+                Kind::LeastSquares,
+                "least_squares",
+            ),
+            ("mu", self.mu.is_some(), Kind::LeastSquares, "least_squares"),
         ];
-        for (name, given, kind) in settings {
-            if given && kind != self.kind.0 {
+        for (name, given, kind, method) in settings {
+            if given && kind != self.kind {
                 return Err(invalid(
                     &format!("/method/{name}"),
-                    format!("{name} is a setting of the method {:?}", kind.name()),
+                    format!("{name} is a setting of the method {method:?}"),
                 ));
             }
         }
-        if self.mu.is_some() && self.variant != Some(Name(VariantRequest::Lspia)) {
+        if self.mu.is_some() && self.variant != Some(VariantRequest::Lspia) {
             return Err(invalid(
                 "/method/mu",
                 "mu is a setting of the variant \"lspia\"",
@@ -211,11 +244,11 @@ impl MethodRequest {
         }
         let (Count(u), Count(v)) = control_points.split();
         let variant = match self.variant {
-            None | Some(Name(VariantRequest::Diagonal)) => Variant::Diagonal,
-            Some(Name(VariantRequest::Lspia)) => Variant::Lspia {
+            None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
+            Some(VariantRequest::Lspia) => Variant::Lspia {
                 mu: self.mu.map(|Number(mu)| mu),
             },
-            Some(Name(VariantRequest::Cg)) => Variant::ConjugateGradients,
+            Some(VariantRequest::Cg) => Variant::ConjugateGradients,
         };
         Ok(LeastSquares { u, v, variant })
     }
@@ -228,36 +261,23 @@ pub(in crate::api) enum Omega {
     Given(f64),
 }
 
-impl<'de> Deserialize<'de> for Omega {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OmegaVisitor;
-        impl Visitor<'_> for OmegaVisitor {
-            type Value = Omega;
+impl Reader for Of<Omega> {
+    type Value = Omega;
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number between 0 and 2, or \"auto\"")
-            }
+    fn expected(&self) -> String {
+        "a number between 0 and 2, or \"auto\"".to_owned()
+    }
 
-            fn visit_str<E: Error>(self, text: &str) -> Result<Omega, E> {
-                match text {
-                    "auto" => Ok(Omega::Auto),
-                    _ => Err(E::invalid_value(Unexpected::Str(text), &self)),
-                }
-            }
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<Omega> {
+        Some(Omega::Given(value.real()))
+    }
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Omega, E> {
-                Ok(Omega::Given(value))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Omega, E> {
-                Ok(Omega::Given(value as f64))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<Omega, E> {
-                Ok(Omega::Given(value as f64))
-            }
+    fn text(self, value: &str, at: &mut Reading) -> Option<Omega> {
+        if value == "auto" {
+            return Some(Omega::Auto);
         }
-        deserializer.deserialize_any(OmegaVisitor)
+        at.mismatch(&self.expected(), &quoted(value));
+        None
     }
 }
 
@@ -295,40 +315,49 @@ impl Index {
     }
 }
 
-impl<'de> Deserialize<'de> for Index {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct IndexVisitor;
-        impl<'de> Visitor<'de> for IndexVisitor {
-            type Value = Index;
+impl Element for Index {
+    const MANY: &'static str = "indices";
 
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("the index of a point, or [row, column]")
-            }
+    fn most(limits: Limits) -> usize {
+        limits.points
+    }
+}
 
-            fn visit_u64<E: Error>(self, value: u64) -> Result<Index, E> {
-                // Too large for this machine is too large for any list of points.
-                Ok(Index::Single(usize::try_from(value).unwrap_or(usize::MAX)))
-            }
+impl Reader for Of<Index> {
+    type Value = Index;
 
-            fn visit_f64<E: Error>(self, value: f64) -> Result<Index, E> {
-                match whole(value) {
-                    Some(index) => self.visit_u64(index),
-                    None => Err(E::invalid_type(Unexpected::Float(value), &self)),
+    fn expected(&self) -> String {
+        "the index of a point, or [row, column]".to_owned()
+    }
+
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<Index> {
+        let index = value.whole();
+        if index.is_none() {
+            at.mismatch(&self.expected(), &value.to_string());
+        }
+        // Too large for this machine is too large for any list of points.
+        index.map(|index| Index::Single(usize::try_from(index).unwrap_or(usize::MAX)))
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Index>, A::Error> {
+        let (mut row, mut column, mut more) = (None, None, false);
+        let whole = at.elements(list, Most::any(), Count::reader, |Count(k), _| {
+            more = column.is_some();
+            (row, column) = (row.or(Some(k)), row.and(column.or(Some(k))));
+            Some(())
+        })?;
+        match (row, column) {
+            (Some(row), Some(column)) if whole && !more => Ok(Some(Index::Pair(row, column))),
+            _ => {
+                if whole {
+                    at.wrong("an index of a surface has two numbers, [row, column]");
                 }
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Index, A::Error> {
-                let row = list.next_element()?;
-                let column = list.next_element()?;
-                let more: Option<Count> = list.next_element()?;
-                match (row, column, more) {
-                    (Some(Count(row)), Some(Count(column)), None) => Ok(Index::Pair(row, column)),
-                    _ => Err(A::Error::custom(
-                        "an index of a surface has two numbers, [row, column]",
-                    )),
-                }
+                Ok(None)
             }
         }
-        deserializer.deserialize_any(IndexVisitor)
     }
 }

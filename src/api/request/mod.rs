@@ -8,15 +8,14 @@ mod schema;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
 
-use super::numbers::{NameOrNumbers, Number, PointGrid, PointList, WeightList};
+use super::numbers::{PointGrid, PointList, RuleOrNumbers, WeightList};
 use super::options::object::StreamObject;
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
+use super::read::values::{Count, LONGEST_TEXT, Number};
+use super::read::{names, object};
 use super::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
-use super::short::quoted;
-use super::strict::{Count, Name, Object};
 use crate::config::Config;
 use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -31,48 +30,42 @@ use places::Places;
 const DEFAULT_DEGREE: usize = 3;
 const DEFAULT_TOLERANCE: Tolerance = Tolerance::Relative(1e-6);
 const DEFAULT_ITERATIONS: usize = 1000;
-const LONGEST_NAME: usize = 200;
-
-/// The names of [`Knots`].
-const KNOT_RULES: [&str; 2] = ["data", "averaged"];
-
-/// The names of [`Parametrization`].
-const PARAMETRIZATIONS: [&str; 3] = ["chord_length", "centripetal", "uniform"];
+const LONGEST_NAME: usize = LONGEST_TEXT;
 
 /// A fit of a curve or of a surface. Fields that are not known are refused.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(transform = schema::job, example = schema::example_job())]
 pub struct JobRequest {
     /// A name for people. Answers and files repeat it.
     #[schemars(length(max = LONGEST_NAME), example = &"wing section")]
     pub(in crate::api) name: Option<String>,
     /// The curve to fit.
-    pub(in crate::api) curve: Option<Object<CurveRequest>>,
+    pub(in crate::api) curve: Option<CurveRequest>,
     /// The surface to fit.
-    pub(in crate::api) surface: Option<Object<SurfaceRequest>>,
+    pub(in crate::api) surface: Option<SurfaceRequest>,
     /// How weights are used; only with weights.
-    pub(in crate::api) rational: Option<Name<RationalRequest>>,
+    pub(in crate::api) rational: Option<RationalRequest>,
     /// The method; without one `global`.
-    pub(in crate::api) method: Option<Object<MethodRequest>>,
+    pub(in crate::api) method: Option<MethodRequest>,
     /// When the iteration ends.
-    pub(in crate::api) stop: Option<Object<StopRequest>>,
+    pub(in crate::api) stop: Option<StopRequest>,
     /// What the event streams of the job are like if they do not say it themselves.
-    pub(in crate::api) stream: Option<Object<StreamObject>>,
+    pub(in crate::api) stream: Option<StreamObject>,
 }
 
 /// A curve through data points.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(rename = "CurveInput", example = schema::example_curve())]
 pub(in crate::api) struct CurveRequest {
     /// The data points, in their order.
     pub(in crate::api) points: PointList,
     /// The basis; without one a cubic B-spline.
-    pub(in crate::api) basis: Option<Object<BasisRequest>>,
+    pub(in crate::api) basis: Option<BasisRequest>,
     /// The parameters of the data points; without them `chord_length`.
     #[schemars(with = "Option<schema::Parameters>")]
-    pub(in crate::api) parameters: Option<NameOrNumbers>,
+    pub(in crate::api) parameters: Option<RuleOrNumbers<ParameterRule>>,
     /// Weights of the data points, for a rational curve.
     #[schemars(with = "Option<CurveWeights>")]
     pub(in crate::api) weights: Option<WeightList>,
@@ -83,17 +76,17 @@ pub(in crate::api) struct CurveRequest {
 
 /// A surface through a grid of data points. `basis`, `parameters` and `closed` are one value for
 /// both directions, or one for each.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(rename = "SurfaceInput", example = schema::example_surface())]
 pub(in crate::api) struct SurfaceRequest {
     /// Rows (u) of columns (v) of data points.
     pub(in crate::api) points: PointGrid,
     /// The bases; without them cubic B-splines.
-    pub(in crate::api) basis: Option<PerDirection<Object<BasisRequest>>>,
+    pub(in crate::api) basis: Option<PerDirection<BasisRequest>>,
     /// The parameters of the data points; without them `chord_length`.
     #[schemars(with = "Option<PerDirection<schema::Parameters>>")]
-    pub(in crate::api) parameters: Option<PerDirection<NameOrNumbers>>,
+    pub(in crate::api) parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
     /// Weights of the data points, for a rational surface.
     #[schemars(with = "Option<SurfaceWeights>")]
     pub(in crate::api) weights: Option<PerDirection<WeightList>>,
@@ -103,23 +96,23 @@ pub(in crate::api) struct SurfaceRequest {
 }
 
 /// The functions that are blended with the control points.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(rename = "Basis", transform = schema::basis, example = schema::example_basis())]
 pub(in crate::api) struct BasisRequest {
     /// The kind of the basis.
-    pub(in crate::api) kind: Name<BasisKind>,
+    pub(in crate::api) kind: BasisKind,
     /// The degree.
     #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
     pub(in crate::api) degree: Option<Count>,
     /// Where the pieces meet.
     #[schemars(with = "Option<schema::KnotChoice>")]
-    pub(in crate::api) knots: Option<NameOrNumbers>,
+    pub(in crate::api) knots: Option<RuleOrNumbers<KnotRule>>,
 }
 
 /// A kind of basis.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(rename_all = "snake_case")]
 #[schemars(example = &"bspline")]
 pub(in crate::api) enum BasisKind {
     Bspline,
@@ -130,17 +123,32 @@ pub(in crate::api) enum BasisKind {
 
 /// How weights are used: in homogeneous coordinates, so that the weights of the control points
 /// evolve with them, or as a part of the basis, so that they stay.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(rename_all = "snake_case")]
 #[schemars(rename = "Rational", example = &"homogeneous")]
 pub(in crate::api) enum RationalRequest {
     Homogeneous,
     Fixed,
 }
 
+/// Where the knots of a B-spline are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::api) enum KnotRule {
+    Data,
+    Averaged,
+}
+
+/// How data points get their parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::api) enum ParameterRule {
+    ChordLength,
+    Centripetal,
+    Uniform,
+}
+
 /// When the iteration ends. There is one of the tolerances, or none.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Default, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 #[schemars(rename = "StopRules", example = schema::example_stop())]
 pub(in crate::api) struct StopRequest {
     /// The largest allowed distance from a data point, in data units.
@@ -153,6 +161,44 @@ pub(in crate::api) struct StopRequest {
     #[schemars(extend("default" = DEFAULT_ITERATIONS))]
     pub(in crate::api) max_iterations: Option<Count>,
 }
+
+object!(
+    JobRequest,
+    "an object",
+    [name, curve, surface, rational, method, stop, stream]
+);
+object!(
+    CurveRequest,
+    "an object with points",
+    [points, basis, parameters, weights, closed]
+);
+object!(
+    SurfaceRequest,
+    "an object with points",
+    [points, basis, parameters, weights, closed]
+);
+object!(BasisRequest, "an object with a kind", [kind, degree, knots]);
+object!(
+    StopRequest,
+    "an object",
+    [tolerance, relative_tolerance, max_iterations]
+);
+names!(BasisKind, "kind of basis", [
+    "bspline" => Bspline,
+    "bernstein" => Bernstein,
+    "said_ball" => SaidBall,
+    "wang_ball" => WangBall,
+]);
+names!(RationalRequest, "use of weights", [
+    "homogeneous" => Homogeneous,
+    "fixed" => Fixed,
+]);
+names!(KnotRule, "rule for knots", ["data" => Data, "averaged" => Averaged]);
+names!(ParameterRule, "rule for parameters", [
+    "chord_length" => ChordLength,
+    "centripetal" => Centripetal,
+    "uniform" => Uniform,
+]);
 
 /// A job that can be computed.
 #[derive(Debug)]
@@ -169,10 +215,10 @@ impl JobRequest {
     /// Checks the request against the limits and the mathematics.
     pub fn validate(self, config: &Config) -> Result<ValidJob, Problem> {
         check_name(self.name.as_deref())?;
-        let rational = self.rational.map(|Name(rational)| rational);
+        let rational = self.rational;
         let mut shape = match (self.curve, self.surface) {
-            (Some(Object(curve)), None) => curve.shape(rational)?,
-            (None, Some(Object(surface))) => surface.shape(rational)?,
+            (Some(curve), None) => curve.shape(rational)?,
+            (None, Some(surface)) => surface.shape(rational)?,
             (None, None) => return Err(invalid("", "a curve or a surface is needed")),
             (Some(_), Some(_)) => {
                 let detail = "the job has a curve, so it cannot have a surface as well";
@@ -180,11 +226,11 @@ impl JobRequest {
             }
         };
         check_count(&shape, config.max_points)?;
-        let Object(stop) = self.stop.unwrap_or_default();
+        let stop = self.stop.unwrap_or_default();
         let (tolerance, max_iterations) = stop.rules(config.max_iterations)?;
         let (method, selected) = match self.method {
             None => (Method::Global, None),
-            Some(Object(method)) => {
+            Some(method) => {
                 shape.places.control_points_each = method.has_control_points_each();
                 method.method(shape.grid, shape.v.is_some())?
             }
@@ -206,7 +252,7 @@ impl JobRequest {
         };
         let problem = fit::Problem::new(request)
             .map_err(|error| invalid(&places.pointer(&error), error.to_string()))?;
-        let stream = self.stream.map(|Object(stream)| stream.text(&problem));
+        let stream = self.stream.map(|stream| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
             stream: stream.transpose()?,
@@ -262,7 +308,7 @@ impl CurveRequest {
             grid,
             u: DirectionChoice {
                 basis: basis(self.basis, "/curve/basis")?,
-                parameters: parametrization(self.parameters, "/curve/parameters")?,
+                parameters: parametrization(self.parameters),
                 closed: self.closed.unwrap_or(false),
                 control_points: None,
                 weights: fixed,
@@ -300,7 +346,7 @@ impl SurfaceRequest {
         let direction = |axis, basis_request, parameters, closed: Option<bool>, weights| {
             Ok::<_, Problem>(DirectionChoice {
                 basis: basis(basis_request, &places.basis(axis))?,
-                parameters: parametrization(parameters, &places.parameters(axis))?,
+                parameters: parametrization(parameters),
                 closed: closed.unwrap_or(false),
                 control_points: None,
                 weights,
@@ -399,21 +445,20 @@ fn no_weights() -> Problem {
     )
 }
 
-fn basis(request: Option<Object<BasisRequest>>, pointer: &str) -> Result<BasisChoice, Problem> {
-    let Some(Object(request)) = request else {
+fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Problem> {
+    let Some(request) = request else {
         return Ok(BasisChoice::BSpline {
             degree: DEFAULT_DEGREE,
             knots: Knots::Usual,
         });
     };
-    let Name(kind) = request.kind;
-    let kind = match kind {
+    let kind = match request.kind {
         BasisKind::Bspline => {
             return Ok(BasisChoice::BSpline {
                 degree: request
                     .degree
                     .map_or(DEFAULT_DEGREE, |Count(degree)| degree),
-                knots: knots(request.knots, pointer)?,
+                knots: knots(request.knots),
             });
         }
         BasisKind::Bernstein => Polynomial::Bernstein,
@@ -433,42 +478,23 @@ fn basis(request: Option<Object<BasisRequest>>, pointer: &str) -> Result<BasisCh
     }
 }
 
-fn knots(request: Option<NameOrNumbers>, basis: &str) -> Result<Knots, Problem> {
+fn knots(request: Option<RuleOrNumbers<KnotRule>>) -> Knots {
     match request {
-        None => Ok(Knots::Usual),
-        Some(NameOrNumbers::Numbers(knots)) => Ok(Knots::Explicit(Arc::new(knots))),
-        Some(NameOrNumbers::Name(name)) => match name.as_str() {
-            "data" => Ok(Knots::Data),
-            "averaged" => Ok(Knots::Averaged),
-            _ => Err(invalid(
-                &format!("{basis}/knots"),
-                format!(
-                    "knots are \"data\", \"averaged\" or a list of numbers, not {}",
-                    quoted(&name)
-                ),
-            )),
-        },
+        None => Knots::Usual,
+        Some(RuleOrNumbers::Numbers(knots)) => Knots::Explicit(Arc::new(knots)),
+        Some(RuleOrNumbers::Rule(KnotRule::Data)) => Knots::Data,
+        Some(RuleOrNumbers::Rule(KnotRule::Averaged)) => Knots::Averaged,
     }
 }
 
-fn parametrization(
-    request: Option<NameOrNumbers>,
-    pointer: &str,
-) -> Result<Parametrization, Problem> {
+fn parametrization(request: Option<RuleOrNumbers<ParameterRule>>) -> Parametrization {
     match request {
-        None => Ok(Parametrization::ChordLength),
-        Some(NameOrNumbers::Numbers(values)) => Ok(Parametrization::Explicit(Arc::new(values))),
-        Some(NameOrNumbers::Name(name)) => match name.as_str() {
-            "chord_length" => Ok(Parametrization::ChordLength),
-            "centripetal" => Ok(Parametrization::Centripetal),
-            "uniform" => Ok(Parametrization::Uniform),
-            _ => Err(invalid(
-                pointer,
-                format!(
-                    "parameters are \"chord_length\", \"centripetal\", \"uniform\" or a list of numbers, not {}",
-                    quoted(&name)
-                ),
-            )),
+        None => Parametrization::ChordLength,
+        Some(RuleOrNumbers::Numbers(values)) => Parametrization::Explicit(Arc::new(values)),
+        Some(RuleOrNumbers::Rule(rule)) => match rule {
+            ParameterRule::ChordLength => Parametrization::ChordLength,
+            ParameterRule::Centripetal => Parametrization::Centripetal,
+            ParameterRule::Uniform => Parametrization::Uniform,
         },
     }
 }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::edit::IterationRequest;
 use super::method::{Index, Omega};
+use super::{KnotRule, ParameterRule};
 use crate::api::schema::alternatives::{Alternative, Constant, split};
 use crate::api::schema::{each, schema_of};
 
@@ -17,7 +18,7 @@ schema_of!(
     json_schema!({
         "description": "How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first.",
         "anyOf": [
-            {"type": "string", "enum": super::PARAMETRIZATIONS},
+            {"type": "string", "enum": ParameterRule::NAMES},
             {"type": "array", "items": {"type": "number"}, "minItems": 2},
         ],
         "default": "chord_length",
@@ -34,7 +35,7 @@ schema_of!(
     json_schema!({
         "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector.",
         "anyOf": [
-            {"type": "string", "enum": super::KNOT_RULES},
+            {"type": "string", "enum": KnotRule::NAMES},
             {"type": "array", "items": {"type": "number"}, "minItems": 4},
         ],
         "examples": ["data", [0, 0, 0, 0, 1, 1, 1, 1]],

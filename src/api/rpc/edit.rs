@@ -4,18 +4,21 @@ use std::collections::HashMap;
 
 use super::fields::Layout;
 use super::messages as pb;
-use super::request::{Weights, method, rational, stop};
+use super::request::{Weights, check_count, method, rational, stop};
 use super::stream;
-use crate::api::numbers::{Number, WeightList};
+use crate::api::numbers::{Coordinates, WeightList};
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::Problem;
+use crate::api::read::values::Number;
 use crate::api::request::edit::{EditRequest, IterationRequest, Move};
 use crate::api::request::method::Index;
-use crate::api::strict::Object;
 use crate::job::outline::Outline;
 
 /// The edit of a job with this outline, and where its parts are in the message.
 pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, Layout), Problem> {
+    let points = parent.grid.count();
+    check_count(edit.moved.len(), points, "moved points", "moved")?;
+    check_count(edit.weighted.len(), points, "weighted points", "weighted")?;
     let dimension = dimension(&edit)?;
     let columns = parent.surface.then_some(parent.grid.columns);
     let mut layout = Layout::of_edit(dimension, columns);
@@ -31,11 +34,9 @@ pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, Layout), P
         points: (!points.is_empty()).then_some(points),
         weights: weights(edit.weights, parent)?,
         rational: rational(edit.rational)?,
-        method: method(edit.method)?,
+        method: method(edit.method, parent.grid.count())?,
         stop: stop(edit.stop),
-        stream: stream
-            .map_err(|problem| problem.within("stream"))?
-            .map(Object),
+        stream: stream.map_err(|problem| problem.within("stream"))?,
     };
     Ok((request, layout))
 }
@@ -56,11 +57,7 @@ fn dimension(edit: &pb::Edit) -> Result<usize, Problem> {
 }
 
 /// All points that change: those that are moved, and those that get another weight.
-fn moves(
-    edit: &pb::Edit,
-    dimension: usize,
-    layout: &mut Layout,
-) -> Result<Vec<Object<Move>>, Problem> {
+fn moves(edit: &pb::Edit, dimension: usize, layout: &mut Layout) -> Result<Vec<Move>, Problem> {
     if edit.weighted.len() != edit.point_weights.len() {
         let (given, needed) = (edit.point_weights.len(), edit.weighted.len());
         let detail = format!("{given} weights for {needed} points");
@@ -74,7 +71,7 @@ fn moves(
         layout.changes.push((Some(k), None));
         moves.push(Move {
             index: Index::Flat(index as usize),
-            point: Some(place.iter().copied().map(Number).collect()),
+            point: Coordinates::of(place),
             weight: None,
         });
     }
@@ -92,7 +89,7 @@ fn moves(
             weight: Some(Number(weight)),
         });
     }
-    Ok(moves.into_iter().map(Object).collect())
+    Ok(moves)
 }
 
 fn weights(

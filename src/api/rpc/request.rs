@@ -8,17 +8,17 @@ use super::fields::Layout;
 use super::messages::{self as pb, job_input::Geometry, method, stop_rules::Rule};
 use super::names::known;
 use super::stream;
-use crate::api::numbers::{MAX_DIMENSION, NameOrNumbers, Number, PointGrid, PointList, WeightList};
+use crate::api::numbers::{MAX_DIMENSION, PointGrid, PointList, RuleOrNumbers, WeightList};
 use crate::api::per_direction::PerDirection;
 use crate::api::problem::{Kind, Problem};
+use crate::api::read::values::{Count, Number};
 use crate::api::request::method::{
     Index, Kind as MethodKind, MethodRequest, Omega, StartRequest, VariantRequest,
 };
 use crate::api::request::{
-    BasisKind, BasisRequest, CurveRequest, JobRequest, RationalRequest, StopRequest,
-    SurfaceRequest, ValidJob,
+    BasisKind, BasisRequest, CurveRequest, JobRequest, KnotRule, ParameterRule, RationalRequest,
+    StopRequest, SurfaceRequest, ValidJob,
 };
-use crate::api::strict::{Count, Name, Object};
 use crate::config::Config;
 use crate::fit::lane::Lane;
 use crate::fit::points::Points;
@@ -31,16 +31,16 @@ pub fn decode<M: Message + Default>(body: Bytes) -> Result<M, Problem> {
 /// The job, if it can be computed. Fields of errors are relative to the message.
 pub fn validate(input: pb::JobInput, config: &Config) -> Result<ValidJob, Problem> {
     let layout = Layout::of(&input);
-    let request = job(input)?;
+    let request = job(input, config.max_points)?;
     let valid = request.validate(config);
     valid.map_err(|problem| layout.name(problem))
 }
 
-fn job(input: pb::JobInput) -> Result<JobRequest, Problem> {
+fn job(input: pb::JobInput, most_points: usize) -> Result<JobRequest, Problem> {
     let (curve, surface) = match input.geometry {
         None => (None, None),
-        Some(Geometry::Curve(it)) => (Some(Object(curve(it)?)), None),
-        Some(Geometry::Surface(it)) => (None, Some(Object(surface(it)?))),
+        Some(Geometry::Curve(it)) => (Some(curve(it, most_points)?), None),
+        Some(Geometry::Surface(it)) => (None, Some(surface(it, most_points)?)),
     };
     let stream = input.stream.map(stream::object).transpose();
     Ok(JobRequest {
@@ -48,28 +48,26 @@ fn job(input: pb::JobInput) -> Result<JobRequest, Problem> {
         curve,
         surface,
         rational: rational(input.rational)?,
-        method: method(input.method)?,
+        method: method(input.method, most_points)?,
         stop: stop(input.stop),
-        stream: stream
-            .map_err(|problem| problem.within("stream"))?
-            .map(Object),
+        stream: stream.map_err(|problem| problem.within("stream"))?,
     })
 }
 
-fn curve(curve: pb::Curve) -> Result<CurveRequest, Problem> {
-    let points = points(curve.dimension, &curve.points, "curve")?;
+fn curve(curve: pb::Curve, most: usize) -> Result<CurveRequest, Problem> {
+    let points = points(curve.dimension, &curve.points, most, "curve")?;
     Ok(CurveRequest {
         points: PointList(points),
-        basis: basis(curve.basis, "curve.basis")?.map(Object),
+        basis: basis(curve.basis, "curve.basis")?,
         parameters: parameters(curve.parameters, "curve.parameters")?,
         weights: some(curve.weights).map(WeightList::Line),
         closed: Some(curve.closed),
     })
 }
 
-fn surface(surface: pb::Surface) -> Result<SurfaceRequest, Problem> {
+fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceRequest, Problem> {
     let (rows, columns) = (surface.rows as usize, surface.columns as usize);
-    let points = points(surface.dimension, &surface.points, "surface")?;
+    let points = points(surface.dimension, &surface.points, most, "surface")?;
     let count = rows.checked_mul(columns);
     if count != Some(points.len()) {
         let given = points.len();
@@ -83,9 +81,9 @@ fn surface(surface: pb::Surface) -> Result<SurfaceRequest, Problem> {
         u: u.weights,
         v: v.weights,
     };
-    let basis = |it, field| Ok::<_, Problem>(Object(basis(it, field)?.unwrap_or_else(usual_basis)));
+    let basis = |it, field| Ok::<_, Problem>(basis(it, field)?.unwrap_or_else(usual_basis));
     let parameters = |it, field| {
-        let usual = NameOrNumbers::Name("chord_length".to_owned());
+        let usual = RuleOrNumbers::Rule(ParameterRule::ChordLength);
         Ok::<_, Problem>(parameters(it, field)?.unwrap_or(usual))
     };
     Ok(SurfaceRequest {
@@ -112,7 +110,7 @@ fn surface(surface: pb::Surface) -> Result<SurfaceRequest, Problem> {
 }
 
 /// Flat coordinates as points.
-fn points(dimension: u32, flat: &[f64], root: &str) -> Result<Points, Problem> {
+fn points(dimension: u32, flat: &[f64], most: usize, root: &str) -> Result<Points, Problem> {
     let dimension = dimension as usize;
     if !(1..=MAX_DIMENSION).contains(&dimension) {
         let detail = format!("points have 1 to {MAX_DIMENSION} coordinates, not {dimension}");
@@ -123,8 +121,24 @@ fn points(dimension: u32, flat: &[f64], root: &str) -> Result<Points, Problem> {
         let detail = format!("{count} numbers are no points of {dimension} coordinates");
         return Err(Problem::at_field(format!("{root}.points"), detail));
     }
+    let count = flat.len() / dimension;
+    check_count(count, most, "points", &format!("{root}.points"))?;
     let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
     Ok(Points::from_lanes((0..dimension).map(lane)))
+}
+
+/// Lists have as many elements as there can be, before anything is made of them.
+pub(super) fn check_count(
+    count: usize,
+    most: usize,
+    things: &str,
+    field: &str,
+) -> Result<(), Problem> {
+    if count > most {
+        let detail = format!("{count} {things} are more than {most}, the limit here");
+        return Err(Problem::at_field(field, detail));
+    }
+    Ok(())
 }
 
 fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Problem> {
@@ -186,7 +200,7 @@ impl Weights {
 
 fn usual_basis() -> BasisRequest {
     BasisRequest {
-        kind: Name(BasisKind::Bspline),
+        kind: BasisKind::Bspline,
         degree: None,
         knots: None,
     }
@@ -203,11 +217,11 @@ fn basis(basis: Option<pb::Basis>, field: &str) -> Result<Option<BasisRequest>, 
     let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
         pb::KnotRule::Unspecified => Chosen::Any,
         pb::KnotRule::Explicit => Chosen::Explicit,
-        pb::KnotRule::Data => Chosen::Name("data"),
-        pb::KnotRule::Averaged => Chosen::Name("averaged"),
+        pb::KnotRule::Data => Chosen::Rule(KnotRule::Data, "data"),
+        pb::KnotRule::Averaged => Chosen::Rule(KnotRule::Averaged, "averaged"),
     };
     Ok(Some(BasisRequest {
-        kind: Name(kind),
+        kind,
         degree: basis.degree.map(|degree| Count(degree as usize)),
         knots: rule.of(basis.knots, &format!("{field}.knots"))?,
     }))
@@ -216,35 +230,36 @@ fn basis(basis: Option<pb::Basis>, field: &str) -> Result<Option<BasisRequest>, 
 fn parameters(
     parameters: Option<pb::Parameters>,
     field: &str,
-) -> Result<Option<NameOrNumbers>, Problem> {
+) -> Result<Option<RuleOrNumbers<ParameterRule>>, Problem> {
     let Some(parameters) = parameters else {
         return Ok(None);
     };
     let rule = match known(parameters.rule, &format!("{field}.rule"))? {
         pb::ParameterRule::Unspecified => Chosen::Any,
         pb::ParameterRule::Explicit => Chosen::Explicit,
-        pb::ParameterRule::ChordLength => Chosen::Name("chord_length"),
-        pb::ParameterRule::Centripetal => Chosen::Name("centripetal"),
-        pb::ParameterRule::Uniform => Chosen::Name("uniform"),
+        pb::ParameterRule::ChordLength => Chosen::Rule(ParameterRule::ChordLength, "chord_length"),
+        pb::ParameterRule::Centripetal => Chosen::Rule(ParameterRule::Centripetal, "centripetal"),
+        pb::ParameterRule::Uniform => Chosen::Rule(ParameterRule::Uniform, "uniform"),
     };
     rule.of(parameters.values, &format!("{field}.values"))
 }
 
 /// The rule by which numbers are chosen.
-enum Chosen {
+enum Chosen<R> {
     /// As the numbers say, if there are any.
     Any,
     Explicit,
-    Name(&'static str),
+    /// A rule, and its name.
+    Rule(R, &'static str),
 }
 
-impl Chosen {
-    fn of(self, numbers: Vec<f64>, field: &str) -> Result<Option<NameOrNumbers>, Problem> {
+impl<R> Chosen<R> {
+    fn of(self, numbers: Vec<f64>, field: &str) -> Result<Option<RuleOrNumbers<R>>, Problem> {
         match (self, numbers.is_empty()) {
             (Self::Any, true) => Ok(None),
-            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(NameOrNumbers::Numbers(numbers))),
-            (Self::Name(name), true) => Ok(Some(NameOrNumbers::Name(name.to_owned()))),
-            (Self::Name(name), false) => {
+            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(RuleOrNumbers::Numbers(numbers))),
+            (Self::Rule(rule, _), true) => Ok(Some(RuleOrNumbers::Rule(rule))),
+            (Self::Rule(_, name), false) => {
                 let detail = format!("numbers are given, but the rule is {name:?}");
                 Err(Problem::at_field(field, detail))
             }
@@ -252,15 +267,15 @@ impl Chosen {
     }
 }
 
-pub(super) fn rational(value: i32) -> Result<Option<Name<RationalRequest>>, Problem> {
+pub(super) fn rational(value: i32) -> Result<Option<RationalRequest>, Problem> {
     Ok(match known(value, "rational")? {
         pb::Rational::Unspecified => None,
-        pb::Rational::Homogeneous => Some(Name(RationalRequest::Homogeneous)),
-        pb::Rational::Fixed => Some(Name(RationalRequest::Fixed)),
+        pb::Rational::Homogeneous => Some(RationalRequest::Homogeneous),
+        pb::Rational::Fixed => Some(RationalRequest::Fixed),
     })
 }
 
-pub(super) fn stop(stop: Option<pb::StopRules>) -> Option<Object<StopRequest>> {
+pub(super) fn stop(stop: Option<pb::StopRules>) -> Option<StopRequest> {
     let stop = stop?;
     let (tolerance, relative_tolerance) = match stop.rule {
         None => (None, None),
@@ -269,14 +284,17 @@ pub(super) fn stop(stop: Option<pb::StopRules>) -> Option<Object<StopRequest>> {
     };
     // Too many for this machine are too many for any limit.
     let count = |count| Count(usize::try_from(count).unwrap_or(usize::MAX));
-    Some(Object(StopRequest {
+    Some(StopRequest {
         tolerance,
         relative_tolerance,
         max_iterations: stop.max_iterations.map(count),
-    }))
+    })
 }
 
-pub(super) fn method(method: Option<pb::Method>) -> Result<Option<Object<MethodRequest>>, Problem> {
+pub(super) fn method(
+    method: Option<pb::Method>,
+    most_points: usize,
+) -> Result<Option<MethodRequest>, Problem> {
     use method::Kind as K;
     let Some(method) = method else {
         return Ok(None);
@@ -285,7 +303,7 @@ pub(super) fn method(method: Option<pb::Method>) -> Result<Option<Object<MethodR
         return Err(Problem::at_field("method", "it has no kind"));
     };
     let plain = |kind| MethodRequest {
-        kind: Name(kind),
+        kind,
         omega: None,
         indices: None,
         row_by_row: None,
@@ -295,6 +313,10 @@ pub(super) fn method(method: Option<pb::Method>) -> Result<Option<Object<MethodR
         variant: None,
         mu: None,
     };
+    if let K::Local(local) = &kind {
+        let field = "method.local.indices";
+        check_count(local.indices.len(), most_points, "indices", field)?;
+    }
     let request = match kind {
         K::Global(_) => plain(MethodKind::Global),
         K::Weighted(weighted) => MethodRequest {
@@ -316,8 +338,8 @@ pub(super) fn method(method: Option<pb::Method>) -> Result<Option<Object<MethodR
         K::Extended(extended) => MethodRequest {
             start: match known(extended.start, "method.extended.start")? {
                 pb::method::Start::Unspecified => None,
-                pb::method::Start::Transformed => Some(Name(StartRequest::Transformed)),
-                pb::method::Start::Data => Some(Name(StartRequest::Data)),
+                pb::method::Start::Transformed => Some(StartRequest::Transformed),
+                pb::method::Start::Data => Some(StartRequest::Data),
             },
             ..plain(MethodKind::Extended)
         },
@@ -327,7 +349,7 @@ pub(super) fn method(method: Option<pb::Method>) -> Result<Option<Object<MethodR
         K::Direct(_) => plain(MethodKind::Direct),
         K::LeastSquares(settings) => least_squares(settings, plain(MethodKind::LeastSquares))?,
     };
-    Ok(Some(Object(request)))
+    Ok(Some(request))
 }
 
 fn least_squares(
@@ -346,9 +368,9 @@ fn least_squares(
         control_points: Some(control_points),
         variant: match known(settings.variant, "method.least_squares.variant")? {
             pb::method::Variant::Unspecified => None,
-            pb::method::Variant::Diagonal => Some(Name(VariantRequest::Diagonal)),
-            pb::method::Variant::Lspia => Some(Name(VariantRequest::Lspia)),
-            pb::method::Variant::Cg => Some(Name(VariantRequest::Cg)),
+            pb::method::Variant::Diagonal => Some(VariantRequest::Diagonal),
+            pb::method::Variant::Lspia => Some(VariantRequest::Lspia),
+            pb::method::Variant::Cg => Some(VariantRequest::Cg),
         },
         mu: settings.mu.map(Number),
         ..plain

@@ -2,11 +2,11 @@
 
 use super::messages as pb;
 use super::names::known;
-use crate::api::numbers::Number;
-use crate::api::options::StreamParameters;
+use super::request::check_count;
 use crate::api::options::object::{SampleCount, StreamObject};
+use crate::api::options::{MOST_MILESTONES, StreamParameters};
 use crate::api::problem::Problem;
-use crate::api::strict::Count;
+use crate::api::read::values::{Count, Number};
 
 const VIEWS: [(&str, pb::View); 3] = [
     ("control_points", pb::View::ControlPoints),
@@ -39,14 +39,18 @@ pub fn object(options: pb::StreamOptions) -> Result<StreamObject, Problem> {
         let every = usize::try_from(every).map_err(|_| Problem::at_field("every", detail));
         every.map(Count)
     });
-    let milestones = options
+    let count = options
         .milestones
-        .map(|milestones| milestones.distances.into_iter().map(Number).collect());
+        .as_ref()
+        .map_or(0, |it| it.distances.len());
+    check_count(count, MOST_MILESTONES, "milestones", "milestones.distances")?;
     Ok(StreamObject {
         view: name(&VIEWS, options.view, "view")?,
         samples: samples(options.samples_u, options.samples_v)?,
         every: every.transpose()?,
-        milestones,
+        milestones: options
+            .milestones
+            .map(|milestones| milestones.distances.into_iter().map(Number).collect()),
         pace: name(&PACES, options.pace, "pace")?,
         changed: options.changed,
         encoding: name(&ENCODINGS, options.json_encoding, "json_encoding")?,

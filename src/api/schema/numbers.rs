@@ -1,26 +1,9 @@
 //! Points, weights and numbers.
 
-use std::borrow::Cow;
-
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use schemars::json_schema;
 
 use super::{each, schema_of};
-use crate::api::numbers::{MAX_DIMENSION, Number, PointGrid, PointList};
-
-/// Stands where it is used, together with its limits there.
-impl JsonSchema for Number {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> Cow<'static, str> {
-        "Number".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({"type": "number"})
-    }
-}
+use crate::api::numbers::{MAX_DIMENSION, PointGrid, PointList};
 
 /// A data point.
 pub enum Point {}
