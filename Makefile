@@ -1,4 +1,4 @@
-.PHONY: run test bench lint tools fmt openapi files interop contract python
+.PHONY: run test bench lint tools fmt openapi files interop contract python browser
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -11,7 +11,7 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
-	$(MAKE) files interop contract python
+	$(MAKE) files interop contract python browser
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others.
 files: $(VENV)/installed
@@ -21,6 +21,12 @@ files: $(VENV)/installed
 # A gRPC client in another language, from the contract alone.
 interop: $(VENV)/installed
 	$(PYTHON) tests/python/grpc_client.py target/debug/piad
+
+# A page of another origin in a browser.
+browser: $(VENV)/installed
+	@command -v chromium >/dev/null && command -v chromedriver >/dev/null || \
+	  { apt-get update && apt-get install -y --no-install-recommends chromium chromium-driver; }
+	$(PYTHON) tests/python/cors_check.py target/debug/piad
 
 # The API against its own description: what it answers, and requests that schemathesis makes up.
 contract: $(VENV)/installed

@@ -8,6 +8,7 @@ use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use jiff::SignedDuration;
 
+use crate::api::cors::Origin;
 use crate::server::listen::Listen;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
@@ -55,6 +56,16 @@ pub struct Config {
         value_name = "NAME"
     )]
     pub allowed_host: Vec<String>,
+
+    /// Origins whose pages may use the API from a browser, such as https://cad.example; * stands for
+    /// all of them.
+    #[arg(
+        long,
+        env = "PIAD_CORS_ORIGIN",
+        value_delimiter = ',',
+        value_name = "ORIGIN"
+    )]
+    pub cors_origin: Vec<Origin>,
 
     /// Compute threads for each of the two lanes (small and large steps) [default: the number of cores].
     #[arg(long, env = "PIAD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]

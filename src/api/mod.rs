@@ -17,11 +17,13 @@
 //! - [`openapi`]: the description of all of this in OpenAPI, and its reference for people;
 //! - [`schema`]: what JSON clients may send;
 //! - [`crowd`]: what is answered on connections beyond the limits;
+//! - [`cors`]: what browsers let pages of other origins do;
 //! - [`host`]: for whom a request is meant; [`request_id`]: what it is called;
 //! - [`info`]: capabilities, health, the catalogue of problems;
 //! - [`problem`]: errors as problem objects (RFC 9457); [`short`]: texts of clients in them, cut.
 
 pub mod body;
+pub mod cors;
 pub mod create;
 pub mod crowd;
 pub mod encode;
@@ -100,6 +102,7 @@ pub fn router(app: App, hosts: Hosts) -> Router {
         .map_request(request_id::plain)
         .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
         .layer(trace.on_failure(tell_failure))
+        .option_layer(cors::layer(&app.config.cors_origin))
         .layer(middleware::from_fn(problem::render))
         .layer(middleware::from_fn(crowd::hold_back))
         .layer(middleware::from_fn_with_state(hosts, host::check))

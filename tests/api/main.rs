@@ -15,6 +15,7 @@ mod changed;
 mod clock;
 mod closed;
 mod convex;
+mod cors;
 mod crashes;
 mod crowd;
 mod damage;

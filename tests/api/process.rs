@@ -47,6 +47,7 @@ fn help_names_every_flag_and_its_variable() {
     for name in [
         "listen",
         "allowed-host",
+        "cors-origin",
         "workers",
         "max-body",
         "max-points",
@@ -89,6 +90,7 @@ fn wrong_settings_are_refused() {
         vec!["--log", "="],
         vec!["--retain-age", "long"],
         vec!["--data-dir", ""],
+        vec!["--cors-origin", "https://cad.example/path"],
         vec!["--speed", "9"],
         vec!["fly"],
     ] {
