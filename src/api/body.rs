@@ -6,14 +6,15 @@ use axum::http::header;
 use bytes::Bytes;
 use http_body_util::BodyExt;
 
-use super::App;
 use super::negotiate::{Language, PROTOBUF};
 use super::problem::{Kind, Problem};
 use super::short::quoted;
+use super::{App, text};
 
 /// Reads the body of a request, which is JSON or a protobuf message.
 pub async fn read(app: &App, request: Request) -> Result<(Language, Bytes), Problem> {
     let language = language(&request)?;
+    text::check_coding(request.headers())?;
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let announced = request
         .headers()

@@ -4,7 +4,7 @@
 //! - [`read`]: JSON read to the letter, with all that is wrong in it; [`numbers`], [`per_direction`]: points and
 //!   numbers straight into arrays, one value for both directions or one for each;
 //! - [`path`]: the names in a path;
-//! - [`body`]: reading a request body, with limits;
+//! - [`body`]: reading a request body, with limits; [`text`]: whether its bytes are UTF-8;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`order`]: new jobs and edits, in whatever language; [`create`]: posting them;
 //! - [`jobs`]: list, get, cancel, delete;
@@ -51,6 +51,7 @@ pub mod rpc;
 pub mod schema;
 pub mod sending;
 pub mod short;
+pub mod text;
 pub mod view;
 
 use std::sync::Arc;

@@ -36,6 +36,7 @@ pub enum Kind {
     AlreadyEnded,
     BodyTooLarge,
     UnsupportedMediaType,
+    UnsupportedEncoding,
     KeyTaken,
     QueueFull,
     TooManyJobs,
@@ -61,7 +62,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::NotJson,
         Self::NotProtobuf,
         Self::InvalidRequest,
@@ -79,6 +80,7 @@ impl Kind {
         Self::AlreadyEnded,
         Self::BodyTooLarge,
         Self::UnsupportedMediaType,
+        Self::UnsupportedEncoding,
         Self::KeyTaken,
         Self::QueueFull,
         Self::TooManyJobs,
@@ -204,6 +206,12 @@ impl Kind {
                 S::UNSUPPORTED_MEDIA_TYPE,
                 "The body has a media type that is not understood",
                 "Jobs are sent as application/json or application/x-protobuf.",
+            ),
+            Self::UnsupportedEncoding => (
+                "unsupported-encoding",
+                S::UNSUPPORTED_MEDIA_TYPE,
+                "The body is compressed",
+                "Bodies are sent as they are, without Content-Encoding.",
             ),
             Self::KeyTaken => (
                 "key-taken",
@@ -519,8 +527,15 @@ impl IntoResponse for Problem {
     /// The problem travels as an extension; [`render`] writes it, with the id of the request.
     fn into_response(self) -> Response {
         let mut response = self.kind.entry().status.into_response();
+        let headers = response.headers_mut();
+        if self.kind == Kind::UnsupportedEncoding {
+            // What would be understood (RFC 9110, 15.5.16).
+            headers.insert(
+                header::ACCEPT_ENCODING,
+                HeaderValue::from_static("identity"),
+            );
+        }
         if let Some(seconds) = self.retry_after {
-            let headers = response.headers_mut();
             headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
         }
         response.extensions_mut().insert(self);

@@ -85,7 +85,12 @@ fn not_json() -> Vec<Bad> {
             None,
             "a comma with nothing after it",
         ),
-        text("\u{feff}{}", 400, None, "expected value"),
+        text(
+            "\u{feff}{}",
+            422,
+            Some(""),
+            "a curve or a surface is needed",
+        ),
         text(
             &"[".repeat(100_000),
             422,

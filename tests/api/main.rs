@@ -56,6 +56,7 @@ mod stream_object;
 mod streams;
 mod support;
 mod suspects;
+mod texts;
 mod views;
 mod warnings;
 

@@ -19,6 +19,7 @@ use serde_json::Deserializer as Json;
 
 use super::problem::{Kind, Problem};
 use super::short::cut;
+use super::text;
 pub(in crate::api) use object::object;
 pub use object::{Field, Members};
 use reader::Seed;
@@ -99,6 +100,7 @@ pub fn parse<T>(body: &[u8], limits: Limits) -> Result<T, Problem>
 where
     T: Read,
 {
+    let body = text::utf8(body)?;
     let mut reading = Reading {
         limits,
         path: Vec::new(),

@@ -23,6 +23,7 @@ fn code(kind: Kind) -> Code {
         | Kind::InvalidFit
         | Kind::NotAcceptable
         | Kind::UnsupportedMediaType
+        | Kind::UnsupportedEncoding
         | Kind::KeyTaken => Code::InvalidArgument,
         Kind::NotFound | Kind::UnknownHost | Kind::UnknownJob | Kind::NoSuchIteration => {
             Code::NotFound

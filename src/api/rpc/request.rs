@@ -19,12 +19,14 @@ use crate::api::request::{
     BasisKind, BasisRequest, CurveRequest, JobRequest, KnotRule, ParameterRule, RationalRequest,
     StopRequest, SurfaceRequest, ValidJob,
 };
+use crate::api::text;
 use crate::config::Config;
 use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 
 /// Reads a message from the body of a request.
 pub fn decode<M: Message + Default>(body: Bytes) -> Result<M, Problem> {
+    text::check_compression(&body, true)?;
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, error.to_string()))
 }
 

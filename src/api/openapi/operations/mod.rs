@@ -46,7 +46,7 @@ const OF_A_JOB: [Kind; 4] = [
 ];
 
 /// What may be wrong with a request for a new job.
-const NEW_JOB: [Kind; 13] = [
+const NEW_JOB: [Kind; 14] = [
     Kind::NotJson,
     Kind::NotProtobuf,
     Kind::InvalidRequest,
@@ -54,6 +54,7 @@ const NEW_JOB: [Kind; 13] = [
     Kind::BodyTimeout,
     Kind::BodyTooLarge,
     Kind::UnsupportedMediaType,
+    Kind::UnsupportedEncoding,
     Kind::InvalidFit,
     Kind::KeyTaken,
     Kind::QueueFull,

@@ -1,0 +1,80 @@
+//! How the bytes of a body are to be read: as they are, as UTF-8, or not at all.
+
+use axum::http::{HeaderMap, header};
+
+use super::problem::{Kind, Problem};
+use super::short::quoted;
+
+/// What compressed bytes begin with, and what they are called.
+const COMPRESSED: [(&[u8], &str); 6] = [
+    (b"\x1f\x8b", "gzip"),
+    (b"\x28\xb5\x2f\xfd", "zstd"),
+    (b"\x78\x01", "deflate"),
+    (b"\x78\x9c", "deflate"),
+    (b"\x78\xda", "deflate"),
+    (b"PK\x03\x04", "zip"),
+];
+
+/// What texts in other encodings than UTF-8 begin with. The longer marks come first.
+const MARKED: [(&[u8], &str); 4] = [
+    (b"\xff\xfe\0\0", "UTF-32"),
+    (b"\0\0\xfe\xff", "UTF-32"),
+    (b"\xff\xfe", "UTF-16"),
+    (b"\xfe\xff", "UTF-16"),
+];
+
+/// The mark that some writers put before UTF-8.
+const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Refuses bodies that say that they are encoded.
+pub fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
+    for value in headers.get_all(header::CONTENT_ENCODING) {
+        let given = String::from_utf8_lossy(value.as_bytes());
+        let mut codings = given.split(',').map(str::trim);
+        let plain = |coding: &str| coding.is_empty() || coding.eq_ignore_ascii_case("identity");
+        if let Some(coding) = codings.find(|coding| !plain(coding)) {
+            let detail = format!(
+                "the body is encoded as {}; send it as it is, without Content-Encoding",
+                quoted(coding)
+            );
+            return Err(Problem::new(Kind::UnsupportedEncoding, detail));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses bodies that are compressed without saying so. Of messages only those are known that
+/// begin with gzip's two bytes, with which no message begins.
+pub fn check_compression(body: &[u8], is_message: bool) -> Result<(), Problem> {
+    let known = if is_message { 1 } else { COMPRESSED.len() };
+    let found = COMPRESSED.iter().take(known);
+    let found = found.filter(|(start, _)| body.starts_with(start));
+    match found.map(|(_, name)| name).next() {
+        None => Ok(()),
+        Some(name) => {
+            let detail = format!("the body is compressed with {name}; send it as it is");
+            Err(Problem::new(Kind::UnsupportedEncoding, detail))
+        }
+    }
+}
+
+/// The JSON of a body, which is UTF-8, without a byte-order mark.
+pub fn utf8(body: &[u8]) -> Result<&[u8], Problem> {
+    check_compression(body, false)?;
+    let marked = MARKED.iter().find(|(mark, _)| body.starts_with(mark));
+    if let Some(name) = marked.map(|(_, name)| *name).or_else(|| unmarked(body)) {
+        let detail = format!("the body is {name}; JSON is sent in UTF-8");
+        return Err(Problem::new(Kind::UnsupportedMediaType, detail));
+    }
+    Ok(body.strip_prefix(UTF8_MARK).unwrap_or(body))
+}
+
+/// The encoding of a text that has no mark. JSON begins with characters of ASCII, so the zeros
+/// beside them tell.
+fn unmarked(body: &[u8]) -> Option<&'static str> {
+    match *body {
+        [0, 0, 0, x, ..] | [x, 0, 0, 0, ..] if x != 0 => Some("UTF-32"),
+        [0, x, ..] | [x, 0, ..] if x != 0 => Some("UTF-16"),
+        _ => None,
+    }
+}
