@@ -22,12 +22,26 @@ pub enum PerDirection<T> {
     },
 }
 
-impl<T: Clone> PerDirection<T> {
+impl<T> PerDirection<T> {
     /// The values for u and v.
-    pub fn split(self) -> (T, T) {
+    pub fn split(self) -> (T, T)
+    where
+        T: Clone,
+    {
         match self {
             Self::Both(value) => (value.clone(), value),
             Self::Each { u, v } => (u, v),
+        }
+    }
+
+    /// What is made of each of the values.
+    pub fn map<U>(self, make: impl Fn(T) -> U) -> PerDirection<U> {
+        match self {
+            Self::Both(value) => PerDirection::Both(make(value)),
+            Self::Each { u, v } => PerDirection::Each {
+                u: make(u),
+                v: make(v),
+            },
         }
     }
 

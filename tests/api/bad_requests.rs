@@ -129,9 +129,9 @@ fn wrong_shape() -> Vec<Bad> {
         ),
         bad(json!({"curv": {}}), "/curv", "unknown field \"curv\""),
         bad(
-            curve("degree", json!(3)),
-            "/curve/degree",
-            "unknown field \"degree\"",
+            curve("degre", json!(3)),
+            "/curve/degre",
+            "unknown field \"degre\"",
         ),
         bad(
             curve("points", json!("many")),
@@ -259,9 +259,14 @@ fn wrong_basis() -> Vec<Bad> {
             "the field \"kind\" is missing",
         ),
         bad(
-            curve("basis", json!("bspline")),
+            curve("basis", json!("spline")),
             "/curve/basis",
-            "expected an object",
+            "no kind of basis",
+        ),
+        bad(
+            curve("basis", json!(3)),
+            "/curve/basis",
+            "expected an object with a kind, or the name of a kind",
         ),
         bad(
             bspline(json!({"order": 4})),

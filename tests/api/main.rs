@@ -52,6 +52,7 @@ mod refusals;
 mod rpc;
 mod rpc_operations;
 mod scales;
+mod short_forms;
 mod stream_object;
 mod streams;
 mod support;

@@ -314,7 +314,9 @@ fn described(description: &Description, name: &str) -> BTreeSet<String> {
         if let Some(fields) = alternative["properties"].as_object() {
             names.extend(fields.keys().cloned());
         }
-        if let Some(choices) = alternative["enum"].as_array() {
+        // The name of a kind alone is short for an object with fields.
+        let short = alternative["title"] == "Name";
+        if let Some(choices) = alternative["enum"].as_array().filter(|_| !short) {
             names.extend(choices.iter().map(|it| it.as_str().unwrap().to_owned()));
         }
     }
@@ -327,7 +329,8 @@ async fn methods_have_the_settings_that_capabilities_tell() {
     let description = Description::of(&server).await;
     let mut settings: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     let method = description.component("schemas", "Method");
-    for alternative in method["oneOf"].as_array().unwrap() {
+    let objects = method["oneOf"].as_array().unwrap().iter();
+    for alternative in objects.filter(|it| it["type"] == "object") {
         let fields = alternative["properties"].as_object().unwrap();
         let kind = fields["kind"]["const"].as_str().unwrap().to_owned();
         let names = fields.keys().filter(|name| *name != "kind").cloned();

@@ -81,7 +81,7 @@ pub(in crate::api) enum VariantRequest {
 
 object!(
     MethodRequest,
-    "an object with a kind",
+    "an object with a kind, or the name of a kind",
     [
         kind,
         omega,
@@ -92,7 +92,8 @@ object!(
         control_points,
         variant,
         mu,
-    ]
+    ],
+    of_name: |name, at| Kind::reader().text(name, at).map(MethodRequest::of)
 );
 names!(Kind, "kind of method", [
     "global" => Global,
@@ -120,6 +121,21 @@ names!(VariantRequest, "variant of the method least_squares", [
 pub(super) type Chosen = (Method, Option<Vec<usize>>);
 
 impl MethodRequest {
+    /// A method without settings.
+    pub(in crate::api) fn of(kind: Kind) -> Self {
+        Self {
+            kind,
+            omega: None,
+            indices: None,
+            row_by_row: None,
+            threshold: None,
+            start: None,
+            control_points: None,
+            variant: None,
+            mu: None,
+        }
+    }
+
     /// Whether the two directions have numbers of control points of their own.
     pub(super) fn has_control_points_each(&self) -> bool {
         self.control_points.is_some_and(|count| count.is_each())

@@ -14,7 +14,7 @@ use super::options::object::StreamObject;
 use super::per_direction::PerDirection;
 use super::problem::{Kind, Problem};
 use super::read::values::{Count, LONGEST_TEXT, Number};
-use super::read::{names, object};
+use super::read::{Read, names, object};
 use super::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
 use crate::config::Config;
 use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
@@ -63,6 +63,9 @@ pub(in crate::api) struct CurveRequest {
     pub(in crate::api) points: PointList,
     /// The basis; without one a cubic B-spline.
     pub(in crate::api) basis: Option<BasisRequest>,
+    /// Short for a B-spline of this degree, instead of `basis`.
+    #[schemars(range(min = 1, max = MAX_DEGREE))]
+    pub(in crate::api) degree: Option<Count>,
     /// The parameters of the data points; without them `chord_length`.
     #[schemars(with = "Option<schema::Parameters>")]
     pub(in crate::api) parameters: Option<RuleOrNumbers<ParameterRule>>,
@@ -84,6 +87,9 @@ pub(in crate::api) struct SurfaceRequest {
     pub(in crate::api) points: PointGrid,
     /// The bases; without them cubic B-splines.
     pub(in crate::api) basis: Option<PerDirection<BasisRequest>>,
+    /// Short for B-splines of this degree, instead of `basis`.
+    #[schemars(with = "Option<PerDirection<schema::Degree>>")]
+    pub(in crate::api) degree: Option<PerDirection<Count>>,
     /// The parameters of the data points; without them `chord_length`.
     #[schemars(with = "Option<PerDirection<schema::Parameters>>")]
     pub(in crate::api) parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
@@ -170,14 +176,19 @@ object!(
 object!(
     CurveRequest,
     "an object with points",
-    [points, basis, parameters, weights, closed]
+    [points, basis, degree, parameters, weights, closed]
 );
 object!(
     SurfaceRequest,
     "an object with points",
-    [points, basis, parameters, weights, closed]
+    [points, basis, degree, parameters, weights, closed]
 );
-object!(BasisRequest, "an object with a kind", [kind, degree, knots]);
+object!(
+    BasisRequest,
+    "an object with a kind, or the name of a kind",
+    [kind, degree, knots],
+    of_name: |name, at| BasisKind::reader().text(name, at).map(BasisRequest::of)
+);
 object!(
     StopRequest,
     "an object",
@@ -271,6 +282,34 @@ fn check_name(name: Option<&str>) -> Result<(), Problem> {
     }
 }
 
+impl BasisRequest {
+    /// A basis of this kind, with its usual degree and knots.
+    pub(in crate::api) fn of(kind: BasisKind) -> Self {
+        Self {
+            kind,
+            degree: None,
+            knots: None,
+        }
+    }
+
+    /// A B-spline of this degree.
+    fn of_degree(degree: Count) -> Self {
+        Self {
+            degree: Some(degree),
+            ..Self::of(BasisKind::Bspline)
+        }
+    }
+}
+
+/// A degree that stands instead of a basis does not stand beside one.
+fn check_degree(degree: bool, basis: bool, root: &str) -> Result<(), Problem> {
+    if degree && basis {
+        let detail = "a basis is given, which has its degree itself";
+        return Err(invalid(&format!("{root}/degree"), detail));
+    }
+    Ok(())
+}
+
 /// What curves and surfaces have in common.
 struct Shape {
     points: Points,
@@ -284,6 +323,9 @@ struct Shape {
 
 impl CurveRequest {
     fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
+        check_degree(self.degree.is_some(), self.basis.is_some(), "/curve")?;
+        let short = self.degree.is_some();
+        let of_degree = self.degree.map(BasisRequest::of_degree);
         let PointList(points) = self.points;
         let grid = Grid {
             rows: points.len(),
@@ -307,7 +349,7 @@ impl CurveRequest {
             points,
             grid,
             u: DirectionChoice {
-                basis: basis(self.basis, "/curve/basis")?,
+                basis: basis(self.basis.or(of_degree), "/curve/basis")?,
                 parameters: parametrization(self.parameters),
                 closed: self.closed.unwrap_or(false),
                 control_points: None,
@@ -316,13 +358,22 @@ impl CurveRequest {
             v: None,
             missing: Vec::new(),
             weights,
-            places: Places::default(),
+            places: Places {
+                degree_alone: short,
+                ..Places::default()
+            },
         })
     }
 }
 
 impl SurfaceRequest {
     fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
+        check_degree(self.degree.is_some(), self.basis.is_some(), "/surface")?;
+        let degree_alone = self.degree.is_some();
+        let of_degree = self
+            .degree
+            .map(|degree| degree.map(BasisRequest::of_degree));
+        let bases = self.basis.or(of_degree);
         let PointGrid {
             points,
             missing,
@@ -332,14 +383,15 @@ impl SurfaceRequest {
         let grid = Grid { rows, columns };
         let places = Places {
             surface_columns: Some(columns),
-            basis_each: self.basis.as_ref().is_some_and(PerDirection::is_each),
+            degree_alone,
+            basis_each: bases.as_ref().is_some_and(PerDirection::is_each),
             parameters_each: self.parameters.as_ref().is_some_and(PerDirection::is_each),
             closed_each: self.closed.is_some_and(|closed| closed.is_each()),
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
             control_points_each: false,
         };
         let (weights, fixed) = surface_weights(self.weights, rational, grid, "/surface/weights")?;
-        let (basis_u, basis_v) = self.basis.map(PerDirection::split).unzip();
+        let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
         let (fixed_u, fixed_v) = fixed.unzip();

@@ -7,6 +7,8 @@ use crate::fit::invalid::{Axis, Invalid, Place};
 pub(in crate::api) struct Places {
     /// The number of columns of a surface; `None` for a curve.
     pub(super) surface_columns: Option<usize>,
+    /// There is a degree instead of a basis.
+    pub(super) degree_alone: bool,
     pub(super) basis_each: bool,
     pub(super) parameters_each: bool,
     pub(super) closed_each: bool,
@@ -70,6 +72,7 @@ impl Places {
             Place::Line(Axis::U, index) => format!("{root}/points/{index}"),
             Place::Line(Axis::V, index) => format!("{root}/points/0/{index}"),
             Place::Basis(axis) => self.basis(axis),
+            Place::Degree(axis) if self.degree_alone => self.part("degree", self.basis_each, axis),
             Place::Degree(axis) => format!("{}/degree", self.basis(axis)),
             Place::Knots(axis) => format!("{}/knots", self.basis(axis)),
             Place::Knot(axis, index) => format!("{}/knots/{index}", self.basis(axis)),

@@ -4,10 +4,11 @@ use schemars::{Schema, json_schema};
 use serde_json::{Value, json};
 
 use super::edit::IterationRequest;
-use super::method::{Index, Omega};
-use super::{KnotRule, ParameterRule};
-use crate::api::schema::alternatives::{Alternative, Constant, split};
+use super::method::{Index, Kind, Omega};
+use super::{BasisKind, KnotRule, ParameterRule};
+use crate::api::schema::alternatives::{Alternative, Constant, or_name, split};
 use crate::api::schema::{each, schema_of};
+use crate::fit::basis::MAX_DEGREE;
 
 /// How data points get their parameters.
 pub(super) enum Parameters {}
@@ -23,6 +24,21 @@ schema_of!(
         ],
         "default": "chord_length",
         "examples": ["centripetal", [0, 0.2, 0.7, 1]],
+    })
+);
+
+/// The degree of a B-spline that is as usual otherwise.
+pub(super) enum Degree {}
+
+schema_of!(
+    Degree,
+    "Degree",
+    json_schema!({
+        "description": "The degree of a B-spline.",
+        "type": "integer",
+        "minimum": 1,
+        "maximum": MAX_DEGREE,
+        "examples": [3],
     })
 );
 
@@ -148,11 +164,18 @@ pub(super) fn basis(schema: &mut Schema) {
         ),
     ];
     split(schema, &[], &alternatives);
+    or_name(schema, BasisKind::NAMES.to_vec());
 }
 
 /// Each kind of method has settings of its own.
 pub(super) fn method(schema: &mut Schema) {
     split(schema, &[], &METHODS);
+    let needy = METHODS
+        .iter()
+        .filter(|method| method.is.len() == 1 && !method.needs.is_empty());
+    let needy: Vec<&str> = needy.filter_map(|method| method.kind()).collect();
+    let names = Kind::NAMES.iter().filter(|name| !needy.contains(name));
+    or_name(schema, names.copied().collect());
 }
 
 const METHODS: [Alternative; 12] = [

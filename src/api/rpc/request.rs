@@ -61,6 +61,7 @@ fn curve(curve: pb::Curve, most: usize) -> Result<CurveRequest, Problem> {
     Ok(CurveRequest {
         points: PointList(points),
         basis: basis(curve.basis, "curve.basis")?,
+        degree: None,
         parameters: parameters(curve.parameters, "curve.parameters")?,
         weights: some(curve.weights).map(WeightList::Line),
         closed: Some(curve.closed),
@@ -83,7 +84,9 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceRequest, Problem>
         u: u.weights,
         v: v.weights,
     };
-    let basis = |it, field| Ok::<_, Problem>(basis(it, field)?.unwrap_or_else(usual_basis));
+    let basis = |it, field| {
+        Ok::<_, Problem>(basis(it, field)?.unwrap_or(BasisRequest::of(BasisKind::Bspline)))
+    };
     let parameters = |it, field| {
         let usual = RuleOrNumbers::Rule(ParameterRule::ChordLength);
         Ok::<_, Problem>(parameters(it, field)?.unwrap_or(usual))
@@ -99,6 +102,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceRequest, Problem>
             u: basis(u.basis, "surface.u.basis")?,
             v: basis(v.basis, "surface.v.basis")?,
         }),
+        degree: None,
         parameters: Some(PerDirection::Each {
             u: parameters(u.parameters, "surface.u.parameters")?,
             v: parameters(v.parameters, "surface.v.parameters")?,
@@ -200,14 +204,6 @@ impl Weights {
     }
 }
 
-fn usual_basis() -> BasisRequest {
-    BasisRequest {
-        kind: BasisKind::Bspline,
-        degree: None,
-        knots: None,
-    }
-}
-
 fn basis(basis: Option<pb::Basis>, field: &str) -> Result<Option<BasisRequest>, Problem> {
     let Some(basis) = basis else { return Ok(None) };
     let kind = match known(basis.kind, &format!("{field}.kind"))? {
@@ -304,26 +300,15 @@ pub(super) fn method(
     let Some(kind) = method.kind else {
         return Err(Problem::at_field("method", "it has no kind"));
     };
-    let plain = |kind| MethodRequest {
-        kind,
-        omega: None,
-        indices: None,
-        row_by_row: None,
-        threshold: None,
-        start: None,
-        control_points: None,
-        variant: None,
-        mu: None,
-    };
     if let K::Local(local) = &kind {
         let field = "method.local.indices";
         check_count(local.indices.len(), most_points, "indices", field)?;
     }
     let request = match kind {
-        K::Global(_) => plain(MethodKind::Global),
+        K::Global(_) => MethodRequest::of(MethodKind::Global),
         K::Weighted(weighted) => MethodRequest {
             omega: weighted.omega.map(Omega::Given),
-            ..plain(MethodKind::Weighted)
+            ..MethodRequest::of(MethodKind::Weighted)
         },
         K::Local(local) => MethodRequest {
             indices: some(local.indices).map(|indices| {
@@ -331,11 +316,11 @@ pub(super) fn method(
                 indices.map(|index| Index::Flat(index as usize)).collect()
             }),
             row_by_row: Some(local.row_by_row),
-            ..plain(MethodKind::Local)
+            ..MethodRequest::of(MethodKind::Local)
         },
         K::Adaptive(adaptive) => MethodRequest {
             threshold: Some(Number(adaptive.threshold)),
-            ..plain(MethodKind::Adaptive)
+            ..MethodRequest::of(MethodKind::Adaptive)
         },
         K::Extended(extended) => MethodRequest {
             start: match known(extended.start, "method.extended.start")? {
@@ -343,13 +328,15 @@ pub(super) fn method(
                 pb::method::Start::Transformed => Some(StartRequest::Transformed),
                 pb::method::Start::Data => Some(StartRequest::Data),
             },
-            ..plain(MethodKind::Extended)
+            ..MethodRequest::of(MethodKind::Extended)
         },
-        K::Transpose(_) => plain(MethodKind::Transpose),
-        K::Convex(_) => plain(MethodKind::Convex),
-        K::Chebyshev(_) => plain(MethodKind::Chebyshev),
-        K::Direct(_) => plain(MethodKind::Direct),
-        K::LeastSquares(settings) => least_squares(settings, plain(MethodKind::LeastSquares))?,
+        K::Transpose(_) => MethodRequest::of(MethodKind::Transpose),
+        K::Convex(_) => MethodRequest::of(MethodKind::Convex),
+        K::Chebyshev(_) => MethodRequest::of(MethodKind::Chebyshev),
+        K::Direct(_) => MethodRequest::of(MethodKind::Direct),
+        K::LeastSquares(settings) => {
+            least_squares(settings, MethodRequest::of(MethodKind::LeastSquares))?
+        }
     };
     Ok(Some(request))
 }

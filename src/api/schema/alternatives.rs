@@ -55,7 +55,28 @@ pub fn split(schema: &mut Schema, shared: &[&str], alternatives: &[Alternative])
     schema.insert("oneOf".to_owned(), objects.collect());
 }
 
+/// Allows the name of a kind alone where no more than that is to be said.
+pub fn or_name(schema: &mut Schema, names: Vec<&str>) {
+    let name = json!({
+        "title": "Name",
+        "description": "Short for an object with this kind and nothing else.",
+        "type": "string",
+        "enum": names,
+    });
+    if let Some(Value::Array(alternatives)) = schema.get_mut("oneOf") {
+        alternatives.push(name);
+    }
+}
+
 impl Alternative {
+    /// The kind that it is.
+    pub fn kind(&self) -> Option<&'static str> {
+        self.is.iter().find_map(|(field, value)| match value {
+            Constant::Name(name) if *field == "kind" => Some(*name),
+            _ => None,
+        })
+    }
+
     /// The schema of this alternative, from the schemas of all fields.
     fn object(&self, fields: &Map<String, Value>, shared: &[&str]) -> Value {
         let mut properties = Map::new();
