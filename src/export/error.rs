@@ -64,7 +64,8 @@ pub enum ExportError {
     },
     /// Extents beyond the range of numbers.
     #[error(
-        "the control points extend over more than the range of numbers, so that they cannot be drawn"
+        "the numbers of the curve or surface, or their sums, are beyond the range of 64-bit numbers, so that it cannot \
+         be drawn: export csv or json, or scale the data"
     )]
     Extent,
     /// IGES numbers its lines with seven digits.

@@ -9,6 +9,7 @@ use super::basis::{
 };
 use super::invalid::{Axis, Invalid};
 use super::missing::Missing;
+use super::norms::normalizing_scale;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
 use super::points::{Grid, Points};
 
@@ -201,10 +202,32 @@ impl Direction {
     pub fn weigh(&self, start: usize, values: &mut [f64]) -> usize {
         if let Some(weights) = &self.weights {
             // w_j B_j / Σ w_k B_k (LBW05 (3.7)).
+            let weights = &weights[start..];
+            let sum: f64 = values
+                .iter()
+                .zip(weights)
+                .map(|(value, weight)| value * weight)
+                .sum();
+            // Products that have left the range of numbers are brought back by a common factor.
+            let largest = || {
+                let shown = values
+                    .iter()
+                    .zip(weights)
+                    .filter(|(value, _)| **value > 0.0);
+                shown.fold(0.0, |largest: f64, (_, weight)| largest.max(*weight))
+            };
+            let factor = if sum.is_normal() {
+                1.0
+            } else {
+                normalizing_scale(largest())
+            };
             let mut sum = 0.0;
-            for (value, weight) in values.iter_mut().zip(&weights[start..]) {
-                *value *= weight;
-                sum += *value;
+            for (value, weight) in values.iter_mut().zip(weights) {
+                // Weights of functions that vanish here may be too large for the factor.
+                if *value > 0.0 {
+                    *value *= factor * weight;
+                    sum += *value;
+                }
             }
             values.iter_mut().for_each(|value| *value /= sum);
         }

@@ -148,6 +148,10 @@ pub enum Invalid {
         "the products of weights and coordinates exceed the range of 64-bit numbers: scale them down"
     )]
     WeightsTooLarge,
+    #[error(
+        "weight {index} is {value}, so small that its products with coordinates lose their digits: scale the weights up"
+    )]
+    WeightTooSmall { index: usize, value: f64 },
     #[error("weight {index} is {value}; weights are finite and greater than 0")]
     AxisWeight {
         axis: Axis,
@@ -313,6 +317,10 @@ pub enum Invalid {
     StartCount { given: usize, expected: usize },
     #[error("the tolerance is {value}; it must be a finite number, zero or greater")]
     Tolerance { value: f64, relative: bool },
+    #[error(
+        "the tolerance is {value} times {diagonal}, the diagonal of the bounding box, which exceeds the range of 64-bit numbers"
+    )]
+    ToleranceTooLarge { value: f64, diagonal: f64 },
 }
 
 impl Invalid {
@@ -355,7 +363,7 @@ impl Invalid {
             Self::ControlPointCount { axis, .. } => Place::ControlPoints(axis),
             Self::ParameterOutside { axis, index, .. } => Place::Parameter(axis, index),
             Self::WeightCount { .. } | Self::NotSeparable | Self::WeightsTooLarge => Place::Weights,
-            Self::Weight { index, .. } => Place::Weight(index),
+            Self::Weight { index, .. } | Self::WeightTooSmall { index, .. } => Place::Weight(index),
             Self::AxisWeight { axis, index, .. } => Place::AxisWeight(axis, index),
             Self::AxisWeightCount { axis, .. } => Place::AxisWeights(axis),
             Self::Omega { .. } => Place::Setting("omega"),
@@ -370,7 +378,9 @@ impl Invalid {
             Self::Tolerance {
                 relative: false, ..
             } => Place::Tolerance,
-            Self::Tolerance { relative: true, .. } => Place::RelativeTolerance,
+            Self::Tolerance { relative: true, .. } | Self::ToleranceTooLarge { .. } => {
+                Place::RelativeTolerance
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::direction::Direction;
 use super::method::Method;
 use super::norms::FitError;
 use super::plain::Plain;
@@ -19,6 +20,9 @@ const REFINED: f64 = 0.5;
 
 /// Chebyshev steps that have made the residual grow by this factor will not make it fall any more.
 const HOPELESS: f64 = 1e4;
+
+/// Fits of more control points are long.
+const LONG: usize = 100_000;
 
 /// A level of the iteration: how far the curve of these control points is from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -279,6 +283,37 @@ impl Iteration {
         Some((index, weights[index]))
     }
 
+    /// A fit has not succeeded if one of its numbers has left their range.
+    fn success(&self, outcome: Outcome) -> Outcome {
+        if self.level.error.is_finite() && self.has_places() {
+            outcome
+        } else {
+            Outcome::Overflow
+        }
+    }
+
+    /// Whether all control points have a place. At weight zero they are at infinity; and where basis
+    /// functions vanish but for rounding, finite distances say nothing of their control points.
+    fn has_places(&self) -> bool {
+        let problem = self.system.problem();
+        let points = self.control_points();
+        let given = problem.is_homogeneous() || problem.directions().any(Direction::is_rational);
+        let solved = matches!(problem.method(), Method::Extended { .. } | Method::Direct);
+        // Long fits without weights are not looked at again: that would take as long as a step.
+        if !given && points.len() > if solved { LONG } else { 0 } {
+            return true;
+        }
+        if problem.is_homogeneous()
+            && let Some((weights, lanes)) = points.lanes().split_last()
+        {
+            let place = |(x, weight): (&f64, &f64)| (x / weight).is_finite();
+            return lanes
+                .iter()
+                .all(|lane| lane.iter().zip(&**weights).all(place));
+        }
+        points.extents().iter().all(|extent| extent.is_finite)
+    }
+
     /// Whether the iteration ends at the current level, and why.
     pub fn outcome(&self) -> Option<Outcome> {
         let problem = self.system.problem();
@@ -294,9 +329,9 @@ impl Iteration {
         if !self.length.is_finite() {
             Some(Outcome::Overflow)
         } else if error.max <= problem.tolerance() {
-            Some(Outcome::Converged)
+            Some(self.success(Outcome::Converged))
         } else if updated_least_squares && self.decrease.abs() < STATIONARY {
-            Some(Outcome::Stationary)
+            Some(self.success(Outcome::Stationary))
         } else if (updated_least_squares && self.decrease < 0.0) || hopeless {
             Some(Outcome::Stalled(Stall::Diverging))
         } else if refined && self.decrease <= REFINED {

@@ -28,6 +28,17 @@ pub struct FitError {
     pub gradient: Option<f64>,
 }
 
+impl FitError {
+    /// Whether all of them are finite.
+    pub fn is_finite(&self) -> bool {
+        let more = [self.fixed_max, self.homogeneous, self.gradient];
+        let all = [self.max, self.rms, self.sum]
+            .into_iter()
+            .chain(more.into_iter().flatten());
+        all.into_iter().all(f64::is_finite)
+    }
+}
+
 /// Measures residuals.
 #[derive(Debug)]
 pub struct Norms {

@@ -353,11 +353,16 @@ fn resolve_tolerance(tolerance: Tolerance, magnitude: f64, diagonal: f64) -> Res
     }
     // Relative to points that are nearly equal, rounding of their coordinates would be too much.
     let rounding = magnitude * ROUNDING;
-    Ok(match relative {
+    let tolerance = match relative {
         true if value > 0.0 => (value * diagonal).max(rounding),
         true => 0.0,
         false => value,
-    })
+    };
+    if tolerance.is_finite() {
+        Ok(tolerance)
+    } else {
+        Err(Invalid::ToleranceTooLarge { value, diagonal })
+    }
 }
 
 fn check_method(request: &Request) -> Result<(), Invalid> {

@@ -10,8 +10,8 @@ const SEPARABLE: f64 = 1e-12;
 pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
     check(weights, points.len())?;
     let mut lanes = Vec::with_capacity(points.dimension() + 1);
-    for lane in points.lanes() {
-        let lane: Vec<f64> = lane
+    for coordinates in points.lanes() {
+        let lane: Vec<f64> = coordinates
             .iter()
             .zip(weights)
             .map(|(x, weight)| x * weight)
@@ -19,10 +19,27 @@ pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
         if lane.iter().any(|x| !x.is_finite()) {
             return Err(Invalid::WeightsTooLarge);
         }
+        check_digits(&lane, coordinates, weights)?;
         lanes.push(lane);
     }
     lanes.push(weights.to_vec());
     Ok(Points::from_lanes(lanes))
+}
+
+/// Products near the end of the range of numbers have few digits: what they lose must be rounding of
+/// the largest coordinate.
+fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Result<(), Invalid> {
+    let largest = coordinates.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let lost = |i: usize| (products[i] / weights[i] - coordinates[i]).abs();
+    let small = |i: &usize| products[*i].abs() < f64::MIN_POSITIVE;
+    let spoilt = |i: &usize| lost(*i) > 4.0 * f64::EPSILON * largest;
+    match (0..products.len()).filter(small).find(spoilt) {
+        None => Ok(()),
+        Some(index) => Err(Invalid::WeightTooSmall {
+            index,
+            value: weights[index],
+        }),
+    }
 }
 
 /// Writes a grid of weights as products of weights of its rows and of its columns; the rational

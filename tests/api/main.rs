@@ -29,6 +29,7 @@ mod edits;
 mod encodings;
 mod examples;
 mod exports;
+mod extremes;
 mod facts;
 mod goldens;
 mod heads;

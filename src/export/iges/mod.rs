@@ -136,7 +136,8 @@ fn weight_factor(nurbs: &Nurbs) -> f64 {
     let smallest = weights.iter().copied().fold(1.0, f64::min);
     let largest = weights.iter().copied().fold(1.0, f64::max);
     let wanted = (1e-8 / smallest).log2().ceil();
-    let possible = (f64::MAX / largest).log2().floor();
+    // One less than what is possible: logarithms are rounded.
+    let possible = (f64::MAX / largest).log2().floor() - 1.0;
     wanted.min(possible).max(0.0).exp2()
 }
 
@@ -172,12 +173,17 @@ mod tests {
     fn small_weights_are_multiplied_by_a_power_of_two() {
         let mut nurbs = crate::export::sampling::tests::cylinder();
         assert_eq!(weight_factor(&nurbs), 1.0);
-        for (smallest, largest) in [(1e-12, 1.0), (1e-200, 1e-190), (1e-300, 1e300)] {
+        for (smallest, largest) in [
+            (1e-12, 1.0),
+            (1e-200, 1e-190),
+            (1e-300, 1e300),
+            (5e-324, 1.0),
+        ] {
             nurbs.weights = Some(vec![1.0, smallest, largest, 1.0, 1.0, 1.0]);
             let factor = weight_factor(&nurbs);
             assert_eq!(factor.log2().fract(), 0.0);
             assert!(factor > 1.0 && (factor * largest).is_finite());
-            assert!(factor * smallest > 1e-9 || largest == 1e300);
+            assert!(factor * smallest > 1e-9 || largest == 1e300 || smallest == 5e-324);
         }
         nurbs.weights = None;
         assert_eq!(weight_factor(&nurbs), 1.0);

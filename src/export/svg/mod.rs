@@ -51,6 +51,9 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
     let net = (0..nurbs.points.len()).map(|index| view.project(nurbs.place(index)));
     let net = net.take(if shows_net(nurbs) { usize::MAX } else { 0 });
     let canvas = Canvas::fit(seen.chain(scene.outline()), net)?;
+    let net = (0..nurbs.points.len()).map(|index| view.project(nurbs.place(index)));
+    let dots = data.places.iter().map(|&place| view.project(place));
+    canvas.check(scene.places().chain(net).chain(dots))?;
     let with_history = fitted.errors.len() > 1;
     let below = if with_history { history::HEIGHT } else { 0.0 };
     let height = canvas.height() + CAPTION + below;

@@ -37,6 +37,15 @@ pub(super) enum Part {
 }
 
 impl Scene {
+    /// All places of the curve or of the faces.
+    pub(super) fn places(&self) -> impl Iterator<Item = Projected> + '_ {
+        let pieces: &[Piece] = match self {
+            Self::Curve(pieces) => pieces,
+            Self::Surface(_) => &[],
+        };
+        self.outline().chain(pieces.iter().flatten().copied())
+    }
+
     /// Places that are on the page only if the whole scene is.
     pub(super) fn outline(&self) -> impl Iterator<Item = Projected> + '_ {
         let (pieces, parts): (&[Piece], &[Part]) = match self {

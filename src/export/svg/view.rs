@@ -130,6 +130,22 @@ impl Canvas {
         })
     }
 
+    /// Refuses places that are nowhere: sums of coordinates can leave the range of numbers although
+    /// these do not.
+    pub(super) fn check(
+        &self,
+        mut places: impl Iterator<Item = Projected>,
+    ) -> Result<(), ExportError> {
+        let on_page = |place| {
+            let (x, y) = self.pixel(place);
+            x.is_finite() && y.is_finite()
+        };
+        match places.all(on_page) {
+            true => Ok(()),
+            false => Err(ExportError::Extent),
+        }
+    }
+
     /// The height of the drawing.
     pub(super) fn height(&self) -> f64 {
         self.height
