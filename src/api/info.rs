@@ -5,6 +5,8 @@ use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::gauge::ConstGauge;
+use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::Registry;
 use serde_json::{Value, json};
 use tonic::server::NamedService;
@@ -117,6 +119,16 @@ fn methods() -> Value {
 pub async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     let mut registry = Registry::default();
     app.jobs.resources().counters.register(&mut registry);
+    app.requests.register(&mut registry);
+    let queued = i64::try_from(app.jobs.queued()).unwrap_or(i64::MAX);
+    let help = "Jobs that wait for their turn";
+    registry.register("piad_jobs_queued", help, ConstGauge::new(queued));
+    let build = [
+        ("version", env!("CARGO_PKG_VERSION")),
+        ("commit", env!("PIAD_BUILD_COMMIT")),
+    ];
+    let help = "What the server was built from";
+    registry.register("piad_build", help, Info::new(build.to_vec()));
     let mut text = String::new();
     encode(&mut text, &registry)
         .map_err(|error| Problem::new(Kind::Internal, error.to_string()))?;

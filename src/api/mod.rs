@@ -19,7 +19,7 @@
 //! - [`crowd`]: what is answered on connections beyond the limits;
 //! - [`cors`]: what browsers let pages of other origins do;
 //! - [`host`]: for whom a request is meant; [`request_id`]: what it is called;
-//! - [`info`]: capabilities, health, the catalogue of problems;
+//! - [`info`]: capabilities, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
 //! - [`problem`]: errors as problem objects (RFC 9457); [`short`]: texts of clients in them, cut.
 
 pub mod body;
@@ -35,6 +35,7 @@ pub mod geometry;
 pub mod host;
 pub mod info;
 pub mod jobs;
+pub mod measure;
 pub mod milestones;
 pub mod negotiate;
 pub mod numbers;
@@ -54,10 +55,12 @@ pub mod short;
 pub mod text;
 pub mod view;
 
+use std::collections::HashMap;
+use std::future::ready;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::Request;
+use axum::extract::{MatchedPath, Request};
 use axum::http::StatusCode;
 use axum::middleware;
 use axum::response::Response;
@@ -73,6 +76,7 @@ use tracing::{Span, error, info};
 use crate::config::Config;
 use crate::job::service::Jobs;
 use host::Hosts;
+use measure::Requests;
 use openapi::resources::Resources;
 use problem::{Kind, Problem};
 use request_id::{NewRequestId, REQUEST_ID};
@@ -83,6 +87,7 @@ pub struct App {
     jobs: Arc<Jobs>,
     config: Arc<Config>,
     stopping: watch::Receiver<bool>,
+    requests: Requests,
 }
 
 impl App {
@@ -92,6 +97,7 @@ impl App {
             jobs,
             config: Arc::new(config),
             stopping,
+            requests: Requests::default(),
         }
     }
 }
@@ -103,6 +109,10 @@ pub fn router(app: App, hosts: Hosts) -> Router {
         .map_request(request_id::plain)
         .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
         .layer(trace.on_failure(tell_failure))
+        .layer(middleware::from_fn_with_state(
+            app.requests.clone(),
+            measure::measure,
+        ))
         .option_layer(cors::layer(&app.config.cors_origin))
         .layer(middleware::from_fn(problem::render))
         .layer(middleware::from_fn(crowd::hold_back))
@@ -115,10 +125,14 @@ pub fn router(app: App, hosts: Hosts) -> Router {
             )
             .into_response()
         }));
-    resources()
+    let resources = resources();
+    let methods = Arc::new(resources.methods());
+    resources
         .router()
         .fallback(not_found)
-        .method_not_allowed_fallback(method_not_allowed)
+        .method_not_allowed_fallback(move |request: Request| {
+            ready(method_not_allowed(&methods, &request))
+        })
         .merge(rpc::mount::routes(&app))
         .layer(layers)
         .with_state(app)
@@ -169,11 +183,16 @@ async fn not_found(request: Request) -> Problem {
     Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
 }
 
-async fn method_not_allowed(request: Request) -> Problem {
-    let (method, path) = (request.method(), request.uri().path());
+/// Says which methods the resource understands, of all resources.
+fn method_not_allowed(methods: &HashMap<String, String>, request: &Request) -> Problem {
+    let method = short::plain(request.method().as_str());
+    let path = short::plain(request.uri().path());
+    let matched = request.extensions().get::<MatchedPath>();
+    let understood = matched.and_then(|matched| methods.get(matched.as_str()));
+    let understood = understood.map_or("others, which the Allow header names", String::as_str);
     Problem::new(
         Kind::MethodNotAllowed,
-        format!("{path} does not understand {method}; the Allow header names what it does"),
+        format!("{path} does not understand {method}, but {understood}"),
     )
 }
 

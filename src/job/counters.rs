@@ -26,6 +26,7 @@ pub struct Counters {
     ended: Family<Ending, Counter>,
     streams: Gauge,
     connections: Gauge,
+    running: Gauge,
 }
 
 /// Something that is open, and counted until this is dropped.
@@ -68,6 +69,16 @@ impl Counters {
         Open::new(&self.connections)
     }
 
+    /// Counts a job while it is running.
+    pub fn run_job(&self) -> Open {
+        Open::new(&self.running)
+    }
+
+    /// How many jobs are running.
+    pub fn running(&self) -> usize {
+        usize::try_from(self.running.get()).unwrap_or(0)
+    }
+
     /// Makes the counters known under their names.
     pub fn register(&self, registry: &mut Registry) {
         let plain = [
@@ -85,10 +96,18 @@ impl Counters {
         for (name, help, counter) in plain {
             registry.register(format!("piad_{name}"), help, counter.clone());
         }
-        let (name, help) = ("piad_streams_open", "Event streams that are open");
-        registry.register(name, help, self.streams.clone());
-        let (name, help) = ("piad_connections_open", "Connections that are open");
-        registry.register(name, help, self.connections.clone());
+        let open = [
+            ("streams_open", "Event streams that are open", &self.streams),
+            (
+                "connections_open",
+                "Connections that are open",
+                &self.connections,
+            ),
+            ("jobs_running", "Jobs that are running", &self.running),
+        ];
+        for (name, help, gauge) in open {
+            registry.register(format!("piad_{name}"), help, gauge.clone());
+        }
         let ended = self.ended.clone();
         registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
     }

@@ -144,6 +144,12 @@ impl Jobs {
         &self.resources
     }
 
+    /// How many jobs wait for their turn.
+    pub fn queued(&self) -> usize {
+        let running = self.resources.counters.running();
+        self.places.taken().saturating_sub(running)
+    }
+
     /// Queues the jobs that had not ended when the process did, and keeps the past within limits
     /// from now on.
     pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
@@ -423,7 +429,10 @@ impl Jobs {
                 None => self.turn(&job).await?,
             };
             match turn {
-                Some(start) => Ok(self.run(&job, start).await),
+                Some(start) => {
+                    let _running = self.resources.counters.run_job();
+                    Ok(self.run(&job, start).await)
+                }
                 None => Ok((Ending::Stopped, None)),
             }
         };

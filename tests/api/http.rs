@@ -91,7 +91,27 @@ async fn a_client_may_name_its_request() {
 #[tokio::test]
 async fn a_wrong_method_is_told_the_right_ones() {
     let server = Server::start().await;
-    let response = server.delete("/v1/jobs").send().await.unwrap();
-    let allow = response.headers()["allow"].to_str().unwrap().to_owned();
-    assert!(allow.contains("GET") && allow.contains("POST"), "{allow}");
+    for (path, allowed) in [
+        ("/v1/jobs", "GET, HEAD, POST"),
+        ("/v1/jobs/x", "DELETE, GET, HEAD"),
+        ("/v1/jobs/x/cancel", "POST"),
+        ("/livez", "GET, HEAD"),
+    ] {
+        let request = server.client.patch(format!("{}{path}", server.url));
+        let response = request.send().await.unwrap();
+        let header = response.headers()["allow"].to_str().unwrap();
+        let sorted = |list: &str| {
+            let mut words: Vec<_> = list.split(',').map(|word| word.trim().to_owned()).collect();
+            words.sort();
+            words.join(", ")
+        };
+        assert_eq!(sorted(header), allowed, "{path}");
+        let (status, answer) = problem(response).await;
+        assert_eq!(status, 405);
+        let detail = answer["detail"].as_str().unwrap();
+        let (_, told) = detail
+            .split_once(" does not understand PATCH, but ")
+            .unwrap();
+        assert_eq!(sorted(told), allowed, "{path}");
+    }
 }

@@ -41,6 +41,7 @@ mod least_squares;
 mod local;
 mod messages_over_rest;
 mod methods;
+mod metrics;
 mod milestones;
 mod nets;
 mod openapi;

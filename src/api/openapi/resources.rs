@@ -1,5 +1,7 @@
 //! Routes with their descriptions: what is served is described, and what is described is served.
 
+use std::collections::HashMap;
+
 use axum::Router;
 use axum::handler::Handler;
 use axum::routing::{MethodRouter, delete, get, post};
@@ -54,6 +56,20 @@ impl Resources {
         let resource = self.paths.entry(path).or_insert_with(|| json!({}));
         resource[verb] = operation.object();
         self
+    }
+
+    /// The methods that each path understands, as a list for people.
+    pub fn methods(&self) -> HashMap<String, String> {
+        let of = |resource: &Value| {
+            let verbs = resource.as_object().into_iter().flat_map(Map::keys);
+            let names = verbs.map(|verb| match verb.as_str() {
+                "get" => "GET, HEAD".to_owned(),
+                verb => verb.to_uppercase(),
+            });
+            names.collect::<Vec<_>>().join(", ")
+        };
+        let paths = self.paths.iter();
+        paths.map(|(path, it)| (path.clone(), of(it))).collect()
     }
 
     /// The routes.

@@ -52,12 +52,12 @@ pub fn problem() -> Operation {
 
 /// `GET /metrics`
 pub fn metrics() -> Operation {
-    let text = json!({"schema": {"description": "Counters in the OpenMetrics text format.", "type": "string"}});
+    let text = json!({"schema": {"description": "Counters, gauges and histograms in the OpenMetrics text format.", "type": "string"}});
     let content = [("application/openmetrics-text", text)];
     server(
         "getMetrics",
         "Show counters",
-        "Counters of jobs, iterations and events, for Prometheus.",
+        "For Prometheus: counters of jobs, iterations and events; jobs that are queued and running, connections and streams that are open; how long requests take, by method and route; what the server was built from.",
     )
     .answer(200, "The counters.", &content, &[])
 }
