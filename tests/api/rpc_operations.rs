@@ -116,3 +116,93 @@ async fn health_is_told_and_ends_with_the_server() {
     };
     assert_eq!(ended.unwrap_err().code(), Code::Unavailable);
 }
+
+/// What a call ends with, as it comes over the wire: its code, and whether its head was all of it.
+async fn call(server: &Server, path: &str, message: &[u8]) -> (Code, bool) {
+    let address = server.url.strip_prefix("http://").unwrap();
+    let stream = tokio::net::TcpStream::connect(address).await.unwrap();
+    let (mut client, connection) = h2::client::handshake(stream).await.unwrap();
+    let connection = tokio::spawn(connection);
+    let request = axum::http::Request::post(format!("{}{path}", server.url))
+        .header("content-type", "application/grpc")
+        .header("te", "trailers")
+        .body(())
+        .unwrap();
+    let (response, mut body) = client.send_request(request, false).unwrap();
+    body.send_data(message.to_vec().into(), true).unwrap();
+    let (head, mut body) = response.await.unwrap().into_parts();
+    assert_eq!(head.status, 200);
+    let whole = body.is_end_stream();
+    while let Some(data) = body.data().await {
+        data.unwrap();
+    }
+    let trailers = body.trailers().await.unwrap().unwrap_or_default();
+    connection.abort();
+    let status = head
+        .headers
+        .get("grpc-status")
+        .or(trailers.get("grpc-status"));
+    (Code::from_bytes(status.unwrap().as_bytes()), whole)
+}
+
+const HEALTH: &str = "/grpc.health.v1.Health";
+const REFLECTION: &str = "/grpc.reflection.v1.ServerReflection";
+
+/// A message behind its length.
+fn framed(message: &[u8]) -> Vec<u8> {
+    let length = u32::try_from(message.len()).unwrap().to_be_bytes();
+    [&[0], &length[..], message].concat()
+}
+
+/// Clients in other languages wait for more after a head that does not end the call.
+#[tokio::test]
+async fn calls_that_fail_at_once_end_with_their_head() {
+    let server = Server::start().await;
+    // Field 1, a text.
+    let unknown = framed(b"\x0a\x06nobody");
+    for (service, method, code) in [
+        (HEALTH, "Check", Code::NotFound),
+        (HEALTH, "List", Code::Unimplemented),
+        (HEALTH, "Nothing", Code::Unimplemented),
+        (REFLECTION, "Nothing", Code::Unimplemented),
+        (
+            "/grpc.reflection.v1alpha.ServerReflection",
+            "Nothing",
+            Code::Unimplemented,
+        ),
+        ("/piad.v1.FittingService", "Nothing", Code::Unimplemented),
+    ] {
+        let path = format!("{service}/{method}");
+        assert_eq!(call(&server, &path, &unknown).await, (code, true), "{path}");
+    }
+}
+
+#[tokio::test]
+async fn messages_that_cannot_be_read_are_a_mistake_of_the_client() {
+    let server = Server::start().await;
+    let compressed = [1, 0, 0, 0, 1, 0];
+    let unknown_flag = [9, 0, 0, 0, 1, 0];
+    for message in [
+        &framed(b"\xff\xff")[..],
+        // A text that is longer than the message.
+        &framed(b"\x0a\x7fx"),
+        // A message that is shorter than announced, and none.
+        &framed(b"\x0a\x01x")[..6],
+        b"",
+        &compressed,
+        &unknown_flag,
+    ] {
+        for path in [
+            "/piad.v1.FittingService/GetJob",
+            "/piad.v1.FittingService/Fit",
+            "/grpc.health.v1.Health/Check",
+        ] {
+            let (code, whole) = call(&server, path, message).await;
+            assert_eq!(
+                (code, whole),
+                (Code::InvalidArgument, true),
+                "{path} {message:?}"
+            );
+        }
+    }
+}

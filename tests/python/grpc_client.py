@@ -211,6 +211,25 @@ def is_a_good_citizen(channel):
     for service in ["", "piad.v1.FittingService"]:
         answer = health.Check(health_pb2.HealthCheckRequest(service=service))
         assert answer.status == health_pb2.HealthCheckResponse.SERVING
+    code = grpc.StatusCode
+    assert failure(lambda: health.Check(health_pb2.HealthCheckRequest(service="nobody"))) == code.NOT_FOUND
+
+    def call(path, message=b""):
+        return failure(lambda: channel.unary_unary(path)(message))
+
+    for service in ["grpc.health.v1.Health", "grpc.reflection.v1.ServerReflection", "piad.v1.FittingService"]:
+        assert call(f"/{service}/Nothing") == code.UNIMPLEMENTED, service
+    for method in ["grpc.health.v1.Health/Check", "piad.v1.FittingService/GetJob", "piad.v1.FittingService/Fit"]:
+        assert call(f"/{method}", b"\xff\xff") == code.INVALID_ARGUMENT, method
+
+
+def failure(call):
+    """The code with which a call fails."""
+    try:
+        call()
+    except grpc.RpcError as error:
+        return error.code()
+    raise AssertionError("it does not fail")
 
 
 def main():

@@ -5,7 +5,7 @@
 //!   is one validation and one kind of job; [`fields`]: where in a message an error is;
 //! - [`view`], [`geometry`], [`input`]: answers as messages; [`names`]: their enumerations;
 //! - [`encoded`]: messages that are made once for all readers;
-//! - [`errors`]: problems as gRPC statuses;
+//! - [`errors`]: problems as gRPC statuses; [`malformed`]: messages that cannot be read;
 //! - [`service`]: the calls; [`mount`]: the service next to REST, with reflection and health.
 
 pub mod edit;
@@ -14,6 +14,7 @@ pub mod errors;
 pub mod fields;
 pub mod geometry;
 pub mod input;
+pub mod malformed;
 pub mod mount;
 pub mod names;
 pub mod request;

@@ -20,6 +20,7 @@ use tower_http::timeout::RequestBodyTimeoutLayer;
 use tracing::error;
 
 use super::DESCRIPTORS;
+use super::malformed;
 use super::messages::fitting_service_server::FittingServiceServer;
 use super::service;
 use crate::api::App;
@@ -35,7 +36,8 @@ pub fn routes(app: &App) -> Router<App> {
     // What a client sends is given up as a body of REST is: after a pause that is too long.
     let pause = RequestBodyTimeoutLayer::new(app.config.body_timeout);
     let fitting = route(fitting).layer(pause);
-    fitting.merge(operations(app))
+    let services = fitting.merge(operations(app));
+    services.layer(MapResponseLayer::new(malformed::told))
 }
 
 /// Reflection and health. Their streams last as long as the client likes, and end with the server.
@@ -83,6 +85,11 @@ where
 
 /// A response that ends when the server stops, with a status that says so.
 fn until(stopping: watch::Receiver<bool>, response: Response) -> Response {
+    // What ends with its head must not get a body, not even an empty one: clients take that for a
+    // connection that has broken off.
+    if response.headers().contains_key(GRPC_STATUS) {
+        return response;
+    }
     response.map(|body| {
         let frames = stream::unfold(Some((body, stopping)), |state| async {
             let (mut body, mut stopping) = state?;

@@ -1,0 +1,28 @@
+//! Messages that cannot be read are a mistake of the client, who is told so: the library that reads
+//! them takes it for one of the server.
+
+use axum::response::Response;
+use tonic::{Code, Status};
+
+use crate::api::problem::{Kind, Problem};
+
+/// How the library says that there is no message in what has come.
+const MALFORMED: [&str; 4] = [
+    "failed to decode Protobuf message",
+    "Unexpected EOF decoding stream",
+    "Missing request message",
+    "protocol error: received message with",
+];
+
+/// The answer to a call, with a status that says whose mistake it was.
+pub fn told(response: Response) -> Response {
+    let Some(status) = Status::from_header_map(response.headers()) else {
+        return response;
+    };
+    let message = status.message();
+    if status.code() != Code::Internal || !MALFORMED.iter().any(|it| message.starts_with(it)) {
+        return response;
+    }
+    let detail = format!("the message of the call cannot be read: {message}");
+    Status::from(Problem::new(Kind::NotProtobuf, detail)).into_http()
+}
