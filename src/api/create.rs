@@ -145,7 +145,8 @@ impl Posted {
                     let problem = job.problem().await?;
                     self.parameters.check_range(stream.as_ref(), &problem)?;
                 }
-                events::stream(app, Arc::clone(&job), framing, options, None)
+                let held = job.held().await?;
+                events::stream(app, Arc::clone(&job), framing, options, None, held)
             }
             Answer::Job(language) => {
                 if let Some(wait) = self.wait {

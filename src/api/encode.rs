@@ -28,11 +28,12 @@ pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreEr
         Encoding::Base64 | Encoding::Base64F32 => ("base64", Encoding::Base64),
         Encoding::Protobuf => ("protobuf", Encoding::Protobuf),
     };
-    job.description(name, || async {
-        let problem = job.problem().await?;
+    let problem = job.problem().await?;
+    let owner = Arc::clone(job);
+    job.description(name, || async move {
         let numbers = problem.grid().count();
-        let described = Arc::clone(job);
-        let levels = job.status().levels;
+        let described = Arc::clone(&owner);
+        let levels = owner.status().levels;
         let describe = move || match encoding {
             Encoding::Protobuf => rpc::view::description(&described, &problem, levels),
             _ => {
@@ -40,7 +41,7 @@ pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreEr
                 view::description(&described, &problem, levels, in_base64)
             }
         };
-        off_network(job, numbers, describe).await
+        off_network(&owner, numbers, describe).await
     })
     .await
 }
@@ -62,19 +63,21 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Co
     } else {
         form.clone()
     };
-    let encoded = frame.encoded(form.key());
     let problem = job.problem().await?;
-    let encode = || {
-        job.resources().counters.encodings.inc();
-        let numbers = numbers(&problem, frame, form.view);
-        let frame = Arc::clone(frame);
+    let key = Arc::clone(form.key());
+    let (owner, shown) = (Arc::clone(job), Arc::clone(frame));
+    let encode = || async move {
+        owner.resources().counters.encodings.inc();
+        let numbers = numbers(&problem, &shown, form.view);
+        let frame = shown;
         let encode = move || match form.is_protobuf() {
             false => view::level::level(&problem, &frame, &form),
             true => rpc::geometry::iteration(&problem, &frame, &form),
         };
-        off_network(job, numbers, encode)
+        off_network(&owner, numbers, encode).await
     };
-    encoded.get_or_try_init(encode).await.cloned()
+    let cache = &job.resources().memory.cache;
+    frame.encoded(&key, cache, encode).await
 }
 
 /// About how many numbers are written, or computed.
@@ -101,6 +104,6 @@ pub async fn off_network(
     if numbers <= SMALL {
         return Ok(encode());
     }
-    let lane = Lane::of(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let lane = Lane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
     Ok(job.resources().scheduler.compute(lane, encode).await?)
 }

@@ -30,8 +30,8 @@ use super::rpc::encoded::Encoded;
 use super::sending::Outgoing;
 use super::short::quoted;
 use super::{App, jobs};
-use crate::job::Job;
 use crate::job::content::Content;
+use crate::job::{Held, Job};
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
@@ -52,15 +52,13 @@ pub async fn get(
     if options.form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         parameters.check_range(defaults.as_ref(), &problem)?;
-    } else if job.status().state.is_final() {
-        // Once they are at hand the stream comes to its end, also if the job is deleted.
-        job.problem().await?;
     }
+    let held = job.held().await?;
     match last_event_id(&headers, parameters.last_event_id)? {
-        None => Ok(stream(&app, job, framing, options, None)),
+        None => Ok(stream(&app, job, framing, options, None, held)),
         // Only this status keeps an EventSource from connecting again.
         Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
-        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, options, Some(k))),
+        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, options, Some(k), held)),
     }
 }
 
@@ -107,13 +105,14 @@ pub fn stream(
     framing: Framing,
     options: StreamOptions,
     seen: Option<usize>,
+    held: Held,
 ) -> Response {
     let mut outgoing = Outgoing::new(Arc::clone(&job));
     // Proxies hold the answer back until there is something to pass on.
     if framing == Framing::Sse {
         outgoing.text().put_slice(b": piad\nretry: 2000\n\n");
     }
-    let events = stream::unfold(Feed::new(app, job, options, seen), |mut feed| async {
+    let events = stream::unfold(Feed::new(app, job, options, seen, held), |mut feed| async {
         let event = feed.next().await?;
         Some((event, feed))
     });

@@ -22,6 +22,9 @@ use crate::job::scheduler::Lane;
 /// Multiplications up to which the levels before are computed for a drawing of their errors.
 const HISTORY: usize = 200_000_000;
 
+/// Bytes of a control point or sample while its file is made: itself, and its text or triangles.
+const BYTES_PER_POINT: usize = 300;
+
 /// So many lines of a table are made at a time.
 const LINES: usize = 4096;
 
@@ -78,10 +81,16 @@ pub async fn file(
     format: Format,
     samples: Option<Grid>,
 ) -> Result<Response, Problem> {
-    let system = Arc::clone(job.system().await?);
+    let count = control_points.len() + samples.map_or(0, Grid::count);
+    let bytes = match format {
+        Format::Csv => 0,
+        _ => count * BYTES_PER_POINT,
+    };
+    let permit = job.resources().memory.files.take(bytes).await;
+    let system = job.system().await?;
     let owner = Arc::clone(job);
     let numbers = control_points.len() * control_points.dimension();
-    let lane = Lane::of(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let lane = Lane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
     let write = move || {
         let problem = Arc::clone(system.problem());
         let errors = match format {
@@ -102,7 +111,11 @@ pub async fn file(
     };
     let scheduler = &job.resources().scheduler;
     let content = scheduler.compute(lane, write).await??;
-    Ok(answer(job, content, format.media_type()))
+    Ok(answer(
+        job,
+        content.with_permit(permit),
+        format.media_type(),
+    ))
 }
 
 /// A table, of which a long one is written when it is sent.
@@ -119,10 +132,8 @@ fn table(table: Table) -> Content {
         parts.clear();
         head.extend(table.part(0..lines));
     }
-    Content {
-        head: head.into(),
-        rest: (!parts.is_empty()).then(|| Arc::new(Pieces::new(parts, None))),
-    }
+    let rest = (!parts.is_empty()).then(|| Arc::new(Pieces::new(parts, None)));
+    Content::new(head.into(), rest)
 }
 
 /// The largest distances of the levels up to this one; none if they take too long to compute.

@@ -15,13 +15,13 @@ use tracing::error;
 use super::milestones::Milestones;
 use super::options::StreamOptions;
 use super::{App, encode};
-use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
+use crate::job::{Held, Job};
 
 /// What happens in the life of a job, or of the connection. Data are JSON or a protobuf message, as
 /// the form of the feed says.
@@ -79,11 +79,18 @@ pub struct Feed {
     quiet_until: Instant,
     stopping: watch::Receiver<bool>,
     _open: Open,
+    _held: Held,
 }
 
 impl Feed {
     /// The events of a job after iteration `seen`.
-    pub fn new(app: &App, job: Arc<Job>, options: StreamOptions, seen: Option<usize>) -> Self {
+    pub fn new(
+        app: &App,
+        job: Arc<Job>,
+        options: StreamOptions,
+        seen: Option<usize>,
+        held: Held,
+    ) -> Self {
         let mut cursor = Cursor::new(Arc::clone(&job), 0);
         if options.latest {
             cursor.only_latest(options.every);
@@ -110,6 +117,7 @@ impl Feed {
             quiet_until: Instant::now(),
             stopping: app.stopping.clone(),
             _open: open,
+            _held: held,
         }
     }
 

@@ -28,6 +28,9 @@ use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
 use crate::job::state::{Levels, Status};
 
+/// Bytes of a data point of an input with all that is given for it.
+const BYTES_PER_POINT: usize = 160;
+
 /// `GET /v1/jobs/{id}/iterations/{k}`
 pub async fn iteration(
     State(app): State<App>,
@@ -90,13 +93,19 @@ pub async fn input(
 
 /// The job as it was accepted, as JSON or as the bytes of a message.
 pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content, Problem> {
+    // It is made as a whole.
+    let room = &job.resources().memory.files;
+    let permit = room
+        .take(job.outline().grid.count() * BYTES_PER_POINT)
+        .await;
     let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = problem.data().len() * problem.data().dimension();
     let write = move || match language {
         Language::Json => view::input(owner.outline(), &problem).into(),
         Language::Protobuf => rpc::input::input(owner.outline(), &problem).into(),
     };
-    Ok(encode::off_network(job, numbers, write).await?)
+    let content = encode::off_network(job, numbers, write).await?;
+    Ok(content.with_permit(permit))
 }
 
 /// `GET /v1/jobs/{id}/result`
@@ -160,7 +169,7 @@ pub async fn limit(
 ) -> Result<Response, Problem> {
     negotiate::json(&headers)?;
     let job = jobs::find(&app, &id).await?;
-    let system = Arc::clone(job.system().await?);
+    let system = job.system().await?;
     let compute = move || {
         let start = Iteration::start(system.get());
         local_limit(&start).map(|limit| view::limit(system.problem(), &limit))
@@ -169,7 +178,7 @@ pub async fn limit(
         .jobs
         .resources()
         .scheduler
-        .compute(Lane::Heavy, compute)
+        .compute(Lane::Long, compute)
         .await?;
     limit.map(json_response).map_err(|reason| {
         let detail = match reason {

@@ -194,6 +194,6 @@ async fn compute<T: Send + 'static>(
         function()
     } else {
         let scheduler = &app.jobs.resources().scheduler;
-        scheduler.compute(Lane::Heavy, function).await?
+        scheduler.compute(Lane::Wire, function).await?
     }
 }

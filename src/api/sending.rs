@@ -40,6 +40,8 @@ pub struct Outgoing {
 
 enum Chunk {
     Bytes(Bytes),
+    /// The rest of something that takes memory until all of it is sent.
+    Whole(Content),
     /// All pieces from one on.
     Pieces(Arc<Pieces>, usize),
 }
@@ -72,6 +74,10 @@ impl Outgoing {
 
     /// Adds what may be large.
     pub fn push(&mut self, content: Content) {
+        if content.rest.is_none() && content.head.len() > ENOUGH {
+            self.cut();
+            return self.chunks.push_back(Chunk::Whole(content));
+        }
         self.push_bytes(content.head);
         if let Some(rest) = content.rest {
             self.cut();
@@ -107,6 +113,14 @@ impl Outgoing {
         }
         match self.chunks.pop_front()? {
             Chunk::Bytes(bytes) => Some(Ok(bytes)),
+            Chunk::Whole(mut content) => {
+                let length = content.head.len().min(ENOUGH);
+                let part = content.head.split_to(length);
+                if !content.head.is_empty() {
+                    self.chunks.push_front(Chunk::Whole(content));
+                }
+                Some(Ok(part))
+            }
             Chunk::Pieces(pieces, index) => {
                 let last = pieces.count().min(index + 1 + AHEAD);
                 for next in index + self.ahead.len()..last {
@@ -132,14 +146,22 @@ impl Outgoing {
 /// A content as an answer.
 pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
     let content_type = [(header::CONTENT_TYPE, HeaderValue::from_static(content_type))];
-    if content.rest.is_none() {
+    if content.rest.is_none() && content.head.len() <= ENOUGH {
         return no_store((content_type, content.head).into_response());
     }
+    let length = content.length();
     let mut outgoing = Outgoing::new(Arc::clone(job));
     outgoing.push(content);
     let body = stream::unfold(outgoing, |mut outgoing| async move {
         let bytes = outgoing.next().await?;
         Some((bytes, outgoing))
     });
-    no_store((content_type, Body::from_stream(body)).into_response())
+    let mut response = no_store((content_type, Body::from_stream(body)).into_response());
+    if let Some(length) = length {
+        let length = HeaderValue::from(length);
+        response
+            .headers_mut()
+            .insert(header::CONTENT_LENGTH, length);
+    }
+    response
 }

@@ -16,6 +16,9 @@ use super::weights;
 /// Rounding errors of coordinates, relative to the largest.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// The least eigenvalue takes some eliminations, and the method one more.
+const ELIMINATIONS: usize = 8;
+
 /// When to stop, as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerance {
@@ -280,6 +283,17 @@ impl Problem {
             .directions()
             .map(|direction| direction.basis.support_width());
         self.data().dimension() * self.grid().count() * widths.sum::<usize>()
+    }
+
+    /// About how many multiplications prepare the first iteration: evaluating the basis, and the
+    /// eliminations that the spectrum and the method need.
+    pub fn start_cost(&self) -> usize {
+        let each = self.directions().map(|direction| {
+            let width = direction.basis.support_width();
+            let elimination = direction.parameters.len().saturating_mul(width * width);
+            elimination.saturating_mul(ELIMINATIONS)
+        });
+        each.fold(0, usize::saturating_add)
     }
 
     /// A given start fits the problem.

@@ -4,16 +4,18 @@
 //! kept; each is made when a reader comes to it, and the last few are at hand for the others.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
 use parking_lot::Mutex;
 use tokio::sync::OnceCell;
 
+use super::memory::{Cache, Charge, Permit};
 use super::scheduler::{Broken, Lane, Scheduler};
 
-/// So many pieces are kept for readers that follow.
+/// So many pieces are kept for readers that follow; where memory is scarce, those that are being made.
 const RECENT: usize = 16;
+const FEWEST: usize = 4;
 
 /// Something on the wire.
 #[derive(Clone, Debug)]
@@ -22,15 +24,45 @@ pub struct Content {
     pub head: Bytes,
     /// What follows.
     pub rest: Option<Arc<Pieces>>,
+    /// What the head takes while it is kept.
+    charge: Option<Arc<Charge>>,
+    /// What it takes of another part of the memory until it is sent.
+    permit: Option<Arc<Permit>>,
 }
 
 impl From<Bytes> for Content {
     fn from(head: Bytes) -> Self {
-        Self { head, rest: None }
+        Self::new(head, None)
     }
 }
 
 impl Content {
+    /// What it begins with, and what follows.
+    pub fn new(head: Bytes, rest: Option<Arc<Pieces>>) -> Self {
+        Self {
+            head,
+            rest,
+            charge: None,
+            permit: None,
+        }
+    }
+
+    /// The same, which takes some memory until it is sent.
+    pub fn with_permit(mut self, permit: Option<Permit>) -> Self {
+        self.permit = permit.map(Arc::new);
+        self
+    }
+
+    /// The same, which is kept in a cache from now on.
+    pub fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
+        self.charge = Some(Arc::new(cache.charge(self.head.len())));
+        if let Some(rest) = &self.rest {
+            // Who kept it before does so still.
+            let _ = rest.cache.set(Arc::clone(cache));
+        }
+        self
+    }
+
     /// The number of all bytes, if it is known without making them.
     pub fn length(&self) -> Option<usize> {
         let rest = self.rest.as_ref();
@@ -61,9 +93,17 @@ pub struct Pieces {
     length: Option<usize>,
     /// The last pieces that were made, in order.
     recent: Mutex<VecDeque<(usize, Made)>>,
+    /// Where they are kept.
+    cache: OnceLock<Arc<Cache>>,
 }
 
-type Made = Arc<OnceCell<Bytes>>;
+type Made = Arc<OnceCell<Kept>>;
+
+/// A piece that was made.
+struct Kept {
+    bytes: Bytes,
+    _charge: Option<Charge>,
+}
 
 impl Pieces {
     /// Nothing is made yet.
@@ -72,6 +112,7 @@ impl Pieces {
             pieces,
             length,
             recent: Mutex::default(),
+            cache: OnceLock::new(),
         }
     }
 
@@ -85,11 +126,18 @@ impl Pieces {
         if let Piece::Made(bytes) = &self.pieces[index] {
             return Ok(bytes.clone());
         }
-        let make = || {
+        let make = || async {
             let pieces = Arc::clone(self);
-            pool.compute(Lane::Heavy, move || pieces.make(index))
+            let bytes = pool.compute(Lane::Wire, move || pieces.make(index)).await?;
+            let charge = self.cache.get().map(|cache| cache.charge(bytes.len()));
+            Ok(Kept {
+                bytes,
+                _charge: charge,
+            })
         };
-        self.place(index).get_or_try_init(make).await.cloned()
+        let place = self.place(index);
+        let kept = place.get_or_try_init(make).await?;
+        Ok(kept.bytes.clone())
     }
 
     /// All bytes behind the head.
@@ -118,7 +166,9 @@ impl Pieces {
         }
         let made = Made::default();
         if recent.back().is_none_or(|(newest, _)| *newest < index) {
-            if recent.len() == RECENT {
+            let scarce = self.cache.get().is_some_and(|cache| cache.is_full());
+            let most = if scarce { FEWEST } else { RECENT };
+            while recent.len() >= most {
                 recent.pop_front();
             }
             recent.push_back((index, Arc::clone(&made)));
@@ -175,6 +225,6 @@ mod tests {
         assert_eq!(made.load(Ordering::Relaxed), pieces.count() + 1);
         let (head, count) = (Bytes::from_static(b"!"), pieces.count());
         let rest = Some(pieces);
-        assert_eq!(Content { head, rest }.whole().len(), 1 + count);
+        assert_eq!(Content::new(head, rest).whole().len(), 1 + count);
     }
 }

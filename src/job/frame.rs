@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::forms::{Forms, Place};
+use super::content::Content;
+use super::forms::Forms;
+use super::memory::{Cache, Charge};
+use super::store::StoreError;
 use crate::fit::iteration::{Iteration, Level};
 use crate::fit::points::Points;
 
@@ -19,18 +22,23 @@ pub struct Frame {
     pub is_last: bool,
     /// What was made of it.
     encoded: Forms,
+    /// What it takes while it is kept.
+    _charge: Option<Charge>,
 }
 
 impl Frame {
     /// Bytes that a number of a frame takes: itself, and its decimal digits once somebody reads it.
     const BYTES_PER_NUMBER: usize = 8 + 28;
 
-    /// The current level of a fit.
-    pub fn of(iteration: &Iteration) -> Self {
+    /// The current level of a fit, which is kept in the cache.
+    pub fn of(iteration: &Iteration, cache: &Arc<Cache>) -> Self {
+        let points = iteration.shared_control_points();
+        let bytes = 8 * points.len() * points.dimension() + size_of::<Self>();
         Self {
             moved: iteration.moved().map(Arc::from),
             is_last: iteration.outcome().is_some(),
-            ..Self::last(iteration.level(), iteration.shared_control_points())
+            _charge: Some(cache.charge(bytes)),
+            ..Self::last(iteration.level(), points)
         }
     }
 
@@ -42,6 +50,7 @@ impl Frame {
             moved: None,
             is_last: true,
             encoded: Forms::default(),
+            _charge: None,
         }
     }
 
@@ -50,8 +59,13 @@ impl Frame {
         dimension * count * Self::BYTES_PER_NUMBER + size_of::<Self>()
     }
 
-    /// The place for a form of the frame on the wire: made by its first reader and shared by the others.
-    pub fn encoded(&self, form: &Arc<str>) -> Place {
-        self.encoded.of(form)
+    /// The frame in a form on the wire: made by its first reader and shared by the others.
+    pub async fn encoded<F: Future<Output = Result<Content, StoreError>> + Send + 'static>(
+        &self,
+        form: &Arc<str>,
+        cache: &Arc<Cache>,
+        encode: impl FnOnce() -> F,
+    ) -> Result<Content, StoreError> {
+        self.encoded.get(form, cache, encode).await
     }
 }

@@ -7,6 +7,8 @@
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
 //!   for each other; [`peer`]: whose they are;
+//! - [`memory`]: what all of this may take, and who gets how much; [`again`]: runs for readers that have
+//!   missed something;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
 //! - [`places`]: how many jobs there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
@@ -17,11 +19,13 @@
 //! An iterate is a pure function of the problem and its level. So frames are never stored: what is
 //! no longer at hand is computed again, by a run that starts over.
 
+pub mod again;
 pub mod content;
 pub mod counters;
 pub mod cursor;
 pub mod forms;
 pub mod frame;
+pub mod memory;
 pub mod outline;
 pub mod patience;
 pub mod peer;
@@ -35,18 +39,20 @@ pub mod store;
 pub mod suspects;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, OnceLock, Weak};
 
 use parking_lot::Mutex;
-use tokio::sync::{Notify, OnceCell, watch};
+use tokio::sync::{Notify, watch};
 use uuid::Uuid;
 
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
+use again::Again;
 use content::Content;
 use counters::Counters;
 use forms::Forms;
+use memory::{Memory, Permit};
 use outline::Outline;
 use peer::Peer;
 use run::{Attached, Run, SharedSystem};
@@ -54,27 +60,50 @@ use scheduler::Scheduler;
 use state::{State, Status};
 use store::{Record, Store, StoreError};
 
+/// Readers hold the points of jobs that take at most so many bytes.
+const HELD: usize = 256 * 1024;
+
+/// What a reader holds of a job.
+pub type Held = Option<Arc<SharedSystem>>;
+
 /// What all jobs of a server share.
 #[derive(Debug)]
 pub struct Resources {
     /// The compute pool.
     pub scheduler: Scheduler,
-    /// Bytes of recent frames that each run keeps.
+    /// The memory for all of them.
+    pub memory: Memory,
+    /// Runs that compute again.
+    pub again: Again,
+    /// Bytes of recent frames that each run keeps at most.
     pub ring_bytes: usize,
     /// What has been done so far.
     pub counters: Counters,
 }
 
-/// A job: a problem and what has become of it. Its points are at hand while it runs, and once
-/// somebody asks for them.
+impl Resources {
+    /// Nothing is taken yet of so many bytes of memory.
+    pub fn new(scheduler: Scheduler, memory: usize, ring_bytes: usize) -> Self {
+        Self {
+            scheduler,
+            memory: Memory::new(memory),
+            again: Again::default(),
+            ring_bytes,
+            counters: Counters::default(),
+        }
+    }
+}
+
+/// A job: a problem and what has become of it. Its points are at hand while it runs, or while somebody
+/// reads them.
 pub struct Job {
     outline: Outline,
     /// How many crashes of the process it may be to blame for.
     crashes: u32,
     status: watch::Sender<Status>,
     store: Arc<dyn Store>,
-    system: OnceCell<Arc<SharedSystem>>,
-    result: OnceCell<Option<Arc<Points>>>,
+    system: Mutex<Weak<SharedSystem>>,
+    result: OnceLock<Option<Arc<Points>>>,
     cancel_requested: AtomicBool,
     cancel: Notify,
     /// The run that decides the job's fate; gone once the job has ended.
@@ -93,8 +122,8 @@ impl Job {
             crashes: record.crashes,
             status: watch::Sender::new(record.status),
             store,
-            system: OnceCell::new(),
-            result: OnceCell::new(),
+            system: Mutex::default(),
+            result: OnceLock::new(),
             cancel_requested: AtomicBool::new(false),
             cancel: Notify::new(),
             primary: Mutex::new(Weak::new()),
@@ -119,14 +148,31 @@ impl Job {
         Ok(Arc::clone(self.system().await?.problem()))
     }
 
-    /// The system of the problem, which the job's runs share; made when it is first needed.
-    pub async fn system(&self) -> Result<&Arc<SharedSystem>, StoreError> {
-        let load = || async {
-            let problem = self.store.problem(self.id()).await?;
-            let problem = problem.ok_or(StoreError::Gone(self.id()))?;
-            Ok(Arc::new(SharedSystem::new(problem, None)))
-        };
-        self.system.get_or_try_init(load).await
+    /// The system of the problem, which all who need it share; made when there is none.
+    pub async fn system(&self) -> Result<Arc<SharedSystem>, StoreError> {
+        if let Some(system) = self.system.lock().upgrade() {
+            return Ok(system);
+        }
+        // Nothing is locked meanwhile: a reader that is not asked to go on would keep the lock.
+        let problem = self.store.problem(self.id()).await?;
+        let problem = problem.ok_or(StoreError::Gone(self.id()))?;
+        let mut shared = self.system.lock();
+        if let Some(system) = shared.upgrade() {
+            return Ok(system);
+        }
+        let system = Arc::new(SharedSystem::new(problem, None));
+        *shared = Arc::downgrade(&system);
+        Ok(system)
+    }
+
+    /// What a reader of a small job that has ended holds: it comes to its end, also if the job is
+    /// deleted meanwhile.
+    pub async fn held(&self) -> Result<Held, StoreError> {
+        let is_small = self.outline.memory <= HELD;
+        if is_small && self.status.borrow().state.is_final() {
+            return Ok(Some(self.system().await?));
+        }
+        Ok(None)
     }
 
     /// The state, with the level that a running job has reached by now.
@@ -152,14 +198,16 @@ impl Job {
         if !self.status.borrow().state.is_final() {
             return Ok(None);
         }
-        let load = || async {
-            let result = self.store.result(self.id()).await?;
-            if result.is_none() && self.store.get(self.id()).await?.is_none() {
-                return Err(StoreError::Gone(self.id()));
-            }
-            Ok(result)
-        };
-        self.result.get_or_try_init(load).await.cloned()
+        if let Some(result) = self.result.get() {
+            return Ok(result.clone());
+        }
+        let result = self.store.result(self.id()).await?;
+        if result.is_none() && self.store.get(self.id()).await?.is_none() {
+            return Err(StoreError::Gone(self.id()));
+        }
+        // Another reader may have been quicker.
+        let _ = self.result.set(result);
+        Ok(self.result.get().cloned().flatten())
     }
 
     /// Waits until the job has ended.
@@ -199,13 +247,13 @@ impl Job {
     }
 
     /// The description of the job in this form, made once by `encode`.
-    pub async fn description<E, F: Future<Output = Result<Content, E>>>(
+    pub async fn description<F: Future<Output = Result<Content, StoreError>> + Send + 'static>(
         &self,
         form: &'static str,
         encode: impl FnOnce() -> F,
-    ) -> Result<Content, E> {
-        let place = self.descriptions.of(&form.into());
-        place.get_or_try_init(encode).await.cloned()
+    ) -> Result<Content, StoreError> {
+        let cache = &self.resources.memory.cache;
+        self.descriptions.get(&form.into(), cache, encode).await
     }
 
     /// What the job's runs share with those of other jobs.
@@ -214,11 +262,10 @@ impl Job {
     }
 
     /// Makes the run that decides the job's fate. Readers may come as soon as it is there.
-    fn begin(&self, problem: Arc<Problem>, like: Option<Arc<System>>) -> Arc<Run> {
+    fn begin(&self, problem: Arc<Problem>, like: Option<Arc<System>>, permit: Permit) -> Arc<Run> {
         let system = Arc::new(SharedSystem::new(problem, like));
-        // A reader may have asked for it while the job was waiting.
-        let _ = self.system.set(Arc::clone(&system));
-        let run = self.new_run(self.system.get().unwrap_or(&system));
+        *self.system.lock() = Arc::downgrade(&system);
+        let run = Run::new(system, Arc::clone(&self.resources), Some(permit));
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
         // A request to cancel may have come before there was anything to stop.
@@ -228,24 +275,48 @@ impl Job {
         run
     }
 
-    fn new_run(&self, system: &Arc<SharedSystem>) -> Arc<Run> {
-        Run::new(Arc::clone(system), Arc::clone(&self.resources))
+    /// A run that can deliver frame `next`: one that has it or has not come so far, else a new one,
+    /// which has to wait for memory.
+    async fn attach(
+        self: &Arc<Self>,
+        next: usize,
+        peer: Option<Peer>,
+    ) -> Result<Attached, StoreError> {
+        if let Some(attached) = self.attach_to_live(next, peer) {
+            return Ok(attached);
+        }
+        // A reader that is not asked to go on must not keep others waiting for what it has got.
+        let attached = tokio::spawn(Arc::clone(self).attach_to_new(next, peer));
+        let broken = |_| Err(StoreError::Failed("a reader could not begin".to_owned()));
+        attached.await.unwrap_or_else(broken)
     }
 
-    /// A run that can deliver frame `next`: one that has it or has not come so far, else a new one.
-    async fn attach(&self, next: usize, peer: Option<Peer>) -> Result<Attached, StoreError> {
-        let system = self.system().await?;
+    async fn attach_to_new(
+        self: Arc<Self>,
+        next: usize,
+        peer: Option<Peer>,
+    ) -> Result<Attached, StoreError> {
+        let resources = &self.resources;
+        let share = &resources.memory.again;
+        let permit = resources.again.turn(share, self.outline.memory).await;
+        // Another reader may have been here in the meantime.
+        if let Some(attached) = self.attach_to_live(next, peer) {
+            return Ok(attached);
+        }
+        let run = Run::new(self.system().await?, Arc::clone(resources), permit);
+        let attached = Attached::to_new(Arc::clone(&run), next, peer);
+        resources.again.add(&run);
+        self.runs.lock().push(Arc::downgrade(&run));
+        Ok(attached)
+    }
+
+    fn attach_to_live(&self, next: usize, peer: Option<Peer>) -> Option<Attached> {
         let mut runs = self.runs.lock();
         runs.retain(|run| run.strong_count() > 0);
         let mut live: Vec<Arc<Run>> = runs.iter().filter_map(Weak::upgrade).collect();
         // The run that is furthest needs the fewest steps to get there.
         live.sort_by_key(|run| std::cmp::Reverse(run.levels().map(|levels| levels.last.iteration)));
-        if let Some(attached) = live.iter().find_map(|run| run.attach(next, peer)) {
-            return Ok(attached);
-        }
-        let run = self.new_run(system);
-        runs.push(Arc::downgrade(&run));
-        Ok(Attached::to_new(run, next, peer))
+        live.iter().find_map(|run| run.attach(next, peer))
     }
 }
 

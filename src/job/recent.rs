@@ -1,5 +1,5 @@
 //! Jobs that have just ended: they are read and edited in the next moments, for which they stay in
-//! memory, with their recent frames and collocation matrices.
+//! memory, with their recent frames and collocation matrices, while there is room in the cache.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -8,6 +8,7 @@ use parking_lot::Mutex;
 use uuid::Uuid;
 
 use super::Job;
+use super::memory::{Cache, Charge};
 use super::run::Run;
 use crate::fit::system::System;
 
@@ -15,6 +16,7 @@ use crate::fit::system::System;
 #[derive(Debug)]
 pub struct Recent {
     limit: usize,
+    cache: Arc<Cache>,
     kept: Mutex<Kept>,
 }
 
@@ -28,6 +30,7 @@ struct Kept {
 struct Entry {
     job: Arc<Job>,
     bytes: usize,
+    _charge: Charge,
     /// A job does not hold its runs and its system by itself.
     _run: Option<Arc<Run>>,
     _system: Option<Arc<System>>,
@@ -35,9 +38,10 @@ struct Entry {
 
 impl Recent {
     /// No job yet.
-    pub fn new(limit: usize) -> Self {
+    pub fn new(limit: usize, cache: Arc<Cache>) -> Self {
         Self {
             limit,
+            cache,
             kept: Mutex::default(),
         }
     }
@@ -50,6 +54,8 @@ impl Recent {
         let entry = Entry {
             job: Arc::clone(job),
             bytes: if frames_fit { with_frames } else { alone },
+            // Frames are counted by themselves.
+            _charge: self.cache.charge(alone),
             _run: frames_fit.then(|| Arc::clone(run)),
             _system: run.system(),
         };
@@ -69,6 +75,20 @@ impl Recent {
         // Freeing large arrays takes a while: not under the lock.
         drop(kept);
         drop(dropped);
+        self.make_room();
+    }
+
+    /// Lets go of the oldest jobs while the cache is full.
+    fn make_room(&self) {
+        while self.cache.is_full() {
+            let mut kept = self.kept.lock();
+            let Some(entry) = kept.jobs.pop_front() else {
+                return;
+            };
+            kept.bytes -= entry.bytes;
+            drop(kept);
+            drop(entry);
+        }
     }
 
     /// Lets go of a job.

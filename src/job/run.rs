@@ -11,6 +11,7 @@ use tokio::sync::futures::Notified;
 
 use super::Resources;
 use super::frame::Frame;
+use super::memory::Permit;
 use super::patience::{PATIENCE, Patience};
 use super::peer::Peer;
 use super::scheduler::{Lane, Turn, Work};
@@ -32,7 +33,7 @@ pub struct SharedSystem {
     /// A system that may have the same collocation matrix; given up once it has been used.
     like: Mutex<Option<Arc<System>>>,
     /// How long readers of the runs have made each other wait.
-    patience: Patience,
+    patience: Arc<Patience>,
 }
 
 impl SharedSystem {
@@ -42,13 +43,14 @@ impl SharedSystem {
             problem,
             system: Mutex::new(Weak::new()),
             like: Mutex::new(like),
-            patience: Patience::default(),
+            patience: Arc::default(),
         }
     }
 
     /// The system, if somebody holds it.
     pub fn at_hand(&self) -> Option<Arc<System>> {
-        self.system.lock().upgrade()
+        // While it is being made the lock is held for long.
+        self.system.try_lock()?.upgrade()
     }
 
     /// The problem.
@@ -81,6 +83,8 @@ pub enum Ending {
     Stopped,
     /// A defect: the computation panicked.
     Broken,
+    /// Others needed its memory.
+    Revoked,
 }
 
 /// What a run has to say about a frame.
@@ -99,23 +103,37 @@ pub enum Read {
 /// A shared iteration with a bounded ring of recent frames.
 #[derive(Debug)]
 pub struct Run {
-    system: Arc<SharedSystem>,
     resources: Arc<Resources>,
-    lane: Lane,
+    /// For its first slice, which makes the system, and for steps.
+    lanes: [Lane; 2],
     /// How many frames the ring holds: at least the newest.
     capacity: usize,
     frame_bytes: usize,
     /// Frames of this run are small enough to be kept even if nobody reads them yet.
     keeps_unread: bool,
+    patience: Arc<Patience>,
     state: Mutex<RunState>,
     changed: Notify,
     stopped: AtomicBool,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct RunState {
     /// `None` before the first slice, while a slice works on it, and after the end.
     iteration: Option<Iteration>,
+    /// A slice is at work.
+    working: bool,
+    /// What it iterates; gone if it was revoked.
+    shared: Option<Arc<SharedSystem>>,
+    /// What it may take, until it has ended.
+    permit: Option<Permit>,
+    /// It is taken to its end, whoever reads it.
+    to_the_end: bool,
+    begun: Instant,
+    /// When somebody asked for a frame.
+    touched: Instant,
+    /// Somebody has got a frame.
+    delivered: bool,
     /// Kept beyond the end of the iteration, for those who come next.
     system: Option<Arc<System>>,
     levels: Option<Levels>,
@@ -141,19 +159,26 @@ struct Reader {
 }
 
 impl Run {
-    /// A run that has not begun.
-    pub fn new(system: Arc<SharedSystem>, resources: Arc<Resources>) -> Arc<Self> {
+    /// A run that has not begun, with the memory that it takes.
+    pub fn new(
+        system: Arc<SharedSystem>,
+        resources: Arc<Resources>,
+        permit: Option<Permit>,
+    ) -> Arc<Self> {
         let problem = &system.problem;
         let weight = Frame::weight(problem.data().dimension(), problem.control_grid().count());
         let capacity = (resources.ring_bytes / weight).max(1);
         Arc::new(Self {
-            lane: Lane::of(problem.step_cost()),
-            system,
+            lanes: [
+                Lane::of_start(problem.start_cost(), problem.step_cost()),
+                Lane::of(problem.step_cost()),
+            ],
             resources,
             capacity,
             frame_bytes: weight,
             keeps_unread: capacity >= 4 * LOOK_AHEAD,
-            state: Mutex::default(),
+            patience: Arc::clone(&system.patience),
+            state: Mutex::new(RunState::new(system, permit)),
             changed: Notify::new(),
             stopped: AtomicBool::new(false),
         })
@@ -174,19 +199,44 @@ impl Run {
         self.state.lock().ring.len() * self.frame_bytes
     }
 
-    /// Stops the run after its current step. Frames in the ring can still be read.
+    /// Stops the run after its current step; before the first level at once, as making the system can
+    /// take long. Frames in the ring can still be read.
     pub fn stop(&self) {
         self.stopped.store(true, Ordering::Release);
         let mut state = self.state.lock();
-        if !state.scheduled {
-            state.end(Ending::Stopped);
-            drop(state);
-            self.changed.notify_waiters();
+        if state.ending.is_some() || (state.working && state.levels.is_some()) {
+            return;
         }
+        let last = state.iteration.take().map(|it| last_frame(&it));
+        state.last = last;
+        state.end(Ending::Stopped);
+        drop(state);
+        self.changed.notify_waiters();
+    }
+
+    /// Whether others may have its memory: nobody has asked it for anything for this long, or it has
+    /// served its readers for as long as `fair`.
+    pub fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
+        let state = self.state.lock();
+        let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
+        is_idle || (state.delivered && state.begun.elapsed() >= fair)
+    }
+
+    /// Ends the run and forgets its frames: readers go on with another one.
+    pub fn revoke(&self) {
+        let mut state = self.state.lock();
+        state.end(Ending::Revoked);
+        state.ring.clear();
+        let system = state.system.take();
+        let shared = state.shared.take();
+        drop(state);
+        drop((system, shared));
+        self.changed.notify_waiters();
     }
 
     /// Runs to its end, whoever reads it, and says why it ended and with which frame.
     pub async fn complete(self: &Arc<Self>) -> (Ending, Option<Arc<Frame>>) {
+        self.state.lock().to_the_end = true;
         self.want(usize::MAX);
         loop {
             let mut changed = std::pin::pin!(self.changed.notified());
@@ -207,9 +257,10 @@ impl Run {
         state.wanted = state.wanted.max(Some(level));
         if state.has_work() && !state.scheduled {
             state.scheduled = true;
+            let lane = self.lanes[usize::from(state.levels.is_some())];
             drop(state);
             let work: Arc<dyn Work> = Arc::<Self>::clone(self);
-            self.resources.scheduler.submit(self.lane, work);
+            self.resources.scheduler.submit(lane, work);
         }
     }
 
@@ -230,7 +281,7 @@ impl Run {
         let state = self.state.lock();
         let wanted = state.wanted.unwrap_or(0);
         let left = wanted.saturating_sub(iteration.level().iteration);
-        let unseen = state.readers.is_empty() && !self.keeps_unread;
+        let unseen = state.readers.is_empty() && !self.keeps_unread();
         drop(state);
         let count = if unseen { left.clamp(1, LEVELS) } else { 1 };
         iteration.steps(count, &mut |_| {
@@ -242,7 +293,11 @@ impl Run {
     fn publish(&self, iteration: &mut Iteration) {
         let level = iteration.level();
         let outcome = iteration.outcome();
+        let cache = &self.resources.memory.cache;
         let mut state = self.state.lock();
+        if state.ending.is_some() {
+            return;
+        }
         if outcome == Some(Outcome::Overflow) {
             // This level has no geometry: the one before was the last.
             state.last = state.ring.back().cloned();
@@ -252,16 +307,25 @@ impl Run {
             return;
         }
         let mut oldest = None;
-        let keep = self.keeps_unread || outcome.is_some() || state.is_read(level.iteration);
+        let keep = self.keeps_unread() || outcome.is_some() || state.is_read(level.iteration);
         if keep {
             // Copying can take as long as a step, so it is not done under the lock.
             drop(state);
-            let frame = Arc::new(Frame::of(iteration));
+            let frame = Arc::new(Frame::of(iteration, cache));
             state = self.state.lock();
+            if state.ending.is_some() {
+                return;
+            }
             state.last = outcome.map(|_| Arc::clone(&frame));
             state.ring.push_back(frame);
             while state.ring.len() > self.capacity {
                 oldest = state.ring.pop_front();
+            }
+            // One goes for the new one, and one makes room for those of others.
+            for _ in 0..2 {
+                if cache.is_full() && state.ring.len() > 1 {
+                    oldest = state.ring.pop_front();
+                }
             }
         } else {
             state.ring.clear();
@@ -277,19 +341,82 @@ impl Run {
         }
     }
 
-    /// Ends the run because it was stopped.
-    fn end_stopped(&self, iteration: Option<&Iteration>) {
-        let frame =
-            iteration.map(|it| Arc::new(Frame::last(it.level(), it.shared_control_points())));
+    /// Whether frames are kept that nobody reads yet.
+    fn keeps_unread(&self) -> bool {
+        self.keeps_unread && !self.resources.memory.cache.is_half_full()
+    }
+
+    /// Takes the iteration for a slice, if there is something to do; before level 0 there is none.
+    fn take_up(&self) -> Option<(Option<Iteration>, Arc<SharedSystem>)> {
         let mut state = self.state.lock();
-        state.last = frame;
-        state.end(Ending::Stopped);
+        let shared = state.shared.clone().filter(|_| state.has_work());
+        state.working = shared.is_some();
+        state.scheduled = shared.is_some();
+        shared.map(|shared| (state.iteration.take(), shared))
+    }
+
+    /// Ends a slice, and says whether another one is needed.
+    fn lay_down(&self, iteration: Iteration) -> Turn {
+        let mut state = self.state.lock();
+        state.working = false;
+        if state.ending.is_some() {
+            state.permit = None;
+            drop(state);
+            drop(iteration);
+            return Turn::Done;
+        }
+        state.iteration = Some(iteration);
+        state.scheduled = state.has_work();
+        match state.scheduled {
+            true => Turn::Again(self.lanes[1]),
+            false => Turn::Done,
+        }
+    }
+
+    /// Ends the run because it was stopped.
+    fn end_stopped(&self, iteration: Iteration) -> Turn {
+        let frame = last_frame(&iteration);
+        let mut state = self.state.lock();
+        if state.ending.is_none() {
+            state.last = Some(frame);
+            state.end(Ending::Stopped);
+        }
         drop(state);
         self.changed.notify_waiters();
+        self.lay_down(iteration)
     }
 }
 
+/// The level at which a run was stopped.
+fn last_frame(iteration: &Iteration) -> Arc<Frame> {
+    let points = iteration.shared_control_points();
+    Arc::new(Frame::last(iteration.level(), points))
+}
+
 impl RunState {
+    fn new(system: Arc<SharedSystem>, permit: Option<Permit>) -> Self {
+        let now = Instant::now();
+        Self {
+            iteration: None,
+            working: false,
+            shared: Some(system),
+            permit,
+            to_the_end: false,
+            begun: now,
+            touched: now,
+            delivered: false,
+            system: None,
+            levels: None,
+            wanted: None,
+            scheduled: false,
+            ring: VecDeque::new(),
+            readers: BTreeMap::new(),
+            next_reader: 0,
+            ending: None,
+            last: None,
+        }
+    }
+
     fn has_work(&self) -> bool {
         let reached = self.levels.map(|levels| levels.last.iteration);
         self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
@@ -321,11 +448,17 @@ impl RunState {
             self.ending = Some(ending);
             self.iteration = None;
             self.scheduled = false;
+            if !self.working {
+                self.permit = None;
+            }
         }
     }
 
     fn read(&self, index: usize) -> Read {
         let reached = self.levels.map(|levels| levels.last.iteration);
+        if self.ending == Some(Ending::Revoked) {
+            return Read::Gone;
+        }
         if reached < Some(index) {
             return match self.ending {
                 None => Read::Later,
@@ -342,40 +475,40 @@ impl RunState {
 
 impl Work for Run {
     fn slice(&self, deadline: Instant) -> Turn {
-        let mut current = self.state.lock().iteration.take();
+        let Some((mut current, shared)) = self.take_up() else {
+            return Turn::Done;
+        };
         loop {
-            if self.stopped.load(Ordering::Acquire) {
-                self.end_stopped(current.as_ref());
-                return Turn::Done;
-            }
-            let mut iteration = match current.take() {
+            let (mut iteration, is_start) = match current.take() {
                 None => {
                     self.resources.counters.iterations.inc();
-                    Iteration::start(self.system.get())
+                    (Iteration::start(shared.get()), true)
+                }
+                Some(iteration) if self.stopped.load(Ordering::Acquire) => {
+                    return self.end_stopped(iteration);
                 }
                 Some(mut iteration) => {
                     self.advance(&mut iteration);
-                    iteration
+                    (iteration, false)
                 }
             };
             self.publish(&mut iteration);
-            let mut state = self.state.lock();
-            if state.ending.is_some() {
-                return Turn::Done;
+            let more = self.state.lock().has_work();
+            let goes_on = more && Instant::now() < deadline;
+            // Making the system and steps can be for different lanes.
+            if !goes_on || (is_start && self.lanes[0] != self.lanes[1]) {
+                return self.lay_down(iteration);
             }
-            let more = state.has_work();
-            if more && Instant::now() < deadline {
-                current = Some(iteration);
-                continue;
-            }
-            state.iteration = Some(iteration);
-            state.scheduled = more;
-            return if more { Turn::Again } else { Turn::Done };
+            current = Some(iteration);
         }
     }
 
     fn broken(&self) {
-        self.state.lock().end(Ending::Broken);
+        let mut state = self.state.lock();
+        state.working = false;
+        state.end(Ending::Broken);
+        state.permit = None;
+        drop(state);
         self.changed.notify_waiters();
     }
 }
@@ -401,7 +534,10 @@ impl Attached {
         if let Some(reader) = state.readers.get_mut(&self.reader) {
             reader.next = index;
         }
-        state.read(index)
+        state.touched = Instant::now();
+        let read = state.read(index);
+        state.delivered |= matches!(read, Read::Frame(_));
+        read
     }
 
     /// Lets the run advance to frame `index`, and a little further where frames are small; unless
@@ -438,7 +574,7 @@ impl Attached {
         if peer == self.peer {
             return left;
         }
-        let patience = &self.run.system.patience;
+        let patience = &self.run.patience;
         patience.spend(peer, since, now);
         left.min(patience.left(peer, now))
     }
@@ -464,7 +600,13 @@ impl Attached {
 
 impl Drop for Attached {
     fn drop(&mut self) {
-        self.run.state.lock().readers.remove(&self.reader);
+        let mut state = self.run.state.lock();
+        state.readers.remove(&self.reader);
+        if state.readers.is_empty() && !state.to_the_end {
+            // Nobody waits for what was wanted.
+            state.wanted = None;
+        }
+        drop(state);
         // Others may have waited for this one.
         self.run.changed.notify_waiters();
     }
@@ -479,7 +621,6 @@ mod tests {
     use crate::fit::parameters::Parametrization;
     use crate::fit::points::{Grid, Points};
     use crate::fit::problem::{Request, Tolerance, Weights};
-    use crate::job::counters::Counters;
     use crate::job::scheduler::Scheduler;
 
     fn problem() -> Problem {
@@ -530,13 +671,10 @@ mod tests {
     /// A ring of one frame: nobody is left behind as long as nobody insists.
     #[tokio::test]
     async fn readers_of_large_frames_wait_for_each_other() {
-        let resources = Arc::new(Resources {
-            scheduler: Scheduler::new(1).unwrap(),
-            ring_bytes: 0,
-            counters: Counters::default(),
-        });
+        let scheduler = Scheduler::new(1).unwrap();
+        let resources = Arc::new(Resources::new(scheduler, 1 << 30, 0));
         let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
-        let run = Run::new(system, Arc::clone(&resources));
+        let run = Run::new(system, Arc::clone(&resources), None);
         let quick = Attached::to_new(Arc::clone(&run), 0, None);
         let slow = run.attach(0, None).unwrap();
         quick.want(0, &mut None);

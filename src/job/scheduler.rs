@@ -1,9 +1,11 @@
 //! The compute pool: threads that run work in slices of a few milliseconds, round robin.
 //!
-//! Work has one of two lanes with threads of their own. Steps on the quick lane take less than a
+//! Work has one of four lanes with threads of their own. Steps on the quick lane take less than a
 //! millisecond; those on the heavy lane can take longer than a slice, as a step is not interrupted.
-//! Both lanes have as many threads as there are workers, and the operating system shares the cores
-//! between them: a small job never waits for a large one.
+//! What comes from clients is read, and what goes to them is written, on the wire lane; and what can
+//! take seconds in one piece, like the factors of a dense matrix, has the long lane. The operating
+//! system shares the cores between them: a small job never waits for a large one, and nobody's request
+//! for somebody's set-up.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -22,6 +24,9 @@ const SLICE: Duration = Duration::from_millis(2);
 /// Multiplications (or numbers to be written) that take well below a millisecond.
 const QUICK: usize = 200_000;
 
+/// Multiplications that take a tenth of a second or more.
+const LONG: usize = 100_000_000;
+
 /// Which threads do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lane {
@@ -29,6 +34,10 @@ pub enum Lane {
     Quick,
     /// For large steps.
     Heavy,
+    /// For reading what comes from clients, and writing what goes to them.
+    Wire,
+    /// For what can take seconds in one piece.
+    Long,
 }
 
 impl Lane {
@@ -40,13 +49,29 @@ impl Lane {
             Self::Heavy
         }
     }
+
+    /// The lane of the first slice of a run, which prepares the steps.
+    pub fn of_start(start: usize, step: usize) -> Self {
+        match start {
+            LONG.. => Self::Long,
+            _ => Self::of(start.max(step)),
+        }
+    }
+
+    /// The lane of what is read or written for a client, which takes so many operations.
+    pub fn of_wire(operations: usize) -> Self {
+        match Self::of(operations) {
+            Self::Quick => Self::Quick,
+            _ => Self::Wire,
+        }
+    }
 }
 
 /// Whether work needs another turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// Queue it again, behind the others.
-    Again,
+    /// Queue it again on this lane, behind the others.
+    Again(Lane),
     /// It is done, or has nothing to do for now.
     Done,
 }
@@ -67,10 +92,34 @@ pub struct Broken;
 
 /// The compute pool. Its threads end when it is closed, or dropped.
 #[derive(Debug)]
-pub struct Scheduler {
-    quick: Arc<Queue>,
-    heavy: Arc<Queue>,
+pub struct Scheduler(Arc<Queues>);
+
+#[derive(Debug, Default)]
+struct Queues {
+    quick: Queue,
+    heavy: Queue,
+    wire: Queue,
+    long: Queue,
 }
+
+impl Queues {
+    fn of(&self, lane: Lane) -> &Queue {
+        match lane {
+            Lane::Quick => &self.quick,
+            Lane::Heavy => &self.heavy,
+            Lane::Wire => &self.wire,
+            Lane::Long => &self.long,
+        }
+    }
+}
+
+/// The lanes, and what their threads are called.
+const LANES: [(Lane, &str); 4] = [
+    (Lane::Quick, "quick"),
+    (Lane::Heavy, "heavy"),
+    (Lane::Wire, "wire"),
+    (Lane::Long, "long"),
+];
 
 #[derive(Default)]
 struct Queue {
@@ -87,16 +136,13 @@ struct QueueState {
 impl Scheduler {
     /// Starts `workers` threads for each lane.
     pub fn new(workers: usize) -> std::io::Result<Self> {
-        let scheduler = Self {
-            quick: Arc::default(),
-            heavy: Arc::default(),
-        };
-        for (queue, lane) in [(&scheduler.quick, "quick"), (&scheduler.heavy, "heavy")] {
+        let scheduler = Self(Arc::default());
+        for (lane, name) in LANES {
             for index in 0..workers {
-                let queue = Arc::clone(queue);
+                let queues = Arc::clone(&scheduler.0);
                 thread::Builder::new()
-                    .name(format!("piad-{lane}-{index}"))
-                    .spawn(move || queue.serve())?;
+                    .name(format!("piad-{name}-{index}"))
+                    .spawn(move || queues.serve(lane))?;
             }
         }
         Ok(scheduler)
@@ -104,10 +150,7 @@ impl Scheduler {
 
     /// Queues work.
     pub fn submit(&self, lane: Lane, work: Arc<dyn Work>) {
-        match lane {
-            Lane::Quick => self.quick.push(work),
-            Lane::Heavy => self.heavy.push(work),
-        }
+        self.0.of(lane).push(work);
     }
 
     /// Computes a value in the pool, off the threads that serve the network.
@@ -119,7 +162,9 @@ impl Scheduler {
         let (sender, receiver) = oneshot::channel();
         let call: Box<dyn FnOnce() + Send> = Box::new(move || {
             // Nobody waits for the value of a request that was given up.
-            let _ = sender.send(function());
+            if !sender.is_closed() {
+                let _ = sender.send(function());
+            }
         });
         self.submit(lane, Arc::new(Call(Mutex::new(Some(call)))));
         receiver.await.map_err(|_| Broken)
@@ -129,8 +174,9 @@ impl Scheduler {
 impl Scheduler {
     /// Ends the threads after their current slices. Work that waits, or comes later, is not done.
     pub fn close(&self) {
-        self.quick.close();
-        self.heavy.close();
+        for (lane, _) in LANES {
+            self.0.of(lane).close();
+        }
     }
 }
 
@@ -168,12 +214,14 @@ impl Queue {
         state.waiting.clear();
         self.filled.notify_all();
     }
+}
 
-    fn serve(&self) {
-        while let Some(work) = self.pop() {
+impl Queues {
+    fn serve(&self, lane: Lane) {
+        while let Some(work) = self.of(lane).pop() {
             let deadline = Instant::now() + SLICE;
             match catch_unwind(AssertUnwindSafe(|| work.slice(deadline))) {
-                Ok(Turn::Again) => self.push(work),
+                Ok(Turn::Again(lane)) => self.of(lane).push(work),
                 Ok(Turn::Done) => {}
                 Err(_) => {
                     error!("a computation panicked; its job fails, the others go on");
@@ -223,7 +271,11 @@ mod tests {
             self.log.lock().push(self.id);
             let mut left = self.left.lock();
             *left -= 1;
-            if *left == 0 { Turn::Done } else { Turn::Again }
+            if *left == 0 {
+                Turn::Done
+            } else {
+                Turn::Again(Lane::Heavy)
+            }
         }
 
         fn broken(&self) {}

@@ -8,12 +8,13 @@ use std::time::Duration;
 use jiff::Timestamp;
 use parking_lot::Mutex;
 use thiserror::Error;
-use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore};
+use tokio::sync::Notify;
 use tokio::time::{sleep, timeout};
 use tracing::{error, info, warn};
 use uuid::Uuid;
 
 use super::frame::Frame;
+use super::memory::Share;
 use super::outline::{Label, Outline};
 use super::peer::Peer;
 use super::places::{Occupied, Place, Places};
@@ -28,6 +29,12 @@ use crate::fit::iteration::Outcome;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 
+/// Multiplications of an iteration: they take a second or two.
+const MOST_OF_A_STEP: usize = 2_000_000_000;
+
+/// Multiplications before the first iteration, which have a lane of their own: they take some seconds.
+const MOST_OF_A_START: usize = 20_000_000_000;
+
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
@@ -37,14 +44,9 @@ const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 /// How long the past may be beyond its limits.
 const RETENTION_PAUSE: Duration = Duration::from_millis(50);
 
-/// The unit in which memory is handed out.
-const PAGE: usize = 4096;
-
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Bytes that running jobs may take together.
-    pub memory: usize,
     /// Bytes of jobs that have just ended and are still at hand.
     pub recent: usize,
     /// Jobs that have not ended.
@@ -78,6 +80,19 @@ pub enum Refused {
         /// The limit in bytes.
         limit: usize,
     },
+    /// A piece of it that cannot be interrupted would take too long.
+    #[error(
+        "{what} takes about {needed:.0e} multiplications, and this server computes at most {limit:.0e} \
+         in one piece: choose a lower degree or fewer points"
+    )]
+    TooMuchWork {
+        /// The piece.
+        what: &'static str,
+        /// Multiplications of the piece.
+        needed: f64,
+        /// The most that are done.
+        limit: f64,
+    },
     /// The key belongs to another request.
     #[error("the key was used for another request, which made job {0}")]
     KeyTaken(Uuid),
@@ -100,10 +115,6 @@ pub struct Jobs {
     store: Arc<dyn Store>,
     resources: Arc<Resources>,
     limits: Limits,
-    /// Memory for jobs on the heavy and on the quick lane, in pages. A quarter is kept for the
-    /// quick ones, so that none of them waits for a large one.
-    heavy: Arc<Semaphore>,
-    quick: Arc<Semaphore>,
     /// Jobs that were running in a crash, which run again a few at a time.
     suspects: Suspects,
     /// For jobs that have not ended.
@@ -122,17 +133,15 @@ pub struct Jobs {
 impl Jobs {
     /// No jobs but those in the store.
     pub fn new(store: Arc<dyn Store>, resources: Arc<Resources>, limits: Limits) -> Self {
-        let pages = (limits.memory / PAGE).min(Semaphore::MAX_PERMITS);
+        let cache = Arc::clone(&resources.memory.cache);
         Self {
             store,
             resources,
             limits,
-            heavy: Arc::new(Semaphore::new(pages - pages / 4)),
-            quick: Arc::new(Semaphore::new(pages / 4)),
             suspects: Suspects::default(),
             places: Places::new(limits.jobs, limits.jobs_of_a_peer),
             suspended: AtomicBool::new(false),
-            recent: Recent::new(limits.recent),
+            recent: Recent::new(limits.recent, cache),
             ended: Arc::default(),
             deletions: AtomicUsize::new(0),
             live: Mutex::default(),
@@ -239,8 +248,9 @@ impl Jobs {
     ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem);
         self.admit(&outline)?;
+        check_work(&problem)?;
         let place = self.places.take(peer)?;
-        let memory = self.memory_at_once(&outline);
+        let memory = self.share(&outline).take_at_once(outline.memory);
         let record = Record {
             outline,
             status: match memory {
@@ -258,9 +268,8 @@ impl Jobs {
         let waiting = match memory {
             Some(memory) => {
                 let start = Start {
-                    _memory: memory,
                     watch: None,
-                    run: job.begin(problem, like),
+                    run: job.begin(problem, like, memory),
                 };
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
                 None
@@ -385,39 +394,23 @@ impl Jobs {
 
     /// Refuses what can never run.
     fn admit(&self, outline: &Outline) -> Result<(), Refused> {
-        let (_, pages) = self.budget(outline);
-        let available = match Lane::of(outline.step_cost) {
-            Lane::Quick => self.limits.memory / PAGE / 4,
-            Lane::Heavy => self.limits.memory / PAGE - self.limits.memory / PAGE / 4,
-        };
-        if pages as usize > available {
+        let share = self.share(outline);
+        if !share.holds(outline.memory) {
             return Err(Refused::TooLarge {
                 needed: outline.memory,
-                limit: available * PAGE,
+                limit: share.bytes(),
             });
         }
         Ok(())
     }
 
-    /// Which memory a job takes, and how many pages of it.
-    fn budget(&self, outline: &Outline) -> (&Arc<Semaphore>, u32) {
-        let pages = outline.memory.div_ceil(PAGE);
-        let memory = match Lane::of(outline.step_cost) {
-            Lane::Quick => &self.quick,
-            Lane::Heavy => &self.heavy,
-        };
-        (memory, u32::try_from(pages).unwrap_or(u32::MAX))
-    }
-
-    /// The memory that a job needs, if nobody else waits for it.
-    fn memory_at_once(&self, outline: &Outline) -> Option<OwnedSemaphorePermit> {
-        let (memory, pages) = self.budget(outline);
-        Arc::clone(memory).try_acquire_many_owned(pages).ok()
-    }
-
-    async fn memory_for(&self, outline: &Outline) -> Option<OwnedSemaphorePermit> {
-        let (memory, pages) = self.budget(outline);
-        Arc::clone(memory).acquire_many_owned(pages).await.ok()
+    /// The memory that a job takes some of.
+    fn share(&self, outline: &Outline) -> &Share {
+        let memory = &self.resources.memory;
+        match Lane::of(outline.step_cost) {
+            Lane::Quick => &memory.quick,
+            _ => &memory.heavy,
+        }
     }
 
     /// Takes a job to its end: at once with the memory and the problem that it has got, else when
@@ -482,7 +475,8 @@ impl Jobs {
     /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
     async fn turn(&self, job: &Job) -> Result<Option<Start>, StoreError> {
         let permits = async {
-            let memory = self.memory_for(job.outline()).await?;
+            let outline = job.outline();
+            let memory = self.share(outline).take(outline.memory).await?;
             Some((memory, self.suspects.turn(job.crashes).await))
         };
         let permits = tokio::select! {
@@ -498,13 +492,9 @@ impl Jobs {
         let started = self.store.start(job.id(), status.clone(), watch.is_some());
         started.await?;
         let problem = job.problem().await?;
-        let run = job.begin(problem, None);
+        let run = job.begin(problem, None, memory);
         job.status.send_replace(status);
-        Ok(Some(Start {
-            _memory: memory,
-            watch,
-            run,
-        }))
+        Ok(Some(Start { watch, run }))
     }
 
     async fn run(&self, job: &Arc<Job>, start: Start) -> (Ending, Option<Arc<Frame>>) {
@@ -557,11 +547,25 @@ impl Jobs {
     }
 }
 
+/// Refuses what would keep others, and those who cancel it, waiting for seconds.
+fn check_work(problem: &Problem) -> Result<(), Refused> {
+    let pieces = [
+        ("an iteration", problem.step_cost(), MOST_OF_A_STEP),
+        ("preparing the fit", problem.start_cost(), MOST_OF_A_START),
+    ];
+    match pieces.into_iter().find(|(_, needed, limit)| needed > limit) {
+        None => Ok(()),
+        Some((what, needed, limit)) => Err(Refused::TooMuchWork {
+            what,
+            needed: needed as f64,
+            limit: limit as f64,
+        }),
+    }
+}
+
 /// A job that may run.
 struct Start {
     run: Arc<Run>,
-    /// The memory that it takes.
-    _memory: OwnedSemaphorePermit,
     /// It was running in a crash.
     watch: Option<Watch>,
 }
@@ -577,7 +581,8 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
             Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
         },
         Ending::Broken => (State::Failed, None, Some(Failure::Defect)),
-        Ending::Stopped => (State::Cancelled, None, None),
+        // Only runs for readers are revoked.
+        Ending::Stopped | Ending::Revoked => (State::Cancelled, None, None),
     }
 }
 

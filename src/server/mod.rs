@@ -52,11 +52,11 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
-    let resources = Arc::new(Resources {
-        scheduler: Scheduler::new(config.worker_count())?,
-        ring_bytes: bytes(config.ring.as_u64()),
-        counters: Counters::default(),
-    });
+    let resources = Arc::new(Resources::new(
+        Scheduler::new(config.worker_count())?,
+        bytes(config.memory_bytes()),
+        bytes(config.ring.as_u64()),
+    ));
     let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters)?;
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
@@ -129,7 +129,6 @@ fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
 
 fn limits(config: &Config) -> Limits {
     Limits {
-        memory: bytes(config.memory_bytes()),
         recent: bytes(config.recent.as_u64()),
         jobs: config.max_jobs,
         jobs_of_a_peer: config.jobs_of_a_peer(),

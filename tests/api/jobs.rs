@@ -121,7 +121,7 @@ async fn a_running_job_is_cancelled_and_its_streams_end() {
 
 #[tokio::test]
 async fn a_queued_job_is_cancelled_before_it_begins() {
-    let server = Server::with(|config| config.memory = Some("64KiB".parse().unwrap())).await;
+    let server = Server::with(|config| config.memory = Some("128KiB".parse().unwrap())).await;
     let busy = server.create(&data::endless_job()).await;
     let queued = server.create(&data::endless_job()).await;
     assert_eq!(server.json(&path(&queued)).await["state"], "queued");

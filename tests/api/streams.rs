@@ -245,7 +245,7 @@ async fn a_client_that_does_not_read_holds_up_nobody() {
 #[tokio::test]
 async fn quiet_streams_are_kept_open() {
     let server = Server::with(|config| {
-        config.memory = Some("64KiB".parse().unwrap());
+        config.memory = Some("128KiB".parse().unwrap());
         config.heartbeat = Duration::from_millis(20);
     })
     .await;

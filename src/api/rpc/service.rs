@@ -20,9 +20,9 @@ use crate::api::options::{StreamOptions, StreamParameters};
 use crate::api::order::{self, Order};
 use crate::api::problem::{Kind, Problem};
 use crate::api::{App, encode, geometry, jobs};
-use crate::job::Job;
 use crate::job::service::Accepted;
 use crate::job::store::Key;
+use crate::job::{Held, Job};
 
 /// The service, over the jobs of an application.
 #[derive(Clone)]
@@ -101,8 +101,14 @@ impl Service {
     }
 
     /// The events of a job after iteration `seen`.
-    fn events(&self, job: Arc<Job>, options: StreamOptions, seen: Option<usize>) -> Events {
-        let feed = Feed::new(&self.0, job, options, seen);
+    fn events(
+        &self,
+        job: Arc<Job>,
+        options: StreamOptions,
+        seen: Option<usize>,
+        held: Held,
+    ) -> Events {
+        let feed = Feed::new(&self.0, job, options, seen, held);
         Box::pin(stream::unfold(Some(feed), next))
     }
 }
@@ -190,7 +196,8 @@ impl FittingService for Service {
             parameters.framed(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
         // A job that is known has a stream of its own, which may end it.
         options.cancels &= !replayed;
-        Ok(Response::new(self.events(job, options, None)))
+        let held = job.held().await?;
+        Ok(Response::new(self.events(job, options, None, held)))
     }
 
     async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Answer<pb::GetJobResponse> {
@@ -280,11 +287,8 @@ impl FittingService for Service {
         let defaults = StreamObject::of(&outline.label)?;
         let options =
             parameters.of_reader(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
-        if job.status().state.is_final() {
-            // Once they are at hand the stream comes to its end, also if the job is deleted.
-            job.problem().await?;
-        }
+        let held = job.held().await?;
         let seen = message.resume_after.map(level);
-        Ok(Response::new(self.events(job, options, seen)))
+        Ok(Response::new(self.events(job, options, seen, held)))
     }
 }

@@ -151,7 +151,7 @@ impl Writer {
         };
         let length = self.length.map(|length| length - head.len());
         let rest = Some(Arc::new(Pieces::new(pieces.collect(), length)));
-        Content { head, rest }
+        Content::new(head, rest)
     }
 }
 

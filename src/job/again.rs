@@ -1,0 +1,57 @@
+//! Levels that are computed again, for readers that have missed them: by runs that share a part of
+//! the memory, in turn.
+
+use std::sync::{Arc, Weak};
+use std::time::Duration;
+
+use parking_lot::Mutex;
+use tokio::time::timeout;
+
+use super::memory::{Permit, Share};
+use super::run::Run;
+
+/// A run that nobody has asked for anything for this long gives way to those who wait.
+const IDLE: Duration = Duration::from_millis(500);
+
+/// A run that has served its readers for this long gives way, too: they go on when it is their turn.
+const FAIR: Duration = Duration::from_secs(20);
+
+/// How often those who wait look for a run that gives way.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Runs that compute again.
+#[derive(Debug, Default)]
+pub struct Again(Mutex<Vec<Weak<Run>>>);
+
+impl Again {
+    /// Waits for the memory of another run.
+    pub async fn turn(&self, share: &Share, bytes: usize) -> Option<Permit> {
+        let mut permit = std::pin::pin!(share.take(bytes));
+        loop {
+            if let Ok(permit) = timeout(LOOK, permit.as_mut()).await {
+                return permit;
+            }
+            self.make_room();
+        }
+    }
+
+    /// A run that has got its memory here.
+    pub fn add(&self, run: &Arc<Run>) {
+        let mut runs = self.0.lock();
+        runs.retain(|run| run.strong_count() > 0);
+        runs.push(Arc::downgrade(run));
+    }
+
+    /// Ends a run that may be ended, if there is one; the oldest first.
+    fn make_room(&self) {
+        let mut runs = self.0.lock();
+        let live = runs.iter().enumerate();
+        let found = live
+            .filter_map(|(place, run)| Some((place, run.upgrade()?)))
+            .find(|(_, run)| run.is_revocable(IDLE, FAIR));
+        if let Some((place, run)) = found {
+            runs.remove(place);
+            run.revoke();
+        }
+    }
+}
