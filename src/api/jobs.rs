@@ -15,6 +15,7 @@ use uuid::Uuid;
 use super::negotiate::{self, Language};
 use super::path::Named;
 use super::problem::{Kind, Problem};
+use super::short::quoted;
 use super::{App, no_store, rpc, view};
 use crate::job::Job;
 use crate::job::state::State as JobState;
@@ -29,7 +30,7 @@ pub const LARGEST_PAGE: usize = 1000;
 #[serde(deny_unknown_fields)]
 struct ListParameters {
     state: Option<String>,
-    limit: Option<usize>,
+    limit: Option<String>,
     cursor: Option<String>,
 }
 
@@ -41,8 +42,15 @@ pub async fn list(
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
     let parameters: ListParameters = negotiate::query(&uri)?;
-    let limit = parameters.limit.unwrap_or(DEFAULT_PAGE);
-    check_limit(limit).map_err(|detail| Problem::at_parameter("limit", detail))?;
+    let limit = match parameters.limit.as_deref() {
+        None => Ok(DEFAULT_PAGE),
+        Some(text) => {
+            let limit = negotiate::plain_number(text);
+            let limit = limit.ok_or_else(|| format!("{} is no whole number", quoted(text)));
+            limit.and_then(|limit| check_limit(limit).map(|()| limit))
+        }
+    };
+    let limit = limit.map_err(|detail| Problem::at_parameter("limit", detail))?;
     let state = parameters
         .state
         .map(|name| name.parse::<JobState>())

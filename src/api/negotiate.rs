@@ -213,20 +213,23 @@ pub fn plain_number(text: &str) -> Option<usize> {
 pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
     Query::try_from_uri(uri)
         .map(|Query(parameters)| parameters)
-        .map_err(|rejection| {
-            let text = rejection.body_text();
-            let detail = text
-                .strip_prefix("Failed to deserialize query string: ")
-                .unwrap_or(&text);
-            // The parameter, if the message names one: "limit: …" or "unknown field `limit`, …".
-            let named = detail.split('`').nth(1);
-            match (
-                named.filter(|_| detail.contains("field `")),
-                detail.split_once(": "),
-            ) {
-                (Some(name), _) => Problem::at_parameter(name, detail),
-                (None, Some((name, reason))) => Problem::at_parameter(name, reason),
-                (None, None) => Problem::at_parameter("(query)", detail),
-            }
-        })
+        .map_err(|rejection| explain(&rejection.body_text()))
+}
+
+/// What is wrong with a query, from the words of its reader.
+fn explain(text: &str) -> Problem {
+    let of_field = |words: &str| {
+        let (_, rest) = text.split_once(words)?;
+        rest.split_once('`')
+    };
+    if let Some((name, _)) = of_field("duplicate field `") {
+        return Problem::at_parameter(name, "it is given twice");
+    }
+    if let Some((name, rest)) = of_field("unknown field `") {
+        // Between the other quotation marks are the names that are known.
+        let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+        let detail = format!("there is no such parameter; there are {}", known.join(", "));
+        return Problem::at_parameter(name, detail);
+    }
+    Problem::new(Kind::InvalidRequest, "the query cannot be understood")
 }

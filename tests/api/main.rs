@@ -46,6 +46,7 @@ mod milestones;
 mod nets;
 mod openapi;
 mod peers;
+mod plain_words;
 mod process;
 mod program;
 mod rational;

@@ -49,7 +49,7 @@ pub(super) fn explain(body: &[u8], error: &serde_json::Error) -> (Kind, String) 
         let rest = text.strip_prefix(words)?;
         Some(format!("{plain}{rest}"))
     });
-    let detail = plain.unwrap_or(text);
+    let detail = plain.unwrap_or(text).replace('`', "\"");
     let hint = if is_about_nan(body, error) {
         "; JSON has no NaN and no Infinity"
     } else {

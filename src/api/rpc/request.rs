@@ -2,7 +2,7 @@
 //! validated by the same code.
 
 use bytes::Bytes;
-use prost::Message;
+use prost::{DecodeError, Message};
 
 use super::fields::Layout;
 use super::messages::{self as pb, job_input::Geometry, method, stop_rules::Rule};
@@ -27,7 +27,38 @@ use crate::fit::points::Points;
 /// Reads a message from the body of a request.
 pub fn decode<M: Message + Default>(body: Bytes) -> Result<M, Problem> {
     text::check_compression(&body, true)?;
-    M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, error.to_string()))
+    M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
+}
+
+/// How messages about broken messages end, and what they mean.
+const BROKEN: [(&str, &str); 6] = [
+    ("buffer underflow", "it ends too soon"),
+    (
+        "delimited length exceeded",
+        "a field is longer than what it is in",
+    ),
+    (
+        "recursion limit reached",
+        "messages stand within one another too often",
+    ),
+    ("data is not UTF-8 encoded", "a text is not UTF-8"),
+    ("invalid tag value: 0", "a field has the number 0"),
+    ("invalid varint", "a number is malformed"),
+];
+
+/// Why bytes are no message, in plain words.
+fn unreadable(error: &DecodeError) -> String {
+    let text = error.to_string();
+    let text = text
+        .strip_prefix("failed to decode Protobuf message: ")
+        .unwrap_or(&text);
+    let known = BROKEN.iter().find(|(end, _)| text.ends_with(end));
+    let reason = known.map_or("a field has another type", |(_, plain)| plain);
+    // Fields that are known stand before the reason: "JobInput.geometry: ".
+    match text.split_once(": ") {
+        Some((place, _)) if place.contains('.') => format!("{place} cannot be read: {reason}"),
+        _ => format!("the message cannot be read: {reason}"),
+    }
 }
 
 /// The job, if it can be computed. Fields of errors are relative to the message.
