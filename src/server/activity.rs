@@ -32,6 +32,8 @@ struct State {
     written: (Instant, u64),
     /// There has been a request.
     served: bool,
+    /// A request was answered though not all of it had come.
+    cut_short: bool,
     /// It is HTTP/2, where bytes may come and go without a request.
     multiplexed: bool,
 }
@@ -55,6 +57,7 @@ impl Activity {
             head: None,
             written: (now, 0),
             served: false,
+            cut_short: false,
             multiplexed: false,
         }))
     }
@@ -81,6 +84,16 @@ impl Activity {
         state.served = true;
         state.multiplexed = multiplexed;
         OpenRequest(Arc::clone(self))
+    }
+
+    /// A request is answered before all of it has come: the connection ends with the answer.
+    pub(super) fn cut_short(&self) {
+        self.0.lock().cut_short = true;
+    }
+
+    /// Whether the rest of a request may still come.
+    pub(super) fn is_cut_short(&self) -> bool {
+        self.0.lock().cut_short
     }
 
     /// Completes when the connection has stayed too long.

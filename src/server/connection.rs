@@ -116,6 +116,7 @@ async fn answer(
     if !multiplexed && !(unread.is_out_of_the_way(expects).await) {
         let close = HeaderValue::from_static("close");
         response.headers_mut().insert(header::CONNECTION, close);
+        activity.cut_short();
     }
     Ok(response.map(|body| Answer::new(body, open, multiplexed)))
 }

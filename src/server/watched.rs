@@ -3,7 +3,7 @@
 use std::io::{self, IoSlice};
 use std::pin::Pin;
 use std::sync::Arc;
-use std::task::{Context, Poll};
+use std::task::{Context, Poll, ready};
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Duration, Sleep, sleep};
@@ -18,7 +18,15 @@ pub(super) struct Watched<S> {
     limit: Duration,
     /// Runs while the other side takes nothing.
     stalled: Option<Pin<Box<Sleep>>>,
+    /// Runs when everything is written, as long as something may still come.
+    closing: Option<Pin<Box<Sleep>>>,
+    /// How much has come since then.
+    ignored: usize,
 }
+
+/// How long what still comes is ignored before the connection is cut off, and how much of it.
+const IGNORING: Duration = Duration::from_secs(2);
+const MOST_IGNORED: usize = 64 << 20;
 
 impl<S> Watched<S> {
     pub(super) fn new(stream: S, activity: Arc<Activity>, limit: Duration) -> Self {
@@ -27,6 +35,8 @@ impl<S> Watched<S> {
             activity,
             limit,
             stalled: None,
+            closing: None,
+            ignored: 0,
         }
     }
 
@@ -46,6 +56,27 @@ impl<S> Watched<S> {
             let reason = format!("the client has taken nothing for {limit:?}");
             Err(io::Error::new(io::ErrorKind::TimedOut, reason))
         })
+    }
+
+    /// Takes what the other side still sends, until it has done so or for a short time. If it were
+    /// cut off in the middle, its system would throw away the answer that it has not read yet.
+    fn ignore(&mut self, context: &mut Context<'_>) -> Poll<()>
+    where
+        S: AsyncRead + Unpin,
+    {
+        let closing = self
+            .closing
+            .get_or_insert_with(|| Box::pin(sleep(IGNORING)));
+        let mut room = [0; 8192];
+        while self.ignored < MOST_IGNORED && closing.as_mut().poll(context).is_pending() {
+            let mut buffer = ReadBuf::new(&mut room);
+            let read = ready!(Pin::new(&mut self.stream).poll_read(context, &mut buffer));
+            if read.is_err() || buffer.filled().is_empty() {
+                break;
+            }
+            self.ignored += buffer.filled().len();
+        }
+        Poll::Ready(())
     }
 
     fn written(
@@ -75,7 +106,7 @@ impl<S: AsyncRead + Unpin> AsyncRead for Watched<S> {
     }
 }
 
-impl<S: AsyncWrite + Unpin> AsyncWrite for Watched<S> {
+impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for Watched<S> {
     fn poll_write(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -108,7 +139,13 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Watched<S> {
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
-        let attempt = Pin::new(&mut self.stream).poll_shutdown(context);
-        self.in_time(attempt, context)
+        if self.closing.is_none() {
+            let attempt = Pin::new(&mut self.stream).poll_shutdown(context);
+            ready!(self.in_time(attempt, context))?;
+        }
+        if self.activity.is_cut_short() {
+            ready!(self.ignore(context));
+        }
+        Poll::Ready(Ok(()))
     }
 }

@@ -222,3 +222,21 @@ async fn answers_say_that_the_connection_ends() {
         assert!(!answer.closes(), "{}", answer.head);
     }
 }
+
+/// A client that sends everything before it reads anything reads the answer, too.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn who_is_still_sending_gets_the_answer() {
+    let server = Server::with(|config| config.max_body = bytesize::ByteSize::kib(1)).await;
+    for _ in 0..10 {
+        let mut stream = connect(&server).await;
+        let body = " ".repeat(8 << 20);
+        let request = format!(
+            "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        let answer = exchange(&mut stream, &request).await;
+        assert_eq!(answer.status(), 413);
+        assert_eq!(answer.problem()["type"], "/problems/body-too-large");
+        assert!(answer.closes());
+    }
+}

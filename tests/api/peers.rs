@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use futures_util::StreamExt;
 use reqwest::Client;
 use serde_json::{Value, json};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -10,7 +11,7 @@ use tokio::time::{Duration, sleep, timeout};
 
 use crate::data;
 use crate::program::Program;
-use crate::support::{PATIENCE, Server, base, problem};
+use crate::support::{PATIENCE, Server, base, events, problem};
 
 #[tokio::test]
 async fn one_client_does_not_fill_the_queue() {
@@ -19,6 +20,11 @@ async fn one_client_does_not_fill_the_queue() {
     assert_eq!(capabilities["limits"]["jobs_per_peer"], 2);
     let first = server.create(&data::endless_job()).await;
     server.create(&data::endless_job()).await;
+    // Edits go on from an iteration, so there must be one.
+    let path = format!("{}/events", base(&first));
+    let mut stream = events(server.get(&path).send().await.unwrap());
+    while stream.next().await.unwrap().name != "iteration" {}
+    drop(stream);
 
     let request = server.post("/v1/jobs").json(&data::small_job());
     let response = request.send().await.unwrap();
@@ -30,7 +36,8 @@ async fn one_client_does_not_fill_the_queue() {
     // An edit is a job, too.
     let edit = server.post(&format!("{}/edits", base(&first)));
     let edit = edit.json(&json!({"stop": {"tolerance": 1}}));
-    assert_eq!(edit.send().await.unwrap().status(), 429);
+    let (status, answer) = problem(edit.send().await.unwrap()).await;
+    assert_eq!(status, 429, "{answer}");
 
     let other = Client::builder().local_address(Some([127, 0, 0, 2].into()));
     let other = other.timeout(PATIENCE).build().unwrap();

@@ -215,6 +215,7 @@ async fn wrong_options_are_refused() {
         "every=0",
         "every=-1",
         "every=x",
+        "every=9007199254740992",
         "pace=fast",
         "view=all",
         "samples=9",

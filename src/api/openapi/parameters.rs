@@ -6,7 +6,7 @@ use super::operation::reference;
 use super::page;
 use crate::api::export::FORMAT_NAMES;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
-use crate::api::negotiate::LONGEST_WAIT;
+use crate::api::negotiate::{LARGEST, LONGEST_WAIT};
 use crate::api::options::MOST_MILESTONES;
 use crate::api::options::form::SAMPLE_GRID;
 use crate::api::order::LONGEST_KEY;
@@ -50,7 +50,7 @@ fn parameter(place: &str, name: &str, description: &str, schema: Value, example:
 
 fn paths() -> Vec<Value> {
     let iteration = json!({"anyOf": [
-        {"type": "integer", "minimum": 0, "maximum": 999_999_999},
+        {"type": "integer", "minimum": 0, "maximum": LARGEST},
         {"type": "string", "const": "last"},
     ]});
     vec![
@@ -160,7 +160,7 @@ fn streams() -> Vec<Value> {
         query(
             "every",
             "Only iterations that are multiples of this number, and the last.",
-            json!({"type": "integer", "minimum": 1, "maximum": 999_999_999, "default": 1}),
+            json!({"type": "integer", "minimum": 1, "maximum": LARGEST, "default": 1}),
             json!(5),
         ),
         milestones,
