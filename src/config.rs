@@ -106,7 +106,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_DATA_DIR", default_value = "./piad-data")]
     pub data_dir: DataDir,
 
-    /// Memory for running fits; jobs that do not fit in wait, those that never fit are refused
+    /// Memory for all that takes much of it: running fits, what their readers are served from, requests
+    /// and files. Jobs that do not fit in wait, those that never fit are refused
     /// [default: half of what the machine or its control group has; 512MiB where that is not known].
     #[arg(long, env = "PIAD_MEMORY")]
     pub memory: Option<ByteSize>,
@@ -138,6 +139,11 @@ pub struct Config {
     /// Seconds without a byte after which a request body is given up.
     #[arg(long, env = "PIAD_BODY_TIMEOUT", default_value = "30", value_parser = seconds)]
     pub body_timeout: Duration,
+
+    /// Bytes of a large request body (more than 64 KiB) that come in a second at least, on average;
+    /// slower ones are given up after the time of --body-timeout.
+    #[arg(long, env = "PIAD_MIN_BODY_RATE", default_value = "16KiB")]
+    pub min_body_rate: ByteSize,
 
     /// Seconds in which the head of a request must arrive, from its first byte on; and in which a
     /// connection must bring its first request.

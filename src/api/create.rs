@@ -8,6 +8,7 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::time::Duration;
 
+use super::intake::Taken;
 use super::negotiate::{self, Answer, Language};
 use super::options::StreamParameters;
 use super::options::form::Encoding;
@@ -19,6 +20,7 @@ use super::read::Limits;
 use super::request::JobRequest;
 use super::request::edit::EditRequest;
 use super::{App, body, events, jobs, read, rpc, view};
+use crate::job::memory::Permit;
 use crate::job::service::Accepted;
 use crate::job::store::Key;
 
@@ -31,7 +33,7 @@ pub async fn job(State(app): State<App>, request: Request) -> Result<Response, P
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
-    let (language, body) = posted.take_body();
+    let (language, body, _room) = posted.take_body();
     let order = Order::new(&app, body.len(), move |config| match language {
         Language::Json => {
             let limits = Limits {
@@ -59,18 +61,20 @@ pub async fn edit(
         return posted.answer(&app, known).await;
     }
     let parent = jobs::find(&app, &id).await?;
-    let (language, body) = posted.take_body();
+    let (language, body, _room) = posted.take_body();
+    let (length, owner) = (body.len(), Arc::clone(&parent));
     let order = match language {
         Language::Json => {
             let limits = Limits {
                 points: parent.outline().grid.count(),
             };
-            let request = read::parse::<EditRequest>(&body, limits)?;
+            let read = move || read::parse::<EditRequest>(&body, limits);
+            let request = order::read(&app, length, read).await?;
             Order::edit(&app, &parent, request).await?
         }
         Language::Protobuf => {
-            let message = rpc::request::decode(body)?;
-            let (request, layout) = rpc::edit::edit(message, parent.outline())?;
+            let read = move || rpc::edit::edit(rpc::request::decode(body)?, owner.outline());
+            let (request, layout) = order::read(&app, length, read).await?;
             let order = Order::edit(&app, &parent, request).await;
             order.map_err(|problem| layout.name(problem))?
         }
@@ -85,7 +89,7 @@ struct Posted {
     parameters: StreamParameters,
     key: Option<Key>,
     language: Language,
-    body: Bytes,
+    body: Taken,
 }
 
 impl Posted {
@@ -101,7 +105,7 @@ impl Posted {
         let (language, body) = body::read(app, request).await?;
         let key = match name {
             None => None,
-            Some(name) => Some(order::key(app, name, path, body.clone()).await?),
+            Some(name) => Some(order::key(app, name, path, body.bytes.clone()).await?),
         };
         Ok(Self {
             answer,
@@ -113,9 +117,10 @@ impl Posted {
         })
     }
 
-    /// The body, which is not needed any more once it is read.
-    fn take_body(&mut self) -> (Language, Bytes) {
-        (self.language, std::mem::take(&mut self.body))
+    /// The body, which is not needed any more once it is read, and the memory that it takes.
+    fn take_body(&mut self) -> (Language, Bytes, Vec<Permit>) {
+        let bytes = std::mem::take(&mut self.body.bytes);
+        (self.language, bytes, std::mem::take(&mut self.body.room))
     }
 
     async fn create(self, app: &App, order: Order) -> Result<Response, Problem> {

@@ -123,6 +123,12 @@ pub async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     let queued = i64::try_from(app.jobs.queued()).unwrap_or(i64::MAX);
     let help = "Jobs that wait for their turn";
     registry.register("piad_jobs_queued", help, ConstGauge::new(queued));
+    let gauge = |bytes: usize| ConstGauge::new(i64::try_from(bytes).unwrap_or(i64::MAX));
+    let memory = &app.jobs.resources().memory;
+    let help = "Memory that is handed out, or kept to be quick, in bytes";
+    registry.register("piad_memory_used_bytes", help, gauge(memory.used()));
+    let help = "Memory that may be handed out and kept, in bytes";
+    registry.register("piad_memory_limit_bytes", help, gauge(memory.limit()));
     let build = [
         ("version", env!("CARGO_PKG_VERSION")),
         ("commit", env!("PIAD_BUILD_COMMIT")),

@@ -4,7 +4,8 @@
 //! - [`read`]: JSON read to the letter, with all that is wrong in it; [`numbers`], [`per_direction`]: points and
 //!   numbers straight into arrays, one value for both directions or one for each;
 //! - [`path`]: the names in a path;
-//! - [`body`]: reading a request body, with limits; [`text`]: whether its bytes are UTF-8;
+//! - [`body`]: a request body by its media type; [`text`]: whether its bytes are UTF-8; [`intake`]: how it
+//!   arrives, with limits of size, memory and time;
 //! - [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`order`]: new jobs and edits, in whatever language; [`create`]: posting them;
 //! - [`jobs`]: list, get, cancel, delete;
@@ -34,6 +35,7 @@ pub mod file_name;
 pub mod geometry;
 pub mod host;
 pub mod info;
+pub mod intake;
 pub mod jobs;
 pub mod measure;
 pub mod milestones;

@@ -24,7 +24,7 @@ use crate::job::service::Accepted;
 use crate::job::store::Key;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
-pub const PARSED_AT_ONCE: usize = 16 * 1024;
+pub const PARSED_AT_ONCE: usize = 4 * 1024;
 
 /// Problems of up to so many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
@@ -110,6 +110,15 @@ impl Order {
         let (label, problem, like) = (self.label, self.problem, self.like);
         Ok(app.jobs.create(label, problem, like, key).await?)
     }
+}
+
+/// Reads a body of so many bytes.
+pub async fn read<T: Send + 'static>(
+    app: &App,
+    bytes: usize,
+    read: impl FnOnce() -> Result<T, Problem> + Send + 'static,
+) -> Result<T, Problem> {
+    compute(app, bytes <= PARSED_AT_ONCE, read).await
 }
 
 /// Refuses new jobs while the server stops.

@@ -39,6 +39,7 @@ pub enum Kind {
     UnsupportedEncoding,
     KeyTaken,
     QueueFull,
+    Busy,
     TooManyJobs,
     TooManyConnections,
     StoreFull,
@@ -62,7 +63,7 @@ pub struct Entry {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::NotJson,
         Self::NotProtobuf,
         Self::InvalidRequest,
@@ -83,6 +84,7 @@ impl Kind {
         Self::UnsupportedEncoding,
         Self::KeyTaken,
         Self::QueueFull,
+        Self::Busy,
         Self::TooManyJobs,
         Self::TooManyConnections,
         Self::StoreFull,
@@ -230,6 +232,12 @@ impl Kind {
                 S::SERVICE_UNAVAILABLE,
                 "The server has as many jobs as it takes",
                 "Send the job again after the number of seconds in Retry-After.",
+            ),
+            Self::Busy => (
+                "busy",
+                S::SERVICE_UNAVAILABLE,
+                "The server has no memory for the request just now",
+                "Send the request again after the number of seconds in Retry-After.",
             ),
             Self::TooManyJobs => (
                 "too-many-jobs",

@@ -18,11 +18,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 /// The unit in which memory is handed out.
-const PAGE: usize = 4096;
+pub const PAGE: usize = 4096;
 
 /// The memory of a server.
 #[derive(Debug)]
 pub struct Memory {
+    limit: usize,
     /// For running jobs with large steps.
     pub heavy: Share,
     /// For running jobs with small steps.
@@ -42,6 +43,7 @@ impl Memory {
     pub fn new(bytes: usize) -> Self {
         let part = |sixteenths: usize| bytes / 16 * sixteenths;
         Self {
+            limit: bytes,
             heavy: Share::new(part(5)),
             quick: Share::new(part(2)),
             again: Share::new(part(5)),
@@ -52,6 +54,11 @@ impl Memory {
                 used: AtomicUsize::new(0),
             }),
         }
+    }
+
+    /// All of it, in bytes.
+    pub fn limit(&self) -> usize {
+        self.limit
     }
 
     /// Bytes that are handed out or cached.

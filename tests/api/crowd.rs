@@ -5,7 +5,7 @@ use std::time::Duration;
 use futures_util::future::join_all;
 use futures_util::{Stream, StreamExt};
 use serde_json::{Value, json};
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::AsyncReadExt;
 use tokio::net::TcpStream;
 
 use crate::data;
@@ -66,20 +66,6 @@ fn memory(program: &Program) -> u64 {
     kilobytes * 1024
 }
 
-/// A client with a small receive buffer that has sent its request and reads nothing yet.
-async fn stalled_client(program: &Program, path: &str) -> TcpStream {
-    let socket = tokio::net::TcpSocket::new_v4().unwrap();
-    socket.set_recv_buffer_size(4096).unwrap();
-    let mut stream = socket
-        .connect(program.address.parse().unwrap())
-        .await
-        .unwrap();
-    // In HTTP/1.0 the body is what comes until the end.
-    let request = format!("GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n");
-    stream.write_all(request.as_bytes()).await.unwrap();
-    stream
-}
-
 /// Reads 1 kB/s for a while, then as fast as it can, to the end; gives what it has read.
 async fn read_slowly(mut stream: TcpStream, seconds: usize) -> Vec<u8> {
     let mut received = Vec::new();
@@ -119,7 +105,7 @@ async fn a_client_that_reads_a_kilobyte_a_second_costs_nobody_anything() {
     let job: Value = request.send().await.unwrap().json().await.unwrap();
     let path = format!("{}/events", job["links"]["self"].as_str().unwrap());
     let before = memory(&program);
-    let slow = tokio::spawn(read_slowly(stalled_client(&program, &path).await, 4));
+    let slow = tokio::spawn(read_slowly(program.stalled_client(&path).await, 4));
 
     // Meanwhile others are served as ever.
     let mut most = 0;

@@ -65,6 +65,7 @@ fn help_names_every_flag_and_its_variable() {
         "retain-age",
         "heartbeat",
         "body-timeout",
+        "min-body-rate",
         "header-timeout",
         "idle-timeout",
         "write-timeout",

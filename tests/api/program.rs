@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 
 use reqwest::{Client, RequestBuilder};
 use serde_json::Value;
+use tokio::io::AsyncWriteExt;
+use tokio::net::TcpStream;
 
 use crate::support::PATIENCE;
 
@@ -105,6 +107,18 @@ impl Program {
             .and_then(|line| line.split_whitespace().nth(1))
             .unwrap();
         1024 * kib.parse::<usize>().unwrap()
+    }
+
+    /// A client with a small receive buffer that has sent its request and reads nothing yet.
+    pub async fn stalled_client(&self, path: &str) -> TcpStream {
+        let socket = tokio::net::TcpSocket::new_v4().unwrap();
+        socket.set_recv_buffer_size(4096).unwrap();
+        let address = self.address.parse().unwrap();
+        let mut stream = socket.connect(address).await.unwrap();
+        // In HTTP/1.0 the body is what comes until the end.
+        let request = format!("GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n");
+        stream.write_all(request.as_bytes()).await.unwrap();
+        stream
     }
 
     pub fn get(&self, path: &str) -> RequestBuilder {

@@ -871,7 +871,7 @@ async fn messages_have_the_limit_of_bodies() {
         ..pb::CreateJobRequest::default()
     };
     let status = client.create_job(request).await.unwrap_err();
-    assert_eq!(status.code(), Code::OutOfRange);
+    assert_eq!(status.code(), Code::ResourceExhausted);
 }
 
 /// What is no call of a service is a resource that does not exist, or a call that is not implemented.

@@ -31,7 +31,7 @@ fn code(kind: Kind) -> Code {
         Kind::NoResult | Kind::NoLimit | Kind::NoExport | Kind::AlreadyEnded | Kind::Overflow => {
             Code::FailedPrecondition
         }
-        Kind::BodyTooLarge | Kind::QueueFull | Kind::TooManyJobs | Kind::StoreFull => {
+        Kind::BodyTooLarge | Kind::QueueFull | Kind::Busy | Kind::TooManyJobs | Kind::StoreFull => {
             Code::ResourceExhausted
         }
         Kind::BodyTimeout => Code::DeadlineExceeded,

@@ -4,26 +4,30 @@ use std::convert::Infallible;
 
 use axum::Router;
 use axum::body::Body;
+use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName};
+use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::any_service;
 use bytes::Bytes;
 use futures_util::stream;
 use http_body::Frame;
 use http_body_util::{BodyExt, StreamBody};
+use tokio::runtime::Handle;
 use tokio::sync::watch;
-use tonic::Code;
 use tonic::server::NamedService;
+use tonic::{Code, Status};
 use tower::Service;
 use tower::util::MapResponseLayer;
-use tower_http::timeout::RequestBodyTimeoutLayer;
 use tracing::error;
 
 use super::DESCRIPTORS;
 use super::malformed;
 use super::messages::fitting_service_server::FittingServiceServer;
 use super::service;
-use crate::api::App;
+use crate::api::order::PARSED_AT_ONCE;
+use crate::api::{App, intake};
+use crate::job::peer::Peer;
 
 const GRPC_STATUS: HeaderName = HeaderName::from_static("grpc-status");
 
@@ -33,11 +37,35 @@ pub fn routes(app: &App) -> Router<App> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let fitting = FittingServiceServer::new(service::Service::new(app.clone()))
         .max_decoding_message_size(limit);
-    // What a client sends is given up as a body of REST is: after a pause that is too long.
-    let pause = RequestBodyTimeoutLayer::new(app.config.body_timeout);
-    let fitting = route(fitting).layer(pause);
+    let arrival = middleware::from_fn_with_state(app.clone(), take_in);
+    let fitting = route(fitting).layer(arrival);
     let services = fitting.merge(operations(app));
     services.layer(MapResponseLayer::new(malformed::told))
+}
+
+/// Takes in the one message of a call as a body of REST. A large one is decoded off the threads that
+/// serve the network.
+async fn take_in(State(app): State<App>, request: Request, next: Next) -> Response {
+    let (parts, body) = request.into_parts();
+    let taken = match intake::take_in(&app, &parts.headers, body).await {
+        Ok(taken) => taken,
+        Err(problem) => return Status::from(problem).into_http(),
+    };
+    let large = taken.bytes.len() > PARSED_AT_ONCE;
+    let request = Request::from_parts(parts, Body::from(taken.bytes));
+    let room = taken.room;
+    let answer = Peer::scope(Peer::current(), async move {
+        let answer = next.run(request).await;
+        drop(room);
+        answer
+    });
+    if !large {
+        return answer.await;
+    }
+    let here = Handle::current();
+    let aside = tokio::task::spawn_blocking(move || here.block_on(answer));
+    let broken = |_| Status::internal("the call ran into a defect of the server").into_http();
+    aside.await.unwrap_or_else(broken)
 }
 
 /// Reflection and health. Their streams last as long as the client likes, and end with the server.

@@ -78,7 +78,9 @@ impl Service {
             return Ok(known);
         }
         let within = |problem: Problem| problem.within("edit");
-        let (request, layout) = edit::edit(edit, parent.outline()).map_err(within)?;
+        let (length, owner) = (edit.encoded_len(), Arc::clone(parent));
+        let read = order::read(app, length, move || edit::edit(edit, owner.outline()));
+        let (request, layout) = read.await.map_err(within)?;
         let order = Order::edit(app, parent, request).await;
         let order = order.map_err(|problem| within(layout.name(problem)))?;
         order.make(app, None, key).await

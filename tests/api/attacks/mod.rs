@@ -2,6 +2,7 @@
 //! do not notice. Servers are processes of their own, whose memory is looked at from outside.
 
 mod memory;
+mod time;
 
 use tokio::sync::{Mutex, MutexGuard};
 

@@ -1,0 +1,221 @@
+//! One client's work does not stop the others: the server answers at once, and their jobs run.
+
+use std::time::{Duration, Instant};
+
+use futures_util::future::join_all;
+use serde_json::{Value, json};
+use tokio::io::AsyncWriteExt;
+use tokio::net::TcpStream;
+use tokio::time::sleep;
+
+use super::alone;
+use crate::program::Program;
+
+/// How long the server may take to say that it lives, and another client's small job may take: in the
+/// median, as the machine has other tests to run. What is attacked here took tens of seconds.
+const ALIVE: Duration = Duration::from_millis(100);
+const ANOTHER: Duration = Duration::from_secs(1);
+
+/// What has to end by itself does so in this time.
+const SOON: Duration = Duration::from_secs(5);
+
+fn spiral(count: usize) -> Value {
+    let point = |i: usize| {
+        let t = i as f64 / 40.0;
+        json!([t * t.cos(), t * t.sin()])
+    };
+    (0..count).map(point).collect()
+}
+
+/// A job whose set-up takes seconds: the factors of a dense matrix, some times over.
+fn dense(count: usize) -> Value {
+    json!({
+        "curve": {"points": spiral(count), "basis": {"kind": "bspline", "degree": count / 3}},
+        "stop": {"max_iterations": 2},
+    })
+}
+
+async fn post(program: &Program, path: &str, body: &Value) -> Value {
+    let answer = program.post(path).json(body).send().await.unwrap();
+    assert_eq!(answer.status(), 201, "{:?}", answer.text().await);
+    answer.json().await.unwrap()
+}
+
+fn path(job: &Value) -> String {
+    format!("/v1/jobs/{}", job["id"].as_str().unwrap())
+}
+
+/// Asks whether the server lives; says how long the answer took.
+async fn asked(program: &Program) -> Duration {
+    let begin = Instant::now();
+    assert_eq!(program.get("/livez").send().await.unwrap().status(), 200);
+    begin.elapsed()
+}
+
+/// Another client's small job; says how long it took.
+async fn fitted(program: &Program) -> Duration {
+    let begin = Instant::now();
+    let job = json!({"curve": {"points": spiral(30)}});
+    let request = program.post("/v1/jobs").header("prefer", "wait=60");
+    let job: Value = request
+        .json(&job)
+        .send()
+        .await
+        .unwrap()
+        .json()
+        .await
+        .unwrap();
+    assert_eq!(job["state"], "converged");
+    begin.elapsed()
+}
+
+fn median(mut times: Vec<Duration>) -> Duration {
+    times.sort();
+    times[times.len() / 2]
+}
+
+/// The server answers, and others get their work done.
+async fn serves_others(program: &Program) {
+    let (mut answers, mut jobs) = (Vec::new(), Vec::new());
+    for _ in 0..5 {
+        for _ in 0..3 {
+            answers.push(asked(program).await);
+            sleep(Duration::from_millis(20)).await;
+        }
+        jobs.push(fitted(program).await);
+    }
+    let (answer, job) = (median(answers), median(jobs));
+    assert!(answer < ALIVE, "{answer:?}");
+    assert!(job < ANOTHER, "{job:?}");
+}
+
+async fn iterations(program: &Program) -> u64 {
+    let text = program
+        .get("/metrics")
+        .send()
+        .await
+        .unwrap()
+        .text()
+        .await
+        .unwrap();
+    let line = text
+        .lines()
+        .find(|line| line.starts_with("piad_iterations_total"))
+        .unwrap();
+    line.split_whitespace().last().unwrap().parse().unwrap()
+}
+
+/// Set-ups take seconds each, in one piece: they have a lane of their own, and who cancels a job in
+/// its set-up, or one that waits for it, does not wait.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn set_ups_delay_nobody_and_are_cancelled_at_once() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::start(directory.path());
+    let body = dense(700);
+    let jobs = join_all((0..8).map(|_| post(&program, "/v1/jobs", &body))).await;
+    serves_others(&program).await;
+    let begin = Instant::now();
+    let cancelled = jobs[..4]
+        .iter()
+        .map(|job| post_empty(&program, format!("{}/cancel", path(job))));
+    for state in join_all(cancelled).await {
+        assert_eq!(state, "cancelled");
+    }
+    for job in &jobs[4..] {
+        let url = format!("http://{}{}", program.address, path(job));
+        let answer = program.client.delete(url).send().await.unwrap();
+        assert_eq!(answer.status(), 204);
+    }
+    assert!(begin.elapsed() < SOON, "{:?}", begin.elapsed());
+}
+
+async fn post_empty(program: &Program, path: String) -> String {
+    let answer = program.post(&path).send().await.unwrap();
+    assert_eq!(answer.status(), 200);
+    let job: Value = answer.json().await.unwrap();
+    job["state"].as_str().unwrap().to_owned()
+}
+
+/// What would take too long in one piece is refused, with the reason.
+#[tokio::test]
+async fn too_much_work_in_one_piece_is_refused() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::start(directory.path());
+    let job = json!({"curve": {
+        "points": spiral(3900), "basis": {"kind": "bspline", "degree": 1000},
+    }});
+    let answer = program.post("/v1/jobs").json(&job).send().await.unwrap();
+    assert_eq!(answer.status(), 422);
+    let problem: Value = answer.json().await.unwrap();
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.contains("preparing the fit"), "{detail}");
+    assert!(detail.contains("lower degree"), "{detail}");
+}
+
+/// Edits of a job whose system is being made: the threads of the network do not wait for it.
+#[tokio::test]
+async fn edits_do_not_stop_the_network() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::with(directory.path(), &["--recent", "0"]);
+    let parent = post(&program, "/v1/jobs", &dense(600)).await;
+    let done = format!("{}/result", path(&parent));
+    while program.get(&done).send().await.unwrap().status() != 200 {
+        sleep(Duration::from_millis(100)).await;
+    }
+    let edits = format!("{}/edits", path(&parent));
+    let edit = json!({"points": [{"index": 3, "point": [1, 2]}], "iteration": 1});
+    let edits = (0..3).map(|_| post(&program, &edits, &edit));
+    let (edits, ()) = tokio::join!(join_all(edits), serves_others(&program));
+    assert_eq!(edits.len(), 3);
+}
+
+/// Levels that are computed again for clients that have gone are given up.
+#[tokio::test]
+async fn abandoned_work_stops() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::with(directory.path(), &["--recent", "0", "--ring", "64KiB"]);
+    let job = json!({
+        "curve": {"points": spiral(4000), "basis": {"kind": "bspline", "degree": 30}},
+        "method": {"kind": "weighted", "omega": 1e-6},
+        "stop": {"tolerance": 0, "max_iterations": 2000},
+    });
+    let job = post(&program, "/v1/jobs", &job).await;
+    let result = format!("{}/result", path(&job));
+    while program.get(&result).send().await.unwrap().status() != 200 {
+        sleep(Duration::from_millis(200)).await;
+    }
+    let before = iterations(&program).await;
+    for k in 1980..1990 {
+        let mut stream = TcpStream::connect(&program.address).await.unwrap();
+        let request = format!(
+            "GET {}/iterations/{k} HTTP/1.1\r\nHost: localhost\r\n\r\n",
+            path(&job)
+        );
+        stream.write_all(request.as_bytes()).await.unwrap();
+    }
+    // All of them have gone by now: their work, of which there is much, is soon at rest.
+    let begin = Instant::now();
+    let mut last = iterations(&program).await;
+    loop {
+        sleep(Duration::from_millis(300)).await;
+        let now = iterations(&program).await;
+        if now == last {
+            break;
+        }
+        last = now;
+        assert!(
+            begin.elapsed() < SOON,
+            "work goes on for clients that have gone"
+        );
+    }
+    assert!(
+        last - before < 1900,
+        "{} iterations for nobody",
+        last - before
+    );
+    serves_others(&program).await;
+}
