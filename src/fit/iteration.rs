@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
+use super::decay::Decay;
 use super::direction::Direction;
 use super::method::Method;
 use super::norms::FitError;
 use super::plain::Plain;
 use super::points::Points;
+use super::rehearsal::{self, Foreseen};
 use super::sweep::{Measured, Sweep};
 use super::system::System;
 use super::update::{self, Stall, Update};
@@ -37,6 +39,8 @@ pub struct Level {
     pub moved: usize,
     /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
     pub bad_weight: Option<(usize, f64)>,
+    /// The level at which the fit will end, by what is known here.
+    pub predicted: Option<usize>,
 }
 
 /// Why an iteration ended.
@@ -64,6 +68,7 @@ pub struct Iteration {
     first_length: f64,
     length: f64,
     decrease: f64,
+    decay: Decay,
 }
 
 /// Who computes the levels.
@@ -76,6 +81,12 @@ enum Engine {
 impl Iteration {
     /// Level 0: of most methods, the data are the control points.
     pub fn start(system: Arc<System>) -> Self {
+        system.foresee(rehearsal::end);
+        Self::start_unforeseen(system)
+    }
+
+    /// The same, although nobody may know yet where the fit will end.
+    pub(super) fn start_unforeseen(system: Arc<System>) -> Self {
         let control_points = update::start(&system);
         match Sweep::start(&system, control_points) {
             Ok(begun) => Self::with_sweep(system, begun),
@@ -113,12 +124,16 @@ impl Iteration {
                 rate: None,
                 moved: 0,
                 bad_weight: None,
+                predicted: None,
             },
             first_length: length,
             length,
             decrease: 1.0,
+            decay: Decay::default(),
         };
+        iteration.decay.record(0, error.max);
         iteration.level.bad_weight = iteration.bad_weight();
+        iteration.level.predicted = iteration.predicted();
         iteration
     }
 
@@ -270,7 +285,47 @@ impl Iteration {
             rate: rate.is_finite().then_some(rate),
             moved,
             bad_weight: self.bad_weight(),
+            predicted: None,
         };
+        self.decay.record(self.level.iteration, error.max);
+        self.level.predicted = self.predicted();
+    }
+
+    /// The level at which the fit will end: as was found out beforehand, else by how its errors fall.
+    fn predicted(&self) -> Option<usize> {
+        let Level {
+            iteration, error, ..
+        } = self.level;
+        let problem = self.system.problem();
+        if error.max <= problem.tolerance() {
+            return Some(iteration);
+        }
+        match self.system.foreseen() {
+            Some(Foreseen::End(level)) => Some(level).filter(|level| *level > iteration),
+            Some(Foreseen::About { end, seen }) if iteration <= seen => Some(end),
+            _ => self.end_of_decay().or_else(|| {
+                let forecast = self.system.forecast();
+                let left = forecast.iterations_of_block(error.max, problem.tolerance())?;
+                Some(iteration + left)
+            }),
+        }
+    }
+
+    /// The level at which the errors will be within the tolerance if they go on falling as they do.
+    pub(super) fn end_of_decay(&self) -> Option<usize> {
+        let problem = self.system.problem();
+        if matches!(problem.method(), Method::LeastSquares(_)) {
+            // They end at the minimum, wherever that is.
+            return None;
+        }
+        let Level {
+            iteration, error, ..
+        } = self.level;
+        let slowest = self.system.forecast().rate;
+        let adaptive = matches!(problem.method(), Method::Adaptive { .. });
+        let slowest = slowest.filter(|_| !adaptive);
+        self.decay
+            .end(iteration, error.max, problem.tolerance(), slowest)
     }
 
     /// A control point that has no place, or whose curve may leave the hull of its control points.

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::iteration::Iteration;
 use super::method::Method;
 use super::points::Points;
-use super::system::System;
+use super::tensor::Tensor;
 
 /// The most adjusted points for which the limit is computed: it takes O(n³).
 pub const MOST_ADJUSTED: usize = 1000;
@@ -56,7 +56,8 @@ pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let Some(residual) = start.residual() else {
         return Err(NoLimit::NotLocal);
     };
-    let lu = principal_matrix(system, &adjusted, &place).lu();
+    let columns = problem.grid().columns;
+    let lu = principal_matrix(system.collocation(), columns, &adjusted, &place).lu();
 
     // The adjusted points move by δ = B_II⁻¹ Δ_I in all; the others stay.
     let mut differences = Points::zeros(residual.dimension(), fixed.len());
@@ -77,10 +78,13 @@ pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     Ok(LocalLimit { fixed, differences })
 }
 
-/// `B_II`.
-fn principal_matrix(system: &System, adjusted: &[usize], place: &[Option<usize>]) -> DMatrix<f64> {
-    let collocation = system.collocation();
-    let columns = system.problem().grid().columns;
+/// `B_II` of points with these places in it.
+pub fn principal_matrix(
+    collocation: &Tensor,
+    columns: usize,
+    adjusted: &[usize],
+    place: &[Option<usize>],
+) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(adjusted.len(), adjusted.len());
     for (k, &index) in adjusted.iter().enumerate() {
         collocation.columns().visit(index, columns, |row, value| {

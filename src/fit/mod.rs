@@ -28,7 +28,7 @@
 //! - [`spectrum`]: eigenvalues and rates;
 //! - [`system`]: the collocation matrix with its transform `U`;
 //! - [`mod@update`]: the steps of the methods;
-//! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
+//! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules; [`decay`]: when it will end;
 //! - [`plain`], [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
 //! - [`limit`]: where local fits end, in closed form;
@@ -46,6 +46,7 @@ mod bands;
 pub mod basis;
 pub mod blocks;
 pub mod collocation;
+pub mod decay;
 pub mod direction;
 pub mod extent;
 pub mod geometry;

@@ -6,8 +6,12 @@
 //! of 400 points rise by 10⁸⁸. How far they rise depends on the whole matrix, so that the quickest way
 //! to know it is to try.
 
+use std::sync::Arc;
+
 use super::basis::knots::Knots;
 use super::direction::{BasisChoice, DirectionChoice};
+use super::iteration::{Iteration, Outcome};
+use super::method::Method;
 use super::plain::Plain;
 use super::system::System;
 use super::update;
@@ -103,4 +107,54 @@ pub fn stays_low(system: &System) -> bool {
         }
     }
     true
+}
+
+/// Most multiplications of looking for the end of a fit: a millisecond or two.
+const LOOK: usize = 2_000_000;
+
+/// Fewer steps would say little.
+const LEAST_STEPS: usize = 8;
+
+/// Where a fit will end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foreseen {
+    /// It was tried: at this level, but for rounding.
+    End(usize),
+    /// The beginning was tried: at about this level, as long as no more is known.
+    About {
+        /// The level at which it ends.
+        end: usize,
+        /// The level up to which that is the best that is known.
+        seen: usize,
+    },
+}
+
+/// Where a fit will end. Short ones are tried; of longer ones the beginning, if that says it.
+pub fn end(system: &Arc<System>) -> Option<Foreseen> {
+    let problem = system.problem();
+    let exact = system.forecast().exact_after;
+    if matches!(problem.method(), Method::Direct) {
+        return exact.map(Foreseen::End);
+    }
+    // Of the other exact methods nothing better is known on the way.
+    let exact = exact.map(|end| Foreseen::About { end, seen: end });
+    let steps = LOOK / problem.step_cost().max(1);
+    // Errors do not fall to zero: fits without a tolerance go on as long as they may.
+    let endless = problem.tolerance() <= 0.0
+        && !matches!(problem.method(), Method::LeastSquares(_) | Method::Convex);
+    if endless || steps < LEAST_STEPS {
+        return exact;
+    }
+    let mut iteration = Iteration::start_unforeseen(Arc::clone(system));
+    for _ in 0..steps {
+        match iteration.outcome() {
+            None => iteration.step(),
+            Some(Outcome::Exhausted) => break,
+            Some(Outcome::Overflow) => return None,
+            Some(_) => return Some(Foreseen::End(iteration.level().iteration)),
+        };
+    }
+    let seen = iteration.level().iteration;
+    let end = iteration.end_of_decay();
+    exact.or(end.map(|end| Foreseen::About { end, seen }))
 }

@@ -4,15 +4,18 @@
 //! (LBW05, Theorem 2.1): global PIA contracts by `1 − λ_min`. The least eigenvalue of a tensor
 //! product is the product of the least ones.
 
-use nalgebra::{DMatrix, Schur};
+use nalgebra::{DMatrix, DVector, Schur};
 
 use super::basis::{Basis, Polynomial};
 use super::collocation::{Collocation, LONG};
 use super::direction::Direction;
 use super::invalid::Invalid;
+use super::limit::principal_matrix;
 use super::linear::LineMap;
 use super::method::Method;
+use super::points::Grid;
 use super::problem::Problem;
+use super::tensor::Tensor;
 
 /// Bases that are not totally positive are checked up to this number of points, in O(n³).
 const CHECKED: usize = 60;
@@ -20,6 +23,10 @@ const CHECKED: usize = 60;
 /// Most steps of the QR algorithm for each eigenvalue; it takes about two, and with numbers near the
 /// ends of their range it may not end.
 const MOST_QR_STEPS: usize = 100;
+
+/// Most steps for the least eigenvalue of a block, and when it is known well enough.
+const BLOCK_STEPS: usize = 500;
+const BLOCK_ACCURACY: f64 = 1e-9;
 
 /// How much of the imaginary part of an eigenvalue can be rounding.
 const REAL: f64 = 1e-9;
@@ -113,6 +120,32 @@ fn extremes(over: &[f64], under: &[f64]) -> (f64, f64) {
             (low.min(q), high.max(q))
         }
     })
+}
+
+/// The least eigenvalue of the block of a matrix that belongs to some points: submatrices of totally
+/// positive matrices are totally positive.
+pub fn least_eigenvalue_of_block(matrix: &Tensor, grid: Grid, points: &[usize]) -> Option<f64> {
+    let mut points = points.to_vec();
+    points.sort_unstable();
+    let mut place = vec![None; grid.count()];
+    for (k, &index) in points.iter().enumerate() {
+        place[index] = Some(k);
+    }
+    let lu = principal_matrix(matrix, grid.columns, &points, &place).lu();
+    let mut x = DVector::from_fn(points.len(), |i, _| alternating(i));
+    let mut largest = 0.0;
+    for _ in 0..BLOCK_STEPS {
+        let next = lu.solve(&x)?;
+        let growth = next.norm() / x.norm();
+        x = next.normalize();
+        let settled = (growth / largest - 1.0_f64).abs() < BLOCK_ACCURACY;
+        largest = growth;
+        if settled {
+            break;
+        }
+    }
+    let least = (1.0 / largest).min(1.0);
+    (least > 0.0).then_some(least)
 }
 
 /// The largest eigenvalue of M by power iteration: of matrices that are not totally positive.

@@ -1,18 +1,21 @@
 //! What does not change from level to level: the data, the collocation matrix, the transform.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::linear::{Inverse, apply_tensor, qr::Orthogonal};
 use super::method::{Method, Start};
 use super::points::Points;
 use super::problem::Problem;
-use super::rehearsal;
+use super::rehearsal::{self, Foreseen};
 use super::spectrum;
 use super::tensor::Tensor;
 
 /// Up to this number of points in a direction λ_min is computed for the forecast alone; methods
 /// that need it always have it.
 const FORECAST: usize = 100_000;
+
+/// Up to this number of adjusted points their block of the matrix is looked at, in O(n³).
+const BLOCK: usize = 200;
 
 /// A problem ready to be iterated. Iterations of the same problem share one.
 #[derive(Debug)]
@@ -21,6 +24,7 @@ pub struct System {
     collocation: Arc<Tensor>,
     transform: Transform,
     forecast: Forecast,
+    foreseen: OnceLock<Option<Foreseen>>,
 }
 
 /// The transform U of the update `X ← X + U Δ`, as far as it is a fixed linear map.
@@ -46,9 +50,11 @@ pub struct Forecast {
     pub lambda_min: Option<f64>,
     /// The relaxation of weighted PIA.
     pub omega: Option<f64>,
-    /// By how much the error shrinks in each iteration, asymptotically. For local and adaptive
-    /// fits an upper bound: principal submatrices have larger eigenvalues.
+    /// By how much the error shrinks in each iteration, asymptotically. For adaptive fits, and local
+    /// ones of many points, an upper bound: principal submatrices have larger eigenvalues.
     pub rate: Option<f64>,
+    /// Local: the least eigenvalue of the block of the matrix that belongs to the adjusted points.
+    pub block: Option<f64>,
     /// The number of iterations after which the fit is exact, where there is one.
     pub exact_after: Option<usize>,
     /// Chebyshev: where the interval of its steps begins, if not at the least eigenvalue.
@@ -58,16 +64,12 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// How many iterations reduce an error to the tolerance.
-    pub fn iterations(&self, error: f64, tolerance: f64) -> Option<usize> {
-        if error <= tolerance {
-            return Some(0);
-        }
-        let by_rate = self.rate.and_then(|rate| {
-            let count = (tolerance / error).ln() / rate.ln();
-            (rate > 0.0 && rate < 1.0 && count.is_finite()).then_some(count.ceil() as usize)
-        });
-        self.exact_after.or(by_rate)
+    /// How many iterations of a local fit reduce an error to the tolerance: its block is small, so that
+    /// the end of the spectrum is soon all that is left.
+    pub fn iterations_of_block(&self, error: f64, tolerance: f64) -> Option<usize> {
+        let rate = self.rate.filter(|_| self.block.is_some())?;
+        let count = (tolerance / error).ln() / rate.ln();
+        (rate > 0.0 && rate < 1.0 && count.is_finite()).then_some(count.ceil() as usize)
     }
 }
 
@@ -95,6 +97,7 @@ impl System {
             collocation,
             transform,
             forecast,
+            foreseen: OnceLock::new(),
         };
         if matches!(system.transform, Transform::Orthogonal(..)) {
             system.forecast.rounding = rehearsal::left_by_rounding(&system);
@@ -135,6 +138,16 @@ impl System {
     /// What is known of the convergence.
     pub fn forecast(&self) -> Forecast {
         self.forecast
+    }
+
+    /// Finds out where the fit will end, unless that is known.
+    pub fn foresee(self: &Arc<Self>, look: impl FnOnce(&Arc<Self>) -> Option<Foreseen>) {
+        self.foreseen.get_or_init(|| look(self));
+    }
+
+    /// Where the fit will end, if that was found out.
+    pub fn foreseen(&self) -> Option<Foreseen> {
+        self.foreseen.get().copied().flatten()
     }
 
     /// Numbers of scratch space that [`Self::transform_all`] and the maps of the matrix need.
@@ -227,6 +240,17 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
                 ..Forecast::default()
             }
         }
+        Method::Local { .. } if few(problem).is_some() => {
+            let block = few(problem).and_then(|adjusted| {
+                spectrum::least_eigenvalue_of_block(collocation, grid, adjusted)
+            });
+            Forecast {
+                lambda_min: problem.request().lambda_min,
+                rate: block.map(|least| 1.0 - least),
+                block,
+                ..Forecast::default()
+            }
+        }
         Method::Global | Method::Local { .. } | Method::Adaptive { .. } if small => {
             let lambda = least();
             Forecast {
@@ -245,6 +269,12 @@ fn forecast(problem: &Problem, collocation: &Tensor) -> Forecast {
         },
         _ => Forecast::default(),
     }
+}
+
+/// The adjusted points of a local fit, if they are few.
+fn few(problem: &Problem) -> Option<&[usize]> {
+    let adjusted = problem.selected()?;
+    (adjusted.len() <= BLOCK).then_some(adjusted)
 }
 
 /// After so many levels the error of the extended method is zero: `I − U B` is strictly upper

@@ -114,7 +114,9 @@ async fn extended_fits_are_exact_when_nilpotency_says_so() {
                 "stop": {"tolerance": 1e-8 * condition},
             });
             let story = server.stream(&job).await;
-            assert_eq!(story.job["predicted"]["iterations"], levels);
+            // It may be within the tolerance before the last of them.
+            let predicted = &story.job["predicted"]["iterations"];
+            assert_eq!(*predicted, story.iterations.len() - 1);
             assert_eq!(story.state(), "converged", "{basis}");
             assert!(story.iterations.len() <= levels + 1);
             // On the way it has grown by orders of magnitude, and was not stopped for it.

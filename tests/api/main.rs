@@ -31,6 +31,7 @@ mod examples;
 mod exports;
 mod extremes;
 mod facts;
+mod forecasts;
 mod goldens;
 mod heads;
 mod http;

@@ -61,6 +61,7 @@ pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content 
         rate: level.rate,
         moved: level.moved as u64,
         bad_weight: bad_weight(level),
+        predicted: level.predicted.map(|level| level as u64),
         geometry: shown,
     };
     written(&message, large)

@@ -13,6 +13,7 @@ use crate::api::options::object::StreamObject;
 use crate::api::problem as api;
 use crate::api::view::warning::pointer;
 use crate::fit::direction::Direction;
+use crate::fit::iteration::Level;
 use crate::fit::method::{LeastSquares, Method, Start, Variant};
 use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
@@ -60,6 +61,7 @@ pub fn job(job: &Job) -> pb::Job {
         problem: status.failure.map(problem),
         detail: status.detail(outline.tolerance).unwrap_or_default(),
         warnings: warnings(outline, forecast.as_ref()),
+        predicted: Some(prediction(forecast, level)),
     }
 }
 
@@ -134,9 +136,18 @@ fn least_squares(settings: LeastSquares) -> pb::method::LeastSquares {
     }
 }
 
+/// What a level says about the end.
+fn prediction(forecast: Option<Forecast>, level: Option<Level>) -> pb::Prediction {
+    let iterations = level.and_then(|level| level.predicted);
+    pb::Prediction {
+        rate: forecast.and_then(|it| it.rate),
+        iterations: iterations.map(|iterations| iterations as u64),
+    }
+}
+
 fn computed(outline: &Outline, forecast: Option<Forecast>) -> pb::Computed {
     pb::Computed {
-        lambda_min: forecast.and_then(|it| it.lambda_min),
+        lambda_min: forecast.and_then(|it| it.block.or(it.lambda_min)),
         adjusted: outline.adjusted.map(|adjusted| adjusted as u64),
     }
 }
@@ -201,10 +212,7 @@ pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDire
 pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Content {
     let outline = job.outline();
     let forecast = levels.map(|levels| levels.forecast);
-    let iterations = levels.and_then(|levels| {
-        let initial = levels.first.error.max;
-        levels.forecast.iterations(initial, problem.tolerance())
-    });
+    let first = levels.map(|levels| levels.first);
     let message = pb::JobDescription {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
@@ -217,10 +225,7 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
         rational: names::rational(problem).into(),
         method: Some(method(outline.method, Vec::new(), forecast)),
         computed: Some(computed(outline, forecast)),
-        predicted: Some(pb::Prediction {
-            rate: forecast.and_then(|it| it.rate),
-            iterations: iterations.map(|iterations| iterations as u64),
-        }),
+        predicted: Some(prediction(forecast, first)),
         stop: Some(stop(outline)),
         warnings: warnings(outline, forecast.as_ref()),
     };

@@ -31,6 +31,8 @@ struct Head {
     error: Distances,
     #[serde(skip_serializing_if = "Option::is_none")]
     rate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted: Option<usize>,
     moved: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     bad_weight: Option<Value>,
@@ -43,6 +45,7 @@ pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
         iteration: level.iteration,
         error: error(&level.error, &**problem),
         rate: level.rate,
+        predicted: level.predicted,
         moved: level.moved,
         bad_weight: bad_weight(level, problem),
     };

@@ -140,6 +140,10 @@ pub fn job(job: &Job) -> Value {
         "stop": stop(outline),
         "stream": stream(outline),
         "iteration": level.map(|level| level.iteration),
+        "predicted": json!({
+            "rate": forecast.and_then(|it| it.rate),
+            "iterations": level.and_then(|level| level.predicted),
+        }),
         "error": level.map(|level| error(&level.error, outline)),
         "progress": status.progress(outline),
         "created_at": outline.created,
@@ -210,7 +214,9 @@ fn method(outline: &Outline, forecast: Option<Forecast>) -> Value {
         }
         _ => {}
     }
-    if let Some(lambda_min) = forecast.and_then(|it| it.lambda_min) {
+    if let Some(block) = forecast.and_then(|it| it.block) {
+        value["lambda_min"] = json!(block);
+    } else if let Some(lambda_min) = forecast.and_then(|it| it.lambda_min) {
         value["lambda_min"] = json!(lambda_min);
     }
     value
@@ -289,9 +295,7 @@ pub fn description(
         method: method(outline, forecast),
         predicted: json!({
             "rate": forecast.and_then(|it| it.rate),
-            "iterations": levels.and_then(|levels| {
-                levels.forecast.iterations(levels.first.error.max, problem.tolerance())
-            }),
+            "iterations": levels.and_then(|levels| levels.first.predicted),
         }),
         stop: stop(outline),
         links: links(job),

@@ -164,6 +164,8 @@ class Iteration:
     samples: Optional[Samples] = None
     """With `view="samples"`."""
     shape: Optional[Shape] = None
+    predicted: Optional[int] = None
+    """About how many iterations the fit takes in all, by what is known at this level."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any], shape: Shape, before: Optional[Iteration] = None) -> Iteration:
@@ -182,6 +184,7 @@ class Iteration:
             weights,
             Samples.from_json(value) if "samples" in value else None,
             shape,
+            value.get("predicted"),
         )
 
     @cached_property

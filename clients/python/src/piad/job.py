@@ -78,6 +78,8 @@ class Status:
     """The tolerance in data units, and `max_iterations`."""
     stream: Optional[Mapping[str, Any]]
     iteration: Optional[int]
+    predicted: Mapping[str, Any]
+    """`rate` and `iterations` in all, by what is known at that iteration; None where nobody knows."""
     error: Optional[Deviation]
     progress: float
     """From 0 to 1."""
@@ -103,6 +105,7 @@ class Status:
         return cls(
             **fields,
             detail=value.get("detail"),
+            predicted=value.get("predicted", {}),
             warnings=tuple(JobWarning.from_json(it) for it in value.get("warnings", ())),
             error=None if error is None else Deviation.from_json(error),
             parent=value.get("parent"),

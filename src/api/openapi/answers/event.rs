@@ -59,7 +59,13 @@ fn job() -> Value {
                     "The method, with numbers that were computed for it.",
                 ),
             ),
-            ("predicted", a("Prediction", "How fast it converges.")),
+            (
+                "predicted",
+                a(
+                    "Prediction",
+                    "How fast it converges, by what is known at iteration 0.",
+                ),
+            ),
             ("stop", a("AppliedStop", "When it ends.")),
             ("links", a("Links", "The paths of the job.")),
             ("warnings", warnings()),
@@ -102,7 +108,7 @@ fn job() -> Value {
 
 fn prediction() -> Value {
     object(
-        "What is known beforehand of the convergence.",
+        "What is known of the convergence.",
         &[
             (
                 "rate",
@@ -112,7 +118,9 @@ fn prediction() -> Value {
             ),
             (
                 "iterations",
-                or_null(count("About how many iterations it takes.")),
+                or_null(count(
+                    "About how many iterations it takes in all; null where nobody knows.",
+                )),
             ),
         ],
         &[],

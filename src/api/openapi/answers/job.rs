@@ -187,7 +187,9 @@ fn applied_method() -> Value {
             ),
             (
                 "lambda_min",
-                number("The least eigenvalue of the collocation matrix, where it is known."),
+                number(
+                    "The least eigenvalue of the collocation matrix, where it is known; of local fits of few points that of their block.",
+                ),
             ),
         ],
         json!({"kind": "weighted", "omega": 1.37, "lambda_min": 0.46}),
@@ -290,6 +292,13 @@ fn job() -> Value {
             ),
             ("iteration", or_null(count("The last iteration so far."))),
             (
+                "predicted",
+                a(
+                    "Prediction",
+                    "How fast it converges, by what is known at that iteration.",
+                ),
+            ),
+            (
                 "error",
                 or_null(a("FitError", "The distances at that iteration.")),
             ),
@@ -309,7 +318,7 @@ fn job() -> Value {
         json!({
             "id": ID, "name": "wing section", "kind": "curve", "state": "converged", "reason": null, "detail": null, "warnings": [], "points": 4,
             "method": {"kind": "global"}, "stop": {"tolerance": 1e-6, "max_iterations": 1000}, "stream": null,
-            "iteration": 23, "error": error_example(), "progress": 1.0,
+            "iteration": 23, "predicted": {"rate": 0.8, "iterations": 23}, "error": error_example(), "progress": 1.0,
             "created_at": "2026-11-21T16:31:51.123456789Z", "started_at": "2026-11-21T16:31:51.1236Z",
             "finished_at": "2026-11-21T16:31:51.1240Z", "links": links_example(),
         }),

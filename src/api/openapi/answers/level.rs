@@ -44,6 +44,12 @@ fn iteration() -> Value {
                 or_null(number("The factor of the error in the last step.")),
             ),
             (
+                "predicted",
+                count(
+                    "About how many iterations it takes in all, by what is known here; absent where nobody knows.",
+                ),
+            ),
+            (
                 "bad_weight",
                 a("BadWeight", "A weight that no CAD kernel takes."),
             ),

@@ -124,6 +124,8 @@ struct LevelMessage {
     bad_weight_at: Option<u64>,
     #[prost(double, tag = "12")]
     bad_weight: f64,
+    #[prost(uint64, optional, tag = "13")]
+    predicted: Option<u64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]
@@ -140,6 +142,8 @@ struct ForecastMessage {
     rounding: Option<f64>,
     #[prost(double, optional, tag = "6")]
     interval: Option<f64>,
+    #[prost(double, optional, tag = "7")]
+    block: Option<f64>,
 }
 
 /// Which job was made for a key.
@@ -380,6 +384,7 @@ impl From<Level> for LevelMessage {
             moved: level.moved as u64,
             bad_weight_at: level.bad_weight.map(|(index, _)| index as u64),
             bad_weight: level.bad_weight.map_or(0.0, |(_, weight)| weight),
+            predicted: level.predicted.map(|count| count as u64),
         }
     }
 }
@@ -403,6 +408,7 @@ impl TryFrom<LevelMessage> for Level {
             rate: message.rate,
             moved: number(message.moved)?,
             bad_weight: bad.map(|index| (index, message.bad_weight)),
+            predicted: message.predicted.map(number).transpose()?,
         })
     }
 }
@@ -416,6 +422,7 @@ impl From<Forecast> for ForecastMessage {
             exact_after: forecast.exact_after.map(|count| count as u64),
             rounding: forecast.rounding,
             interval: forecast.interval,
+            block: forecast.block,
         }
     }
 }
@@ -431,6 +438,7 @@ impl TryFrom<ForecastMessage> for Forecast {
             exact_after: message.exact_after.map(number).transpose()?,
             rounding: message.rounding,
             interval: message.interval,
+            block: message.block,
         })
     }
 }

@@ -1,0 +1,447 @@
+//! How many iterations are forecast, and how many it takes: over sizes, degrees, bases, methods and
+//! tolerances, at the start and while the fit runs.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::support::{Server, base, read_thinned};
+
+/// A test problem, and the group under which the table has it.
+struct Case {
+    group: &'static str,
+    job: Value,
+}
+
+/// A smooth curve, or one with noise.
+fn curve(count: usize, noisy: bool) -> Value {
+    let points: Vec<[f64; 2]> = (0..count)
+        .map(|i| {
+            let t = i as f64 / count as f64;
+            let noise = if noisy {
+                (i as f64 * 12.9898).sin() * 0.8 / count as f64
+            } else {
+                0.0
+            };
+            [(7.0 * t).cos() + noise, (5.0 * t).sin() + t - noise]
+        })
+        .collect();
+    json!(points)
+}
+
+fn job(points: &Value, basis: &Value, parameters: &str, method: &Value, tolerance: f64) -> Value {
+    json!({
+        "curve": {"points": points, "basis": basis, "parameters": parameters},
+        "method": method,
+        "stop": {"relative_tolerance": tolerance, "max_iterations": 200_000},
+        "stream": {"view": "errors"},
+    })
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    let mut add = |group, job| cases.push(Case { group, job });
+    let global = json!({"kind": "global"});
+    let methods = ["global", "weighted", "chebyshev"].map(|kind| json!({"kind": kind}));
+    let bspline = |degree: usize| json!({"kind": "bspline", "degree": degree});
+    let bernstein = json!({"kind": "bernstein"});
+    for tolerance in [0.3, 0.1, 0.03, 0.01, 1e-3] {
+        add(
+            "papers' curves",
+            job(
+                &data::lemniscate(),
+                &bernstein,
+                "uniform",
+                &global,
+                tolerance,
+            ),
+        );
+        add(
+            "papers' curves",
+            job(
+                &data::lemniscate(),
+                &json!({"kind": "said_ball"}),
+                "uniform",
+                &global,
+                tolerance,
+            ),
+        );
+        add(
+            "papers' curves",
+            job(&data::helix(), &bernstein, "uniform", &global, tolerance),
+        );
+        add(
+            "papers' curves",
+            job(
+                &data::helix(),
+                &bspline(3),
+                "chord_length",
+                &global,
+                tolerance,
+            ),
+        );
+    }
+    for tolerance in [1e-3, 1e-6, 1e-9] {
+        for method in &methods {
+            for (count, noisy) in [
+                (5, true),
+                (20, false),
+                (100, true),
+                (1000, false),
+                (1000, true),
+            ] {
+                for degree in [2, 3, 5] {
+                    let group = if count < 1000 {
+                        "B-splines, 5 to 100 points"
+                    } else {
+                        "B-splines, 1,000 points"
+                    };
+                    add(
+                        group,
+                        job(
+                            &curve(count, noisy),
+                            &bspline(degree),
+                            "chord_length",
+                            method,
+                            tolerance,
+                        ),
+                    );
+                }
+            }
+        }
+        for adjusted in [vec![499, 500, 501], (200..240).collect()] {
+            for degree in [3, 5, 7] {
+                let method = json!({"kind": "local", "indices": adjusted});
+                add(
+                    "local, of 1,000 points",
+                    job(
+                        &curve(1000, true),
+                        &bspline(degree),
+                        "chord_length",
+                        &method,
+                        tolerance,
+                    ),
+                );
+            }
+        }
+        let of_twenty = json!({"kind": "local", "indices": [9, 10, 11]});
+        add(
+            "Bernstein, 20 points",
+            job(
+                &curve(20, false),
+                &bernstein,
+                "uniform",
+                &of_twenty,
+                tolerance,
+            ),
+        );
+        add(
+            "other methods",
+            job(
+                &curve(40, true),
+                &bspline(3),
+                "chord_length",
+                &json!({"kind": "transpose"}),
+                tolerance,
+            ),
+        );
+        add(
+            "other methods",
+            job(
+                &curve(40, true),
+                &bspline(3),
+                "chord_length",
+                &json!({"kind": "convex"}),
+                tolerance,
+            ),
+        );
+        let least_squares = json!({"kind": "least_squares", "control_points": 30});
+        add(
+            "other methods",
+            job(
+                &curve(200, true),
+                &bspline(3),
+                "chord_length",
+                &least_squares,
+                tolerance,
+            ),
+        );
+        let adaptive = json!({"kind": "adaptive", "threshold": tolerance});
+        add(
+            "other methods",
+            job(
+                &curve(200, true),
+                &bspline(3),
+                "chord_length",
+                &adaptive,
+                tolerance,
+            ),
+        );
+        for method in &methods {
+            add(
+                "B-splines, 20,000 to 50,000 points",
+                job(
+                    &curve(20_000, true),
+                    &bspline(3),
+                    "chord_length",
+                    method,
+                    tolerance,
+                ),
+            );
+            add(
+                "B-splines, 20,000 to 50,000 points",
+                job(
+                    &curve(50_000, false),
+                    &bspline(5),
+                    "chord_length",
+                    method,
+                    tolerance,
+                ),
+            );
+        }
+    }
+    for tolerance in [0.1, 0.03, 0.01, 3e-3] {
+        for method in &methods {
+            for count in [12, 20] {
+                add(
+                    "Bernstein, 12 and 20 points",
+                    job(
+                        &curve(count, true),
+                        &bernstein,
+                        "uniform",
+                        method,
+                        tolerance,
+                    ),
+                );
+            }
+        }
+    }
+    for tolerance in [1e-4, 1e-5, 1e-6] {
+        add(
+            "Bernstein, small tolerances",
+            job(
+                &data::lemniscate(),
+                &bernstein,
+                "uniform",
+                &global,
+                tolerance,
+            ),
+        );
+        add(
+            "Bernstein, small tolerances",
+            job(&curve(20, false), &bernstein, "uniform", &global, tolerance),
+        );
+    }
+    for tolerance in [0.03, 0.01, 3e-3, 1e-3, 3e-4] {
+        for count in [24, 30, 40] {
+            for noisy in [false, true] {
+                add(
+                    "Bernstein, 24 to 40 points",
+                    job(
+                        &curve(count, noisy),
+                        &bernstein,
+                        "uniform",
+                        &global,
+                        tolerance,
+                    ),
+                );
+            }
+        }
+    }
+    for tolerance in [1e-3, 1e-6, 1e-9] {
+        for method in &methods {
+            for degree in [3, 5] {
+                add(
+                    "uneven B-splines, 2,000 points",
+                    job(
+                        &uneven(2000),
+                        &bspline(degree),
+                        "chord_length",
+                        method,
+                        tolerance,
+                    ),
+                );
+                let mut surface = json!({"surface": {"points": data::peaks(80), "basis": bspline(degree)}, "method": method});
+                surface["stop"] =
+                    json!({"relative_tolerance": tolerance, "max_iterations": 20_000});
+                add("surfaces, 80 × 80 points", surface);
+            }
+        }
+    }
+    cases
+}
+
+/// Points whose distances differ by two orders of magnitude.
+fn uneven(count: usize) -> Value {
+    let mut x = 0.0;
+    let points: Vec<[f64; 2]> = (0..count)
+        .map(|i| {
+            x += 10_f64.powf((i as f64 * 2.3).sin());
+            [x, (i as f64 * 1.7).sin()]
+        })
+        .collect();
+    json!(points)
+}
+
+/// By which factor forecasts are wrong.
+fn factor(predicted: f64, needed: f64) -> f64 {
+    let (p, n) = (predicted.max(1.0), needed.max(1.0));
+    (p / n).max(n / p)
+}
+
+/// The factors of a case: at the start, and after a quarter, a half and three quarters of the levels.
+async fn factors(server: &Server, case: &Case) -> Option<[Option<f64>; 4]> {
+    let ended = server.fit(&case.job).await;
+    let successful = ended["state"] == "converged" || ended["state"] == "stalled";
+    let needed = ended["iteration"].as_u64().filter(|_| successful)?;
+    assert_eq!(
+        ended["predicted"]["iterations"].as_u64().unwrap_or(needed),
+        needed,
+        "{ended:#}"
+    );
+    let every = needed.div_ceil(4).max(1);
+    let path = format!("{}/events?every={every}", base(&ended));
+    let answer = server.get(&path).send().await.unwrap();
+    let (iterations, _) = read_thinned(answer).await;
+    let said = |k: usize| {
+        let event = iterations.get(k)?;
+        let predicted = event["predicted"].as_f64()?;
+        Some(factor(predicted, needed as f64))
+    };
+    Some([said(0), said(1), said(2), said(3)])
+}
+
+/// The median of the factors that are shown, how many are, and how many of these are within three.
+struct Summary {
+    median: f64,
+    count: usize,
+    within: usize,
+}
+
+impl Summary {
+    fn of(mut factors: Vec<f64>) -> Option<Self> {
+        factors.sort_by(f64::total_cmp);
+        let within = factors.iter().filter(|factor| **factor <= 3.0).count();
+        let median = *factors.get(factors.len() / 2)?;
+        assert!(median <= 3.0, "{factors:?}");
+        Some(Self {
+            median,
+            count: factors.len(),
+            within,
+        })
+    }
+}
+
+fn cell(factors: Vec<f64>) -> String {
+    match Summary::of(factors) {
+        None => "–".to_owned(),
+        Some(Summary {
+            median,
+            count,
+            within,
+        }) => format!("{median:.2} ({within} of {count})"),
+    }
+}
+
+/// Prints the table of docs/VALIDATION.md.
+#[allow(clippy::print_stdout, reason = "the table is for people")]
+#[tokio::test]
+async fn forecasts_are_within_a_factor_of_three() {
+    let server = Server::start().await;
+    let mut groups: BTreeMap<&str, Vec<[Option<f64>; 4]>> = BTreeMap::new();
+    for case in cases() {
+        if let Some(factors) = factors(&server, &case).await {
+            groups.entry(case.group).or_default().push(factors);
+        }
+    }
+    println!("| problems | fits | at the start | after ¼ | after ½ | after ¾ |");
+    println!("|---|---|---|---|---|---|");
+    let mut all: [Vec<f64>; 4] = Default::default();
+    for (group, factors) in &groups {
+        let cells = [0, 1, 2, 3].map(|k| {
+            let shown: Vec<f64> = factors.iter().filter_map(|it| it[k]).collect();
+            all[k].extend(&shown);
+            cell(shown)
+        });
+        println!("| {group} | {} | {} |", factors.len(), cells.join(" | "));
+    }
+    let fits: usize = groups.values().map(Vec::len).sum();
+    // Most are foretold at the start, and nearly all of these within the factor.
+    let start = Summary::of(all[0].clone()).unwrap();
+    assert!(start.count * 5 > 4 * fits && start.within * 20 > 19 * start.count);
+    println!("| all | {fits} | {} |", all.map(cell).join(" | "));
+}
+
+/// The fits of the first complaints: forecasts by λ_min were 10,561, 33,325, 130, 1,457 and 1.6e9.
+#[tokio::test]
+async fn forecasts_do_not_wait_for_the_end_of_the_spectrum() {
+    let server = Server::start().await;
+    let bernstein = json!({"kind": "bernstein"});
+    let global = json!({"kind": "global"});
+    let local = json!({"kind": "local", "indices": [9, 10, 11]});
+    for job in [
+        job(&data::lemniscate(), &bernstein, "uniform", &global, 0.01),
+        job(&data::lemniscate(), &bernstein, "uniform", &global, 1e-3),
+        job(
+            &curve(1000, true),
+            &json!({"kind": "bspline"}),
+            "chord_length",
+            &local,
+            1e-6,
+        ),
+        job(
+            &curve(1000, true),
+            &json!({"kind": "bspline", "degree": 5}),
+            "chord_length",
+            &local,
+            1e-6,
+        ),
+        job(&curve(20, false), &bernstein, "uniform", &local, 1e-6),
+    ] {
+        let story = server.stream(&job).await;
+        assert_eq!(story.state(), "converged");
+        let needed = story.end["iterations"].as_f64().unwrap();
+        let predicted = story.job["predicted"]["iterations"].as_f64().unwrap();
+        assert!(factor(predicted, needed) < 1.5, "{predicted} {needed}");
+    }
+}
+
+/// A fit that is too long to be tried: nothing is said at the start but what its block says, and soon
+/// it is known.
+#[tokio::test]
+async fn long_fits_are_foretold_while_they_run() {
+    let server = Server::start().await;
+    let bspline = json!({"kind": "bspline", "degree": 3});
+    let points = curve(120_000, true);
+    let story = server
+        .stream(&job(
+            &points,
+            &bspline,
+            "uniform",
+            &json!({"kind": "global"}),
+            1e-9,
+        ))
+        .await;
+    assert_eq!(story.state(), "converged");
+    assert_eq!(story.job["predicted"]["iterations"], Value::Null);
+    let needed = story.iterations.len() - 1;
+    for k in needed / 2..=needed {
+        let predicted = story.iterations[k]["predicted"].as_f64().unwrap();
+        assert!(
+            factor(predicted, needed as f64) < 1.5,
+            "{k}: {predicted} {needed}"
+        );
+    }
+    let local = json!({"kind": "local", "indices": [60_000, 60_001, 60_002]});
+    let story = server
+        .stream(&job(&points, &bspline, "uniform", &local, 1e-9))
+        .await;
+    let needed = story.end["iterations"].as_f64().unwrap();
+    let predicted = story.job["predicted"]["iterations"].as_f64().unwrap();
+    assert!(factor(predicted, needed) <= 3.0, "{predicted} {needed}");
+    // Of three inner points the block is (4 1 0; 1 4 1; 0 1 4)/6.
+    let least = (4.0 - 2.0_f64.sqrt()) / 6.0;
+    let found = story.job["method"]["lambda_min"].as_f64().unwrap();
+    assert!((found - least).abs() < 1e-6, "{found} {least}");
+}
