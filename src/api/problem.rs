@@ -310,6 +310,19 @@ impl FieldError {
             detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
         }
     }
+
+    /// Where and what.
+    fn told(&self) -> String {
+        let detail = &self.detail;
+        match (&self.pointer, &self.parameter, self.header, &self.field) {
+            (Some(pointer), ..) if pointer.is_empty() => format!("/: {detail}"),
+            (Some(pointer), ..) => format!("{pointer}: {detail}"),
+            (_, Some(name), ..) => format!("query parameter {name}: {detail}"),
+            (_, _, Some(name), _) => format!("header {name}: {detail}"),
+            (.., Some(field)) if !field.is_empty() => format!("{field}: {detail}"),
+            _ => detail.clone(),
+        }
+    }
 }
 
 /// A problem object.
@@ -398,15 +411,18 @@ impl Problem {
     /// Says of errors which field of a message they are about, where `name` knows it, instead of
     /// where it would be in JSON or in a query.
     pub fn name_fields(&mut self, name: impl Fn(&FieldError) -> Option<String>) {
+        let mut named = false;
         for error in &mut self.errors {
             if let Some(field) = name(error) {
-                self.detail = match field.as_str() {
-                    "" => error.detail.clone(),
-                    field => format!("{field}: {}", error.detail),
-                };
                 error.field = Some(field);
                 (error.pointer, error.parameter) = (None, None);
+                named = true;
             }
+        }
+        if named {
+            let told = self.errors.iter().map(FieldError::told);
+            let told = told.collect::<Vec<_>>().join("; ");
+            self.detail = short::cut(&told, LONGEST_DETAIL).into_owned();
         }
     }
 

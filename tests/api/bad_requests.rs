@@ -613,3 +613,82 @@ async fn several_mistakes_are_told_at_once() {
     ];
     assert_eq!(pointers(&answer), expected);
 }
+
+/// What can be read, but is no fit, in several ways.
+#[tokio::test]
+async fn several_mistakes_of_the_mathematics_are_told_at_once() {
+    let server = Server::start().await;
+    let post = async |path: &str, body: &Value| {
+        let response = server.post(path).json(body).send().await.unwrap();
+        let (status, problem) = problem(response).await;
+        assert_eq!(status, 422, "{problem:#}");
+        problem
+    };
+    let curve = json!({
+        "curve": {
+            "points": [[0, 0], [1, 1], [2, 0], [4, 4]],
+            "parameters": [0, 1, 1, 2],
+            "weights": [1, 1, -1, 1],
+        },
+        "method": {"kind": "weighted", "omega": 3, "threshold": 1, "mu": 1},
+        "stop": {"tolerance": -1, "max_iterations": 2_000_000_000},
+        "stream": {"every": 0},
+    });
+    let answer = post("/v1/jobs", &curve).await;
+    let expected = [
+        "/stop/max_iterations",
+        "/stream/every",
+        "/method/threshold",
+        "/method/mu",
+    ];
+    assert_eq!(pointers(&answer), expected);
+    // Without those the numbers are looked at.
+    let mut curve = curve;
+    curve["method"] = json!({"kind": "weighted", "omega": 3});
+    curve["stop"] = json!({"tolerance": -1});
+    curve["stream"] = json!({});
+    let answer = post("/v1/jobs", &curve).await;
+    let expected = [
+        "/stop/tolerance",
+        "/method/omega",
+        "/curve/parameters/2",
+        "/curve/weights/2",
+    ];
+    assert_eq!(pointers(&answer), expected);
+    for pointer in expected {
+        assert!(answer["detail"].as_str().unwrap().contains(pointer));
+    }
+    let surface = json!({
+        "surface": {
+            "points": data::peaks(4),
+            "basis": {"u": {"kind": "bernstein", "degree": 3, "knots": "data"}, "v": "bspline"},
+            "weights": [[1, 1]],
+        },
+        "stop": {"tolerance": 1, "relative_tolerance": 1},
+    });
+    let answer = post("/v1/jobs", &surface).await;
+    let expected = [
+        "/surface/weights",
+        "/surface/basis/u/degree",
+        "/surface/basis/u/knots",
+        "/stop/relative_tolerance",
+    ];
+    assert_eq!(pointers(&answer), expected);
+
+    let parent = server.fit(&data::small_job()).await;
+    let edits = format!("{}/edits", parent["links"]["self"].as_str().unwrap());
+    let edit = json!({
+        "points": [{"index": 1, "point": [1]}, {"index": 9999, "point": [1, 2]}, {"index": 2}],
+        "method": {"kind": "adaptive"},
+        "stop": {"tolerance": 1, "relative_tolerance": 1},
+    });
+    let answer = post(&edits, &edit).await;
+    let expected = [
+        "/points/0/point",
+        "/points/1/index",
+        "/points/2",
+        "/method",
+        "/stop/relative_tolerance",
+    ];
+    assert_eq!(pointers(&answer), expected);
+}

@@ -488,6 +488,42 @@ fn assert_violation(status: &Status, field: &str, reason: &str) {
 }
 
 #[tokio::test]
+async fn several_mistakes_are_told_at_once() {
+    let server = Server::start().await;
+    let mut client = connect(&server).await;
+    let bad_rule = pb::Parameters {
+        rule: 99,
+        ..pb::Parameters::default()
+    };
+    let mut input = curve(&data::helix());
+    let Some(job_input::Geometry::Curve(it)) = &mut input.geometry else {
+        panic!("a curve");
+    };
+    it.parameters = Some(bad_rule);
+    input.rational = 99;
+    input.stream = Some(pb::StreamOptions {
+        samples_v: 3,
+        ..pb::StreamOptions::default()
+    });
+    let request = pb::CreateJobRequest {
+        input: Some(input),
+        ..pb::CreateJobRequest::default()
+    };
+    let status = client.create_job(request).await.unwrap_err();
+    let bad = status.get_details_bad_request().unwrap();
+    let fields = bad.field_violations.iter().map(|it| it.field.as_str());
+    let expected = [
+        "input.curve.parameters.rule",
+        "input.stream.samples_u",
+        "input.rational",
+    ];
+    assert_eq!(fields.collect::<Vec<_>>(), expected);
+    for field in expected {
+        assert!(status.message().contains(field), "{status:?}");
+    }
+}
+
+#[tokio::test]
 async fn errors_name_the_fields_that_are_wrong() {
     let server = Server::with(|config| config.max_points = 1000).await;
     let mut client = connect(&server).await;

@@ -73,10 +73,16 @@ impl StreamObject {
         object.transpose().map_err(broken)
     }
 
+    /// Checks that streams of a curve or a surface can go like that.
+    pub fn check(&self, surface: bool) -> Result<(), Problem> {
+        let query = StreamParameters::default();
+        query.options(Some(self), surface).map(|_| ())
+    }
+
     /// The object as JSON, if streams of `problem` can go like that.
     pub fn text(&self, problem: &fit::Problem) -> Result<Arc<str>, Problem> {
+        self.check(problem.v().is_some())?;
         let query = StreamParameters::default();
-        query.options(Some(self), problem.v().is_some())?;
         query.check_range(Some(self), problem)?;
         serde_json::to_string(self)
             .map(Arc::from)

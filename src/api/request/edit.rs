@@ -6,6 +6,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 
 use super::method::{Index, MethodRequest};
+use super::mistakes::Mistakes;
 use super::{
     LONGEST_NAME, RationalRequest, StopRequest, ValidJob, check_name, invalid, schema,
     surface_weights,
@@ -134,7 +135,8 @@ impl EditRequest {
         lambda_min: Option<f64>,
         config: &Config,
     ) -> Result<ValidJob, Problem> {
-        check_name(self.name.as_deref())?;
+        let mut mistakes = Mistakes::default();
+        mistakes.keep(check_name(self.name.as_deref()));
         if self.points.as_ref().is_none_or(Vec::is_empty)
             && self.weights.is_none()
             && self.rational.is_none()
@@ -142,7 +144,7 @@ impl EditRequest {
             && self.stop.is_none()
         {
             let detail = "an edit changes something: points, weights, method or stop";
-            return Err(invalid("", detail));
+            mistakes.keep::<()>(Err(invalid("", detail)));
         }
         let mut request = parent.restated();
         let moved = self.points.unwrap_or_default();
@@ -158,13 +160,18 @@ impl EditRequest {
         // Fixed weights are a part of the basis.
         let same_matrix = self.weights.is_none() || rational == Some(RationalRequest::Homogeneous);
         request.lambda_min = lambda_min.filter(|_| same_matrix);
-        set_weights(&mut request, self.weights, rational)?;
+        mistakes.keep(set_weights(&mut request, self.weights, rational));
         for (k, change) in moved.into_iter().enumerate() {
             let goes = change.point.is_some();
-            let index = change.apply(k, &mut request)?;
+            if mistakes.full() {
+                break;
+            }
+            let Some(index) = mistakes.keep(change.apply(k, &mut request)) else {
+                continue;
+            };
             if !seen.insert(index) {
                 let detail = "this point has been moved before, by the same edit";
-                return Err(invalid(&format!("/points/{k}/index"), detail));
+                mistakes.keep::<()>(Err(invalid(&format!("/points/{k}/index"), detail)));
             }
             places.moved.push(index);
             if goes {
@@ -174,15 +181,25 @@ impl EditRequest {
         request.missing.retain(|index| !placed.contains(index));
         if let Some(method) = self.method {
             places.control_points_each = method.has_control_points_each();
-            (request.method, request.selected) =
-                method.method(request.grid, request.v.is_some())?;
+            let method = method.method(request.grid, request.v.is_some());
+            if let Some((method, selected)) = mistakes.keep(method) {
+                (request.method, request.selected) = (method, selected);
+            }
         }
-        if let Some(stop) = self.stop {
-            (request.tolerance, request.max_iterations) = stop.rules(config.max_iterations)?;
+        let rules = self.stop.map(|stop| stop.rules(config.max_iterations));
+        if let Some(rules) = mistakes.keep(rules.transpose()).flatten() {
+            (request.tolerance, request.max_iterations) = rules;
+        }
+        let stream = self.stream.as_ref().map(|it| it.check(places.surface));
+        mistakes.keep(stream.transpose());
+        if !mistakes.none() {
+            return Err(mistakes.problem());
         }
         request.start = Some(start(parent, &request, control_points)?);
-        let problem = fit::Problem::new(request)
-            .map_err(|error| invalid(&places.pointer(&error), error.to_string()))?;
+        let problem = mistakes.fit(request, |error| places.pointer(error));
+        let Some(problem) = problem.filter(|_| mistakes.none()) else {
+            return Err(mistakes.problem());
+        };
         let bases = |problem: &fit::Problem| -> Vec<_> {
             let bases = problem
                 .directions()

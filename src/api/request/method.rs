@@ -179,7 +179,7 @@ impl MethodRequest {
     }
 
     /// Refuses settings of other methods.
-    fn check_settings(&self) -> Result<(), Problem> {
+    pub(super) fn check_settings(&self) -> Result<(), Problem> {
         let settings = [
             ("omega", self.omega.is_some(), Kind::Weighted, "weighted"),
             ("indices", self.indices.is_some(), Kind::Local, "local"),
@@ -210,21 +210,21 @@ impl MethodRequest {
             ),
             ("mu", self.mu.is_some(), Kind::LeastSquares, "least_squares"),
         ];
-        for (name, given, kind, method) in settings {
-            if given && kind != self.kind {
-                return Err(invalid(
-                    &format!("/method/{name}"),
-                    format!("{name} is a setting of the method {method:?}"),
-                ));
-            }
+        let of_others = settings
+            .into_iter()
+            .filter(|&(_, given, kind, _)| given && kind != self.kind);
+        let mut wrong: Vec<Problem> = of_others
+            .map(|(name, _, _, method)| {
+                let detail = format!("{name} is a setting of the method {method:?}");
+                invalid(&format!("/method/{name}"), detail)
+            })
+            .collect();
+        let lspia = self.variant == Some(VariantRequest::Lspia);
+        if self.kind == Kind::LeastSquares && self.mu.is_some() && !lspia {
+            let detail = "mu is a setting of the variant \"lspia\"";
+            wrong.push(invalid("/method/mu", detail));
         }
-        if self.mu.is_some() && self.variant != Some(VariantRequest::Lspia) {
-            return Err(invalid(
-                "/method/mu",
-                "mu is a setting of the variant \"lspia\"",
-            ));
-        }
-        Ok(())
+        Problem::of_all(wrong).map_or(Ok(()), Err)
     }
 
     fn local(&self, selects: bool) -> Result<Method, Problem> {

@@ -2,6 +2,7 @@
 
 pub mod edit;
 pub(super) mod method;
+pub(super) mod mistakes;
 pub(super) mod places;
 mod schema;
 
@@ -25,6 +26,7 @@ use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{self as fit, Tolerance, Weights};
 use method::MethodRequest;
+use mistakes::Mistakes;
 use places::Places;
 
 const DEFAULT_DEGREE: usize = 3;
@@ -225,27 +227,44 @@ pub struct ValidJob {
 impl JobRequest {
     /// Checks the request against the limits and the mathematics.
     pub fn validate(self, config: &Config) -> Result<ValidJob, Problem> {
-        check_name(self.name.as_deref())?;
+        let mut mistakes = Mistakes::default();
+        mistakes.keep(check_name(self.name.as_deref()));
         let rational = self.rational;
-        let mut shape = match (self.curve, self.surface) {
-            (Some(curve), None) => curve.shape(rational)?,
-            (None, Some(surface)) => surface.shape(rational)?,
-            (None, None) => return Err(invalid("", "a curve or a surface is needed")),
+        let surface = self.surface.is_some();
+        let shape = match (self.curve, self.surface) {
+            (Some(curve), None) => curve.shape(rational, &mut mistakes),
+            (None, Some(surface)) => surface.shape(rational, &mut mistakes),
+            (None, None) => mistakes.keep(Err(invalid("", "a curve or a surface is needed"))),
             (Some(_), Some(_)) => {
                 let detail = "the job has a curve, so it cannot have a surface as well";
-                return Err(invalid("/surface", detail));
+                mistakes.keep(Err(invalid("/surface", detail)))
             }
         };
-        check_count(&shape, config.max_points)?;
+        let shape = shape.and_then(|shape| {
+            let count = check_count(&shape, config.max_points);
+            mistakes.keep(count).map(|()| shape)
+        });
         let stop = self.stop.unwrap_or_default();
-        let (tolerance, max_iterations) = stop.rules(config.max_iterations)?;
-        let (method, selected) = match self.method {
-            None => (Method::Global, None),
+        let stop = mistakes.keep(stop.rules(config.max_iterations));
+        let stream = self.stream.as_ref().map(|stream| stream.check(surface));
+        mistakes.keep(stream.transpose());
+        let Some(mut shape) = shape else {
+            let settings = self.method.map(|method| method.check_settings());
+            mistakes.keep(settings.transpose());
+            return Err(mistakes.problem());
+        };
+        let method = match self.method {
+            None => Some((Method::Global, None)),
             Some(method) => {
                 shape.places.control_points_each = method.has_control_points_each();
-                method.method(shape.grid, shape.v.is_some())?
+                mistakes.keep(method.method(shape.grid, shape.v.is_some()))
             }
         };
+        let Some((method, selected)) = method else {
+            return Err(mistakes.problem());
+        };
+        // The points and the basis may be wrong beside what was found so far.
+        let (tolerance, max_iterations) = stop.unwrap_or((DEFAULT_TOLERANCE, 0));
         let places = shape.places;
         let request = fit::Request {
             points: Arc::new(shape.points),
@@ -261,8 +280,11 @@ impl JobRequest {
             tolerance,
             max_iterations,
         };
-        let problem = fit::Problem::new(request)
-            .map_err(|error| invalid(&places.pointer(&error), error.to_string()))?;
+        let problem = mistakes.fit(request, |error| places.pointer(error));
+        let problem = problem.filter(|_| mistakes.none());
+        let Some(problem) = problem else {
+            return Err(mistakes.problem());
+        };
         let stream = self.stream.map(|stream| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
@@ -322,8 +344,10 @@ struct Shape {
 }
 
 impl CurveRequest {
-    fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
-        check_degree(self.degree.is_some(), self.basis.is_some(), "/curve")?;
+    /// What there is of it, also if there are mistakes beside the points.
+    fn shape(self, rational: Option<RationalRequest>, mistakes: &mut Mistakes) -> Option<Shape> {
+        let degree = check_degree(self.degree.is_some(), self.basis.is_some(), "/curve");
+        mistakes.keep(degree);
         let short = self.degree.is_some();
         let of_degree = self.degree.map(BasisRequest::of_degree);
         let PointList(points) = self.points;
@@ -331,25 +355,14 @@ impl CurveRequest {
             rows: points.len(),
             columns: 1,
         };
-        let weights = match self.weights {
-            None => None,
-            Some(WeightList::Line(weights)) => Some(weights),
-            Some(WeightList::Grid { .. }) => {
-                let detail = "the weights of a curve are a list of numbers";
-                return Err(invalid("/curve/weights", detail));
-            }
-        };
-        let (weights, fixed) = match (rational, weights) {
-            (None, None) => (Weights::None, None),
-            (Some(_), None) => return Err(no_weights()),
-            (Some(RationalRequest::Fixed), Some(weights)) => (Weights::None, Some(weights)),
-            (_, Some(weights)) => (Weights::Homogeneous(weights), None),
-        };
-        Ok(Shape {
+        let weights = mistakes.keep(curve_weights(self.weights, rational));
+        let (weights, fixed) = weights.unwrap_or((Weights::None, None));
+        let basis = mistakes.keep(basis(self.basis.or(of_degree), "/curve/basis"));
+        Some(Shape {
             points,
             grid,
             u: DirectionChoice {
-                basis: basis(self.basis.or(of_degree), "/curve/basis")?,
+                basis: basis?,
                 parameters: parametrization(self.parameters),
                 closed: self.closed.unwrap_or(false),
                 control_points: None,
@@ -367,8 +380,10 @@ impl CurveRequest {
 }
 
 impl SurfaceRequest {
-    fn shape(self, rational: Option<RationalRequest>) -> Result<Shape, Problem> {
-        check_degree(self.degree.is_some(), self.basis.is_some(), "/surface")?;
+    /// What there is of it, also if there are mistakes beside the points.
+    fn shape(self, rational: Option<RationalRequest>, mistakes: &mut Mistakes) -> Option<Shape> {
+        let degree = check_degree(self.degree.is_some(), self.basis.is_some(), "/surface");
+        mistakes.keep(degree);
         let degree_alone = self.degree.is_some();
         let of_degree = self
             .degree
@@ -390,35 +405,55 @@ impl SurfaceRequest {
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
             control_points_each: false,
         };
-        let (weights, fixed) = surface_weights(self.weights, rational, grid, "/surface/weights")?;
+        let weights = surface_weights(self.weights, rational, grid, "/surface/weights");
+        let weights = mistakes.keep(weights);
+        let (weights, fixed) = weights.unwrap_or((Weights::None, None));
         let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
         let (fixed_u, fixed_v) = fixed.unzip();
-        let direction = |axis, basis_request, parameters, closed: Option<bool>, weights| {
-            Ok::<_, Problem>(DirectionChoice {
-                basis: basis(basis_request, &places.basis(axis))?,
+        let mut direction = |axis, request, parameters, closed: Option<bool>, weights| {
+            let basis = mistakes.keep(basis(request, &places.basis(axis)));
+            Some(DirectionChoice {
+                basis: basis?,
                 parameters: parametrization(parameters),
                 closed: closed.unwrap_or(false),
                 control_points: None,
                 weights,
             })
         };
-        Ok(Shape {
+        let u = direction(Axis::U, basis_u, parameters_u, closed_u, fixed_u);
+        let v = direction(Axis::V, basis_v, parameters_v, closed_v, fixed_v);
+        Some(Shape {
             points,
             grid,
-            u: direction(Axis::U, basis_u, parameters_u, closed_u, fixed_u)?,
-            v: Some(direction(
-                Axis::V,
-                basis_v,
-                parameters_v,
-                closed_v,
-                fixed_v,
-            )?),
+            u: u?,
+            v: Some(v?),
             missing,
             weights,
             places,
         })
+    }
+}
+
+/// Weights of a curve: of the data points, or fixed ones.
+fn curve_weights(
+    weights: Option<WeightList>,
+    rational: Option<RationalRequest>,
+) -> Result<(Weights, Option<Vec<f64>>), Problem> {
+    let weights = match weights {
+        None => None,
+        Some(WeightList::Line(weights)) => Some(weights),
+        Some(WeightList::Grid { .. }) => {
+            let detail = "the weights of a curve are a list of numbers";
+            return Err(invalid("/curve/weights", detail));
+        }
+    };
+    match (rational, weights) {
+        (None, None) => Ok((Weights::None, None)),
+        (Some(_), None) => Err(no_weights()),
+        (Some(RationalRequest::Fixed), Some(weights)) => Ok((Weights::None, Some(weights))),
+        (_, Some(weights)) => Ok((Weights::Homogeneous(weights), None)),
     }
 }
 
@@ -517,17 +552,16 @@ fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Pr
         BasisKind::SaidBall => Polynomial::SaidBall,
         BasisKind::WangBall => Polynomial::WangBall,
     };
-    let given = request.degree.map(|_| "degree");
-    match given.or(request.knots.map(|_| "knots")) {
-        None => Ok(BasisChoice::Polynomial(kind)),
-        Some(field) => Err(invalid(
-            &format!("{pointer}/{field}"),
-            format!(
-                "a {} basis has no {field} to choose: its degree is control points − 1",
-                kind.name()
-            ),
-        )),
-    }
+    let degree = request.degree.map(|_| "degree");
+    let given = degree.into_iter().chain(request.knots.map(|_| "knots"));
+    let wrong = given.map(|field| {
+        let detail = format!(
+            "a {} basis has no {field} to choose: its degree is control points − 1",
+            kind.name()
+        );
+        invalid(&format!("{pointer}/{field}"), detail)
+    });
+    Problem::of_all(wrong).map_or(Ok(BasisChoice::Polynomial(kind)), Err)
 }
 
 fn knots(request: Option<RuleOrNumbers<KnotRule>>) -> Knots {
@@ -553,24 +587,29 @@ fn parametrization(request: Option<RuleOrNumbers<ParameterRule>>) -> Parametriza
 
 impl StopRequest {
     fn rules(&self, most_iterations: usize) -> Result<(Tolerance, usize), Problem> {
+        let mut mistakes = Mistakes::default();
         let tolerance = match (self.tolerance, self.relative_tolerance) {
-            (None, None) => DEFAULT_TOLERANCE,
-            (Some(Number(value)), None) => Tolerance::Absolute(value),
-            (None, Some(Number(value))) => Tolerance::Relative(value),
+            (None, None) => Ok(DEFAULT_TOLERANCE),
+            (Some(Number(value)), None) => Ok(Tolerance::Absolute(value)),
+            (None, Some(Number(value))) => Ok(Tolerance::Relative(value)),
             (Some(_), Some(_)) => {
                 let detail = "tolerance is given, so relative_tolerance cannot be";
-                return Err(invalid("/stop/relative_tolerance", detail));
+                Err(invalid("/stop/relative_tolerance", detail))
             }
         };
+        let tolerance = mistakes.keep(tolerance);
         let usual = DEFAULT_ITERATIONS.min(most_iterations);
         let max_iterations = self.max_iterations.map_or(usual, |Count(count)| count);
         if max_iterations > most_iterations {
             let detail = format!(
                 "{max_iterations} iterations are more than {most_iterations}, the limit of this server"
             );
-            return Err(invalid("/stop/max_iterations", detail));
+            mistakes.keep::<()>(Err(invalid("/stop/max_iterations", detail)));
         }
-        Ok((tolerance, max_iterations))
+        match tolerance.filter(|_| mistakes.none()) {
+            Some(tolerance) => Ok((tolerance, max_iterations)),
+            None => Err(mistakes.problem()),
+        }
     }
 }
 

@@ -14,6 +14,9 @@ use crate::job::store::StoreError;
 /// Who says what the reason of an error means.
 const DOMAIN: &str = "piad";
 
+/// The most bytes of details: they travel in a header, of which clients take 8 kB.
+const MOST_DETAILS: usize = 3000;
+
 /// The code of a kind of problem.
 fn code(kind: Kind) -> Code {
     match kind {
@@ -48,12 +51,19 @@ impl From<Problem> for Status {
         let reason = kind.entry().slug.replace('-', "_").to_uppercase();
         let mut details = ErrorDetails::new();
         details.set_error_info(reason, DOMAIN, HashMap::new());
+        let mut room = MOST_DETAILS;
         let violations: Vec<_> = problem
             .errors()
             .iter()
             .filter_map(|error| {
                 let field = error.field.as_ref()?;
                 Some(FieldViolation::new(field, &error.detail))
+            })
+            .take_while(|violation| {
+                let length = violation.field.len() + violation.description.len();
+                let fits = length <= room;
+                room = room.saturating_sub(length);
+                fits
             })
             .collect();
         if !violations.is_empty() {

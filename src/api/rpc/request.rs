@@ -15,6 +15,7 @@ use crate::api::read::values::{Count, Number};
 use crate::api::request::method::{
     Index, Kind as MethodKind, MethodRequest, Omega, StartRequest, VariantRequest,
 };
+use crate::api::request::mistakes::Mistakes;
 use crate::api::request::{
     BasisKind, BasisRequest, CurveRequest, JobRequest, KnotRule, ParameterRule, RationalRequest,
     StopRequest, SurfaceRequest, ValidJob,
@@ -70,20 +71,27 @@ pub fn validate(input: pb::JobInput, config: &Config) -> Result<ValidJob, Proble
 }
 
 fn job(input: pb::JobInput, most_points: usize) -> Result<JobRequest, Problem> {
+    let mut mistakes = Mistakes::default();
     let (curve, surface) = match input.geometry {
         None => (None, None),
-        Some(Geometry::Curve(it)) => (Some(curve(it, most_points)?), None),
-        Some(Geometry::Surface(it)) => (None, Some(surface(it, most_points)?)),
+        Some(Geometry::Curve(it)) => (mistakes.keep(curve(it, most_points)), None),
+        Some(Geometry::Surface(it)) => (None, mistakes.keep(surface(it, most_points))),
     };
     let stream = input.stream.map(stream::object).transpose();
+    let stream = mistakes.keep(stream.map_err(|problem| problem.within("stream")));
+    let rational = mistakes.keep(rational(input.rational));
+    let method = mistakes.keep(method(input.method, most_points));
+    if !mistakes.none() {
+        return Err(mistakes.problem());
+    }
     Ok(JobRequest {
         name: input.name,
         curve,
         surface,
-        rational: rational(input.rational)?,
-        method: method(input.method, most_points)?,
+        rational: rational.flatten(),
+        method: method.flatten(),
         stop: stop(input.stop),
-        stream: stream.map_err(|problem| problem.within("stream"))?,
+        stream: stream.flatten(),
     })
 }
 
