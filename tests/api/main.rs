@@ -51,6 +51,7 @@ mod plain_words;
 mod process;
 mod program;
 mod rational;
+mod readme;
 mod reference;
 mod refusals;
 mod rpc;
