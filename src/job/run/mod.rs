@@ -1,78 +1,35 @@
 //! An iteration that several readers share and that advances as far as somebody wants it to.
+//!
+//! - `shared`: the system that it iterates;
+//! - `attached`: a reader's hold on it.
+
+mod attached;
+mod shared;
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
 use tokio::sync::Notify;
-use tokio::sync::futures::Notified;
 
-use super::Resources;
-use super::frame::Frame;
-use super::memory::Permit;
-use super::patience::{PATIENCE, Patience};
-use super::peer::Peer;
-use super::scheduler::{Lane, Turn, Work};
-use super::state::Levels;
+pub use attached::Attached;
+pub use shared::SharedSystem;
+
 use crate::fit::iteration::{Iteration, Level, Outcome};
-use crate::fit::problem::Problem;
 use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
+use crate::job::Resources;
+use crate::job::frame::Frame;
+use crate::job::memory::Permit;
+use crate::job::patience::Patience;
+use crate::job::peer::Peer;
+use crate::job::scheduler::{Lane, Turn, Work};
+use crate::job::state::Levels;
 
 /// How many levels a run may be ahead of its readers.
 const LOOK_AHEAD: usize = 32;
-
-/// The system of a problem, made when it is first needed and shared by all runs that need it at
-/// the same time.
-#[derive(Debug)]
-pub struct SharedSystem {
-    problem: Arc<Problem>,
-    system: Mutex<Weak<System>>,
-    /// A system that may have the same collocation matrix; given up once it has been used.
-    like: Mutex<Option<Arc<System>>>,
-    /// How long readers of the runs have made each other wait.
-    patience: Arc<Patience>,
-}
-
-impl SharedSystem {
-    /// Nothing is computed yet. The matrix may be that of another system.
-    pub fn new(problem: Arc<Problem>, like: Option<Arc<System>>) -> Self {
-        Self {
-            problem,
-            system: Mutex::new(Weak::new()),
-            like: Mutex::new(like),
-            patience: Arc::default(),
-        }
-    }
-
-    /// The system, if somebody holds it.
-    pub fn at_hand(&self) -> Option<Arc<System>> {
-        // While it is being made the lock is held for long.
-        self.system.try_lock()?.upgrade()
-    }
-
-    /// The problem.
-    pub fn problem(&self) -> &Arc<Problem> {
-        &self.problem
-    }
-
-    /// The system, which lives as long as somebody holds it. It can take long to make: not
-    /// for the threads that serve the network.
-    pub fn get(&self) -> Arc<System> {
-        let mut shared = self.system.lock();
-        shared.upgrade().unwrap_or_else(|| {
-            let problem = Arc::clone(&self.problem);
-            let system = Arc::new(match self.like.lock().take() {
-                Some(other) => System::like(problem, &other),
-                None => System::new(problem),
-            });
-            *shared = Arc::downgrade(&system);
-            system
-        })
-    }
-}
 
 /// Why a run will not go any further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -513,193 +470,5 @@ impl Work for Run {
     }
 }
 
-/// A reader's hold on a run: while there is one, the run keeps its recent frames.
-#[derive(Debug)]
-pub struct Attached {
-    run: Arc<Run>,
-    reader: u64,
-    peer: Option<Peer>,
-}
-
-impl Attached {
-    /// The first reader of a run, from frame `next` on.
-    pub fn to_new(run: Arc<Run>, next: usize, peer: Option<Peer>) -> Self {
-        let reader = run.state.lock().add_reader(Reader { next, peer });
-        Self { run, reader, peer }
-    }
-
-    /// What the run has to say about frame `index`, which is the next one that the reader wants.
-    pub fn read(&self, index: usize) -> Read {
-        let mut state = self.run.state.lock();
-        if let Some(reader) = state.readers.get_mut(&self.reader) {
-            reader.next = index;
-        }
-        state.touched = Instant::now();
-        let read = state.read(index);
-        state.delivered |= matches!(read, Read::Frame(_));
-        read
-    }
-
-    /// Lets the run advance to frame `index`, and a little further where frames are small; unless
-    /// another reader would lose its next frame by that. Readers of large frames that go together
-    /// share one run, and one that is a moment slower does not need a run of its own.
-    ///
-    /// Says until when to wait for the others, at most, and then to call this again; and knows from
-    /// `waiting` since when they are waited for.
-    pub fn want(&self, index: usize, waiting: &mut Option<Instant>) -> Option<Instant> {
-        let lost = self.lost_before(index);
-        let now = Instant::now();
-        let since = waiting.unwrap_or(now);
-        let mut until = None;
-        let mut state = self.run.state.lock();
-        for reader in state.readers.values_mut().filter(|it| it.next < lost) {
-            let left = self.left_for(reader.peer, since, now);
-            if left.is_zero() {
-                // It has had its time, and will need a run of its own.
-                reader.next = usize::MAX;
-            }
-            until = until.max(Some(now + left).filter(|until| *until > now));
-        }
-        drop(state);
-        *waiting = until.map(|_| since);
-        if until.is_none() {
-            self.advance(index);
-        }
-        until
-    }
-
-    /// How much longer to wait for a reader of a peer.
-    fn left_for(&self, peer: Option<Peer>, since: Instant, now: Instant) -> Duration {
-        let left = PATIENCE.saturating_sub(now - since);
-        if peer == self.peer {
-            return left;
-        }
-        let patience = &self.run.patience;
-        patience.spend(peer, since, now);
-        left.min(patience.left(peer, now))
-    }
-
-    fn advance(&self, index: usize) {
-        self.run.want(self.ahead_of(index));
-    }
-
-    fn ahead_of(&self, index: usize) -> usize {
-        index.saturating_add(LOOK_AHEAD.min((self.run.capacity - 1) / 2))
-    }
-
-    /// Frames before this one go out of the ring if the run advances as wanted.
-    fn lost_before(&self, index: usize) -> usize {
-        (self.ahead_of(index).saturating_add(1)).saturating_sub(self.run.capacity)
-    }
-
-    /// Completes at the next change of the run after this call.
-    pub fn changed(&self) -> Notified<'_> {
-        self.run.changed.notified()
-    }
-}
-
-impl Drop for Attached {
-    fn drop(&mut self) {
-        let mut state = self.run.state.lock();
-        state.readers.remove(&self.reader);
-        if state.readers.is_empty() && !state.to_the_end {
-            // Nobody waits for what was wanted.
-            state.wanted = None;
-        }
-        drop(state);
-        // Others may have waited for this one.
-        self.run.changed.notify_waiters();
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fit::basis::knots::Knots;
-    use crate::fit::direction::{BasisChoice, DirectionChoice};
-    use crate::fit::method::Method;
-    use crate::fit::parameters::Parametrization;
-    use crate::fit::points::{Grid, Points};
-    use crate::fit::problem::{Request, Tolerance, Weights};
-    use crate::job::scheduler::Scheduler;
-
-    fn problem() -> Problem {
-        let mut points = Points::new(2);
-        (0..20).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
-        let u = DirectionChoice {
-            basis: BasisChoice::BSpline {
-                degree: 3,
-                knots: Knots::Data,
-            },
-            parameters: Parametrization::Uniform,
-            closed: false,
-            control_points: None,
-            weights: None,
-        };
-        let grid = Grid {
-            rows: 20,
-            columns: 1,
-        };
-        Problem::new(Request {
-            points: Arc::new(points),
-            grid,
-            u,
-            v: None,
-            missing: Vec::new(),
-            weights: Weights::None,
-            method: Method::Global,
-            selected: None,
-            start: None,
-            lambda_min: None,
-            tolerance: Tolerance::Absolute(0.0),
-            max_iterations: 10,
-        })
-        .unwrap()
-    }
-
-    /// Waits for a frame that is on its way.
-    async fn arrives(reader: &Attached, index: usize) {
-        for _ in 0..1000 {
-            if let Read::Frame(frame) = reader.read(index) {
-                return assert_eq!(frame.level.iteration, index);
-            }
-            tokio::time::sleep(Duration::from_millis(5)).await;
-        }
-        panic!("frame {index} has not come");
-    }
-
-    /// A ring of one frame: nobody is left behind as long as nobody insists.
-    #[tokio::test]
-    async fn readers_of_large_frames_wait_for_each_other() {
-        let scheduler = Scheduler::new(1).unwrap();
-        let resources = Arc::new(Resources::new(scheduler, 1 << 30, 0));
-        let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
-        let run = Run::new(system, Arc::clone(&resources), None);
-        let quick = Attached::to_new(Arc::clone(&run), 0, None);
-        let slow = run.attach(0, None).unwrap();
-        quick.want(0, &mut None);
-        arrives(&quick, 0).await;
-        arrives(&slow, 0).await;
-        // The other one has not taken frame 0 yet.
-        assert!(matches!(quick.read(1), Read::Later));
-        quick.want(1, &mut None);
-        tokio::time::sleep(Duration::from_millis(50)).await;
-        assert!(matches!(quick.read(1), Read::Later));
-        assert!(matches!(slow.read(1), Read::Later));
-        slow.want(1, &mut None);
-        arrives(&quick, 1).await;
-        arrives(&slow, 1).await;
-        assert!(matches!(quick.read(2), Read::Later));
-        let mut waiting = None;
-        while let Some(until) = quick.want(2, &mut waiting) {
-            tokio::time::sleep_until(until.into()).await;
-        }
-        arrives(&quick, 2).await;
-        assert!(matches!(slow.read(1), Read::Gone));
-        drop(slow);
-        assert!(matches!(quick.read(3), Read::Later));
-        quick.want(3, &mut None);
-        arrives(&quick, 3).await;
-        assert_eq!(resources.counters.iterations.get(), 4);
-    }
-}
+mod tests;

@@ -1,0 +1,90 @@
+//! Readers that share a run.
+
+use super::*;
+use crate::fit::basis::knots::Knots;
+use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::method::Method;
+use crate::fit::parameters::Parametrization;
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::job::scheduler::Scheduler;
+
+fn problem() -> Problem {
+    let mut points = Points::new(2);
+    (0..20).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
+    let u = DirectionChoice {
+        basis: BasisChoice::BSpline {
+            degree: 3,
+            knots: Knots::Data,
+        },
+        parameters: Parametrization::Uniform,
+        closed: false,
+        control_points: None,
+        weights: None,
+    };
+    let grid = Grid {
+        rows: 20,
+        columns: 1,
+    };
+    Problem::new(Request {
+        points: Arc::new(points),
+        grid,
+        u,
+        v: None,
+        missing: Vec::new(),
+        weights: Weights::None,
+        method: Method::Global,
+        selected: None,
+        start: None,
+        lambda_min: None,
+        tolerance: Tolerance::Absolute(0.0),
+        max_iterations: 10,
+    })
+    .unwrap()
+}
+
+/// Waits for a frame that is on its way.
+async fn arrives(reader: &Attached, index: usize) {
+    for _ in 0..1000 {
+        if let Read::Frame(frame) = reader.read(index) {
+            return assert_eq!(frame.level.iteration, index);
+        }
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    panic!("frame {index} has not come");
+}
+
+/// A ring of one frame: nobody is left behind as long as nobody insists.
+#[tokio::test]
+async fn readers_of_large_frames_wait_for_each_other() {
+    let scheduler = Scheduler::new(1).unwrap();
+    let resources = Arc::new(Resources::new(scheduler, 1 << 30, 0));
+    let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
+    let run = Run::new(system, Arc::clone(&resources), None);
+    let quick = Attached::to_new(Arc::clone(&run), 0, None);
+    let slow = run.attach(0, None).unwrap();
+    quick.want(0, &mut None);
+    arrives(&quick, 0).await;
+    arrives(&slow, 0).await;
+    // The other one has not taken frame 0 yet.
+    assert!(matches!(quick.read(1), Read::Later));
+    quick.want(1, &mut None);
+    tokio::time::sleep(Duration::from_millis(50)).await;
+    assert!(matches!(quick.read(1), Read::Later));
+    assert!(matches!(slow.read(1), Read::Later));
+    slow.want(1, &mut None);
+    arrives(&quick, 1).await;
+    arrives(&slow, 1).await;
+    assert!(matches!(quick.read(2), Read::Later));
+    let mut waiting = None;
+    while let Some(until) = quick.want(2, &mut waiting) {
+        tokio::time::sleep_until(until.into()).await;
+    }
+    arrives(&quick, 2).await;
+    assert!(matches!(slow.read(1), Read::Gone));
+    drop(slow);
+    assert!(matches!(quick.read(3), Read::Later));
+    quick.want(3, &mut None);
+    arrives(&quick, 3).await;
+    assert_eq!(resources.counters.iterations.get(), 4);
+}
