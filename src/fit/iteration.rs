@@ -314,8 +314,8 @@ impl Iteration {
     /// The level at which the errors will be within the tolerance if they go on falling as they do.
     pub(super) fn end_of_decay(&self) -> Option<usize> {
         let problem = self.system.problem();
-        if matches!(problem.method(), Method::LeastSquares(_)) {
-            // They end at the minimum, wherever that is.
+        // Least-squares fits end at the minimum, wherever that is, and nothing falls to zero.
+        if matches!(problem.method(), Method::LeastSquares(_)) || problem.tolerance() <= 0.0 {
             return None;
         }
         let Level {

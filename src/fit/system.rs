@@ -9,6 +9,7 @@ use super::problem::Problem;
 use super::rehearsal::{self, Foreseen};
 use super::spectrum;
 use super::tensor::Tensor;
+use super::update::least_squares::LeastSquaresUpdate;
 
 /// Up to this number of points in a direction λ_min is computed for the forecast alone; methods
 /// that need it always have it.
@@ -57,6 +58,8 @@ pub struct Forecast {
     pub block: Option<f64>,
     /// The number of iterations after which the fit is exact, where there is one.
     pub exact_after: Option<usize>,
+    /// Least squares: how many control points no data say anything of.
+    pub without_data: usize,
     /// Chebyshev: where the interval of its steps begins, if not at the least eigenvalue.
     pub interval: Option<f64>,
     /// About how large a distance rounding leaves then, if that is more than the tolerance.
@@ -101,6 +104,10 @@ impl System {
         };
         if matches!(system.transform, Transform::Orthogonal(..)) {
             system.forecast.rounding = rehearsal::left_by_rounding(&system);
+        }
+        if let Method::LeastSquares(settings) = system.problem.method() {
+            system.forecast.without_data =
+                LeastSquaresUpdate::new(&system, settings.variant).fixed();
         }
         if matches!(system.problem.method(), Method::Chebyshev) {
             system.choose_interval();

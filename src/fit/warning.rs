@@ -5,6 +5,7 @@
 use super::basis::knots::Knots;
 use super::direction::{BasisChoice, Direction, DirectionChoice};
 use super::invalid::{Axis, Place};
+use super::iteration::Level;
 use super::method::Method;
 use super::problem::Problem;
 use super::system::Forecast;
@@ -42,7 +43,22 @@ pub enum Warning {
         /// Where the interval begins instead.
         begin: f64,
     },
+    /// The slowest part of the error will hardly have changed after the last iteration.
+    IllConditioned {
+        /// The least eigenvalue.
+        least: f64,
+        /// The last level that is computed.
+        iterations: usize,
+    },
+    /// Least squares: control points of which no data say where they are.
+    WithoutData {
+        /// How many.
+        count: usize,
+    },
 }
+
+/// What is left of the slowest part of the error, if an iteration hardly changes it.
+const UNCHANGED: f64 = 0.99;
 
 impl Warning {
     /// What is doubtful about a problem as it is asked for.
@@ -54,19 +70,52 @@ impl Warning {
         u.into_iter().chain(v.into_iter().flatten()).collect()
     }
 
-    /// What is doubtful by what was found out before the first step.
-    pub fn of_forecast(forecast: &Forecast, method: Method) -> Vec<Self> {
+    /// What is doubtful by what was found out before the first step: of a fit with this level 0, that
+    /// is computed up to level `iterations`.
+    pub fn of_forecast(
+        forecast: &Forecast,
+        first: &Level,
+        method: Method,
+        iterations: usize,
+    ) -> Vec<Self> {
+        let most = iterations;
         let rounding = forecast.rounding.zip(forecast.exact_after);
         let rounding = rounding.filter(|_| matches!(method, Method::Extended { .. }));
         let rounding = rounding.map(|(left, iterations)| Self::Rounding { left, iterations });
         let least = forecast.lambda_min.unwrap_or(0.0);
         let begin = forecast.interval;
         let interval = begin.map(|begin| Self::ShorterInterval { least, begin });
-        rounding.into_iter().chain(interval).collect()
+        let gets_there = first.predicted.is_some_and(|level| level <= most);
+        let slow = forecast
+            .rate
+            .is_some_and(|rate| rate.powf(most as f64) > UNCHANGED);
+        let moves_all = matches!(
+            method,
+            Method::Global | Method::Weighted { .. } | Method::Chebyshev
+        );
+        let ill = (moves_all && slow && !gets_there && most > 0).then_some(Self::IllConditioned {
+            least,
+            iterations: most,
+        });
+        let count = forecast.without_data;
+        let lost = (count > 0).then_some(Self::WithoutData { count });
+        rounding
+            .into_iter()
+            .chain(interval)
+            .chain(ill)
+            .chain(lost)
+            .collect()
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 4] = ["few_points", "even_degree", "rounding", "shorter_interval"];
+    pub const CODES: [&str; 6] = [
+        "few_points",
+        "even_degree",
+        "rounding",
+        "shorter_interval",
+        "ill_conditioned",
+        "without_data",
+    ];
 
     /// The name on the wire.
     pub fn code(&self) -> &'static str {
@@ -75,6 +124,8 @@ impl Warning {
             Self::EvenDegree { .. } => "even_degree",
             Self::Rounding { .. } => "rounding",
             Self::ShorterInterval { .. } => "shorter_interval",
+            Self::IllConditioned { .. } => "ill_conditioned",
+            Self::WithoutData { .. } => "without_data",
         }
     }
 
@@ -82,7 +133,7 @@ impl Warning {
     pub fn place(&self) -> Place {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
-            Self::Rounding { .. } | Self::ShorterInterval { .. } => Place::Method,
+            _ => Place::Method,
         }
     }
 
@@ -108,6 +159,15 @@ impl Warning {
                 "the least eigenvalue of the collocation matrix, {least:.2e}, says little of this matrix: with Chebyshev \
                  steps for [{least:.2e}, 1] distances would rise far above those of the data; the steps are for \
                  [{begin:.2e}, 1], which takes more iterations; direct gives the limit"
+            ),
+            Self::IllConditioned { least, iterations } => format!(
+                "the least eigenvalue of the collocation matrix is {least:.2e}: the part of the error that belongs to it \
+                 hardly changes in {iterations} iterations, and the tolerance may be out of reach; use direct, or \
+                 B-splines of a low degree"
+            ),
+            Self::WithoutData { count } => format!(
+                "{count} control points have no data where their functions differ from zero: they stay where they \
+                 start; use fewer control points or other knots"
             ),
         }
     }

@@ -8,8 +8,8 @@ use uuid::Uuid;
 use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
-use crate::fit::system::Forecast;
 use crate::fit::warning::Warning;
+use crate::job::state::Levels;
 
 /// A job without its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,8 +87,13 @@ impl Outline {
     }
 
     /// What is doubtful about it, as far as is known by now.
-    pub fn warnings(&self, forecast: Option<&Forecast>) -> impl Iterator<Item = Warning> {
-        let found = forecast.map(|it| Warning::of_forecast(it, self.method));
+    pub fn warnings(&self, levels: Option<&Levels>) -> impl Iterator<Item = Warning> {
+        let found = levels.map(|levels| {
+            let Levels {
+                forecast, first, ..
+            } = levels;
+            Warning::of_forecast(forecast, first, self.method, self.max_iterations)
+        });
         self.warnings
             .clone()
             .into_iter()

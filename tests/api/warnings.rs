@@ -269,3 +269,56 @@ async fn chebyshev_steps_keep_distances_low() {
     );
     expect(&story.job, &[("shorter_interval", "/method")]);
 }
+
+#[tokio::test]
+async fn fits_that_an_iteration_does_not_finish_are_warned_of() {
+    let server = Server::start().await;
+    let ill = ("ill_conditioned", "/method");
+    let bernstein = json!({"kind": "bernstein"});
+    for kind in ["global", "weighted"] {
+        let mut job = curve(30, &bernstein);
+        job["method"] = json!({"kind": kind});
+        let story = expect_everywhere(&server, &job, &[ill]).await;
+        assert_eq!(story.state(), "exhausted");
+        // Not if the data have so little of the slowest part that it does not matter.
+        job["stop"] = json!({"relative_tolerance": 0.2});
+        let story = expect_everywhere(&server, &job, &[]).await;
+        assert_eq!(story.state(), "converged");
+    }
+    expect_everywhere(
+        &server,
+        &curve(30, &json!({"kind": "bspline", "degree": 3})),
+        &[],
+    )
+    .await;
+}
+
+#[tokio::test]
+async fn control_points_without_data_are_warned_of() {
+    let server = Server::start().await;
+    let parameters: Vec<f64> = (0..30)
+        .map(|i| f64::from(i) / 100.0)
+        .chain([0.98, 0.99, 1.0])
+        .collect();
+    let points: Vec<[f64; 2]> = parameters.iter().map(|t| [*t, t * t]).collect();
+    let knots = json!([
+        0, 0, 0, 0, 0.1, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1, 1, 1
+    ]);
+    let mut job = json!({
+        "curve": {
+            "points": points, "parameters": parameters,
+            "basis": {"kind": "bspline", "degree": 3, "knots": knots},
+        },
+        "method": {"kind": "least_squares", "control_points": 12},
+    });
+    let story = expect_everywhere(&server, &job, &[("without_data", "/method")]).await;
+    // Functions 6 and 7 live on [0.4, 0.9], between the data.
+    let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
+    assert!(detail.starts_with("2 control points"), "{detail}");
+    job["curve"]["basis"]["knots"] = Value::Null;
+    job["curve"]["basis"]
+        .as_object_mut()
+        .unwrap()
+        .remove("knots");
+    expect_everywhere(&server, &job, &[]).await;
+}

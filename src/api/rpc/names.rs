@@ -58,6 +58,8 @@ pub fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::EvenDegree { .. } => pb::WarningCode::EvenDegree,
         Warning::Rounding { .. } => pb::WarningCode::Rounding,
         Warning::ShorterInterval { .. } => pb::WarningCode::ShorterInterval,
+        Warning::IllConditioned { .. } => pb::WarningCode::IllConditioned,
+        Warning::WithoutData { .. } => pb::WarningCode::WithoutData,
     }
 }
 

@@ -60,13 +60,13 @@ pub fn job(job: &Job) -> pb::Job {
         parent,
         problem: status.failure.map(problem),
         detail: status.detail(outline.tolerance).unwrap_or_default(),
-        warnings: warnings(outline, forecast.as_ref()),
+        warnings: warnings(outline, status.levels.as_ref()),
         predicted: Some(prediction(forecast, level)),
     }
 }
 
 /// What is doubtful about a job, as far as is known by now.
-fn warnings(outline: &Outline, forecast: Option<&Forecast>) -> Vec<pb::Warning> {
+fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<pb::Warning> {
     let layout = Layout::default();
     let view = |warning: Warning| pb::Warning {
         code: names::warning(&warning).into(),
@@ -74,7 +74,7 @@ fn warnings(outline: &Outline, forecast: Option<&Forecast>) -> Vec<pb::Warning> 
         field: layout.field(&pointer(&warning, outline, outline.surface)),
         detail: warning.detail(),
     };
-    outline.warnings(forecast).map(view).collect()
+    outline.warnings(levels).map(view).collect()
 }
 
 /// A page of the list of jobs.
@@ -227,7 +227,7 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
         computed: Some(computed(outline, forecast)),
         predicted: Some(prediction(forecast, first)),
         stop: Some(stop(outline)),
-        warnings: warnings(outline, forecast.as_ref()),
+        warnings: warnings(outline, levels.as_ref()),
     };
     Bytes::from(message.encode_to_vec()).into()
 }

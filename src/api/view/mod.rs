@@ -134,7 +134,7 @@ pub fn job(job: &Job) -> Value {
         "state": status.state.name(),
         "reason": status.reason.map(Reason::name),
         "detail": status.detail(outline.tolerance),
-        "warnings": warnings(outline, forecast.as_ref()),
+        "warnings": warnings(outline, status.levels.as_ref()),
         "points": outline.grid.count(),
         "method": method(outline, forecast),
         "stop": stop(outline),
@@ -299,7 +299,7 @@ pub fn description(
         }),
         stop: stop(outline),
         links: links(job),
-        warnings: warnings(outline, forecast.as_ref()),
+        warnings: warnings(outline, levels.as_ref()),
     };
     let numbers = problem.directions().map(|it| 2 * it.parameters.len()).sum();
     let digits = match in_base64 {

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::api::request::places::Places;
-use crate::fit::system::Forecast;
 use crate::fit::warning::Warning;
 use crate::job::outline::Outline;
+use crate::job::state::Levels;
 
 /// A warning as clients see it.
 #[derive(Serialize)]
@@ -16,13 +16,13 @@ pub struct WarningView {
 }
 
 /// What is doubtful about a job, as far as is known by now.
-pub fn warnings(outline: &Outline, forecast: Option<&Forecast>) -> Vec<WarningView> {
+pub fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<WarningView> {
     let view = |warning: Warning| WarningView {
         code: warning.code(),
         pointer: pointer(&warning, outline, outline.bases_differ),
         detail: warning.detail(),
     };
-    outline.warnings(forecast).map(view).collect()
+    outline.warnings(levels).map(view).collect()
 }
 
 /// Where in the job's input the part stands that a warning is about; `each` if directions of surfaces

@@ -83,6 +83,13 @@ impl LeastSquaresUpdate {
     }
 }
 
+impl LeastSquaresUpdate {
+    /// How many control points stay where they are, for want of data.
+    pub fn fixed(&self) -> usize {
+        self.scale.iter().filter(|&&factor| factor == 0.0).count()
+    }
+}
+
 impl Update for LeastSquaresUpdate {
     fn update(&mut self, system: &System, state: &mut State) -> Change {
         let moved = self.scale.iter().filter(|&&factor| factor > 0.0).count();

@@ -72,7 +72,7 @@ fn warning() -> Value {
             (
                 "code",
                 json!({
-                    "description": "What it is. `few_points`: with knots at the data the degree is no less than the number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance. `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and others are taken. There may be others in later versions.",
+                    "description": "What it is. `few_points`: with knots at the data the degree is no less than the number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance. `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed after the last iteration. `without_data`: control points of a least-squares fit have no data and stay. There may be others in later versions.",
                     "type": "string",
                     "examples": Warning::CODES,
                 }),

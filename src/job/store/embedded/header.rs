@@ -144,6 +144,8 @@ struct ForecastMessage {
     interval: Option<f64>,
     #[prost(double, optional, tag = "7")]
     block: Option<f64>,
+    #[prost(uint64, tag = "8")]
+    without_data: u64,
 }
 
 /// Which job was made for a key.
@@ -423,6 +425,7 @@ impl From<Forecast> for ForecastMessage {
             rounding: forecast.rounding,
             interval: forecast.interval,
             block: forecast.block,
+            without_data: forecast.without_data as u64,
         }
     }
 }
@@ -439,6 +442,7 @@ impl TryFrom<ForecastMessage> for Forecast {
             rounding: message.rounding,
             interval: message.interval,
             block: message.block,
+            without_data: number(message.without_data)?,
         })
     }
 }

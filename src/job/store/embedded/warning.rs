@@ -35,7 +35,7 @@ impl WarningMessage {
                 count,
             } => (Code::FewPoints, axis, degree, count),
             Warning::EvenDegree { axis, degree } => (Code::EvenDegree, axis, degree, 0),
-            Warning::Rounding { .. } | Warning::ShorterInterval { .. } => return None,
+            _ => return None,
         };
         Some(Self {
             code: code as i32,
