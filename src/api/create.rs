@@ -43,7 +43,10 @@ pub async fn job(State(app): State<App>, request: Request) -> Result<Response, P
             drop(body);
             request.validate(config)
         }
-        Language::Protobuf => rpc::request::validate(rpc::request::decode(body)?, config),
+        Language::Protobuf => {
+            let message = rpc::request::decode(body, config.max_points)?;
+            rpc::request::validate(message, config)
+        }
     })
     .await?;
     posted.create(&app, order).await
@@ -73,7 +76,11 @@ pub async fn edit(
             Order::edit(&app, &parent, request).await?
         }
         Language::Protobuf => {
-            let read = move || rpc::edit::edit(rpc::request::decode(body)?, owner.outline());
+            let read = move || {
+                let outline = owner.outline();
+                let message = rpc::request::decode(body, outline.grid.count())?;
+                rpc::edit::edit(message, outline)
+            };
             let (request, layout) = order::read(&app, length, read).await?;
             let order = Order::edit(&app, &parent, request).await;
             order.map_err(|problem| layout.name(problem))?

@@ -1,10 +1,14 @@
 //! Bodies of many megabytes that are wrong: the answers stay small, and so does the server.
 
+use prost::Message;
 use reqwest::Response;
 use serde_json::Value;
 
 use crate::data;
+use crate::messages as pb;
+use crate::messages::fitting_service_client::FittingServiceClient;
 use crate::program::Program;
+use crate::rpc::curve;
 use crate::support::{Server, base, problem};
 
 /// The most bytes of an answer, however much was sent.
@@ -13,6 +17,8 @@ const MOST_ANSWERED: u64 = 8 * 1024;
 const MEGABYTE: usize = 1 << 20;
 
 const JSON: &str = "application/json";
+
+const PROTOBUF: &str = "application/x-protobuf";
 
 async fn post(server: &Server, body: String) -> Response {
     let request = server.post("/v1/jobs").header("content-type", JSON);
@@ -155,6 +161,27 @@ fn too_much() -> Vec<(String, &'static str)> {
     ]
 }
 
+/// A job with an index in each byte, four in memory.
+fn job_with_indices() -> pb::JobInput {
+    let local = pb::method::Local {
+        indices: vec![0; BODY],
+        row_by_row: false,
+    };
+    pb::JobInput {
+        method: Some(pb::Method {
+            kind: Some(pb::method::Kind::Local(local)),
+        }),
+        ..curve(&data::helix())
+    }
+}
+
+fn edit_with_indices() -> pb::Edit {
+    pb::Edit {
+        moved: vec![0; BODY],
+        ..pb::Edit::default()
+    }
+}
+
 /// The most memory that the process has had since it was last asked, in bytes.
 fn peak(program: &Program) -> usize {
     let path = |file: &str| format!("/proc/{}/{file}", program.id());
@@ -168,9 +195,14 @@ fn peak(program: &Program) -> usize {
 
 /// Sends a body that must be refused, with this as a part of the reason; gives the most memory that
 /// the server has needed.
-async fn refuse(program: &Program, path: &str, body: String, reason: &str) -> usize {
+async fn refuse(
+    program: &Program,
+    (path, media_type): (&str, &str),
+    body: Vec<u8>,
+    reason: &str,
+) -> usize {
     peak(program);
-    let request = program.post(path).header("content-type", JSON);
+    let request = program.post(path).header("content-type", media_type);
     let response = request.body(body).send().await.unwrap();
     let length = response.content_length().unwrap();
     assert!(length < MOST_ANSWERED, "{reason}: {length} bytes");
@@ -192,15 +224,45 @@ async fn too_much_of_anything_costs_no_more_than_its_body() {
     let edits = format!("{}/edits", base(&job));
     let edit = many("{\"points\":[", "{\"index\":1,\"weight\":1}", "]}");
     let cases = too_much().into_iter();
-    let cases = cases.map(|(body, reason)| ("/v1/jobs", body, reason));
-    let cases: Vec<_> = cases
-        .chain([(edits.as_str(), edit, "points can be given")])
-        .collect();
+    let jobs = "/v1/jobs";
+    let cases = cases.map(|(body, reason)| ((jobs, JSON), body.into_bytes(), reason));
+    let edit = (
+        (edits.as_str(), JSON),
+        edit.into_bytes(),
+        "points can be given",
+    );
+    let messages = [
+        (jobs, job_with_indices().encode_to_vec()),
+        (edits.as_str(), edit_with_indices().encode_to_vec()),
+    ];
+    let messages = messages.map(|(path, body)| ((path, PROTOBUF), body, "indices, the limit here"));
+    let cases: Vec<_> = cases.chain([edit]).chain(messages).collect();
     // The body, another that the allocator has not given back, half of one more while a body grows
     // that has not announced its length; and the lists as far as they are allowed.
     let bound = peak(&program) + BODY * 5 / 2 + 32 * MEGABYTE;
-    for (path, body, reason) in cases {
-        let most = refuse(&program, path, body, reason).await;
+    for (to, body, reason) in cases {
+        let most = refuse(&program, to, body, reason).await;
         assert!(most < bound, "{reason}: {most} bytes of {bound}");
     }
+}
+
+#[tokio::test]
+async fn too_many_indices_of_a_call_cost_no_more_than_its_body() {
+    let directory = tempfile::tempdir().unwrap();
+    let most_points = MOST_POINTS.to_string();
+    let program = Program::with(directory.path(), &["--max-points", &most_points]);
+    let bound = peak(&program) + BODY * 5 / 2 + 32 * MEGABYTE;
+    let url = format!("http://{}", program.address);
+    let channel = tonic::transport::Endpoint::from_shared(url).unwrap();
+    let mut client = FittingServiceClient::new(channel.connect().await.unwrap());
+    let request = pb::CreateJobRequest {
+        input: Some(job_with_indices()),
+        ..pb::CreateJobRequest::default()
+    };
+    let status = client.create_job(request).await.unwrap_err();
+    assert_eq!(status.code(), tonic::Code::InvalidArgument, "{status:?}");
+    let field = "input.method.local.indices: more than 100000";
+    assert!(status.message().contains(field), "{status:?}");
+    let most = peak(&program);
+    assert!(most < bound, "{most} bytes of {bound}");
 }

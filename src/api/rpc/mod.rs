@@ -6,8 +6,10 @@
 //! - [`view`], [`geometry`], [`input`]: answers as messages; [`names`]: their enumerations;
 //! - [`encoded`]: messages that are made once for all readers;
 //! - [`errors`]: problems as gRPC statuses; [`malformed`]: messages that cannot be read;
+//!   [`bounds`]: lists that are too long;
 //! - [`service`]: the calls; [`mount`]: the service next to REST, with reflection and health.
 
+pub mod bounds;
 pub mod edit;
 pub mod encoded;
 pub mod errors;

@@ -22,6 +22,7 @@ use tower::util::MapResponseLayer;
 use tracing::error;
 
 use super::DESCRIPTORS;
+use super::bounds;
 use super::malformed;
 use super::messages::fitting_service_server::FittingServiceServer;
 use super::service;
@@ -51,6 +52,10 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
         Ok(taken) => taken,
         Err(problem) => return Status::from(problem).into_http(),
     };
+    let most = app.config.max_points;
+    if let Err(problem) = bounds::check_call(parts.uri.path(), &taken.bytes, most) {
+        return Status::from(problem).into_http();
+    }
     let large = taken.bytes.len() > PARSED_AT_ONCE;
     let request = Request::from_parts(parts, Body::from(taken.bytes));
     let room = taken.room;

@@ -2,8 +2,9 @@
 //! validated by the same code.
 
 use bytes::Bytes;
-use prost::{DecodeError, Message};
+use prost::DecodeError;
 
+use super::bounds::{self, Bounded};
 use super::fields::Layout;
 use super::messages::{self as pb, job_input::Geometry, method, stop_rules::Rule};
 use super::names::known;
@@ -26,8 +27,9 @@ use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 
 /// Reads a message from the body of a request.
-pub fn decode<M: Message + Default>(body: Bytes) -> Result<M, Problem> {
+pub fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, Problem> {
     text::check_compression(&body, true)?;
+    bounds::check::<M>(&body, most_points)?;
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
 }
 
