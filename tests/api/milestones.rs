@@ -232,7 +232,7 @@ async fn milestones_that_make_no_sense_are_refused() {
         &single,
         "milestones=1",
         "milestones",
-        "unknown field",
+        "there is no such parameter",
     )
     .await;
 }
