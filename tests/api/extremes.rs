@@ -203,9 +203,9 @@ fn nulls(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Texts that are null where there are none, arrays where there is no such thing, and numbers of
-/// methods that were never computed.
-const ABSENT: [&str; 16] = [
+/// Texts that are null where there are none, arrays where there is no such thing, numbers of methods
+/// that were never computed, rates of fits that are exact, and forecasts where nobody knows.
+const ABSENT: [&str; 18] = [
     "/name",
     "/reason",
     "/detail",
@@ -222,6 +222,8 @@ const ABSENT: [&str; 16] = [
     "/started_at",
     "/finished_at",
     "/method/omega",
+    "/predicted/rate",
+    "/predicted/iterations",
 ];
 
 /// What is null although it should be a number.
