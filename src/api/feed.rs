@@ -79,7 +79,8 @@ pub struct Feed {
     quiet_until: Instant,
     stopping: watch::Receiver<bool>,
     _open: Open,
-    _held: Held,
+    /// So that it comes to its end, also if the job is deleted.
+    held: Held,
 }
 
 impl Feed {
@@ -117,7 +118,7 @@ impl Feed {
             quiet_until: Instant::now(),
             stopping: app.stopping.clone(),
             _open: open,
-            _held: held,
+            held,
         }
     }
 
@@ -181,6 +182,9 @@ impl Feed {
         let next = next?;
         if matches!(self.stage, Stage::Waiting) {
             self.stage = Stage::Iterations;
+            if self.held.is_none() {
+                self.held = self.job.held().await?;
+            }
             let data = encode::description(&self.job, &self.options.form).await?;
             self.push(Event::Job(data));
         }

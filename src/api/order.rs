@@ -69,7 +69,9 @@ impl Order {
         request.inherit(StreamObject::of(&parent.outline().label)?);
         let frame = start(parent, request.iteration()).await?;
         let iteration = frame.level.iteration;
-        let (config, problem) = (Arc::clone(&app.config), parent.problem().await?);
+        // Held until the end: points that nobody holds are read from the store again.
+        let shared = parent.system().await?;
+        let (config, problem) = (Arc::clone(&app.config), Arc::clone(shared.problem()));
         let levels = parent.status().levels;
         let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
         let small = problem.grid().count() <= EDITED_AT_ONCE;
@@ -87,7 +89,7 @@ impl Order {
                 stream: valid.stream,
             },
             problem: valid.problem,
-            like: parent.system().await?.at_hand(),
+            like: shared.at_hand(),
         })
     }
 

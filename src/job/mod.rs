@@ -165,11 +165,12 @@ impl Job {
         Ok(system)
     }
 
-    /// What a reader of a small job that has ended holds: it comes to its end, also if the job is
+    /// What a reader of a small job holds, once that has begun: it comes to its end, also if the job is
     /// deleted meanwhile.
     pub async fn held(&self) -> Result<Held, StoreError> {
         let is_small = self.outline.memory <= HELD;
-        if is_small && self.status.borrow().state.is_final() {
+        let waits = self.status.borrow().state == State::Queued;
+        if is_small && !waits {
             return Ok(Some(self.system().await?));
         }
         Ok(None)
