@@ -63,12 +63,15 @@ impl File {
         })
     }
 
-    /// Reads. If the database panics, as it does where pages are damaged, only this read fails.
+    /// Reads. If the database panics, as it does where pages are damaged, only this read fails. What
+    /// panics beside a deletion is read again: it is there, or it has gone.
     pub(super) fn read<T>(
         &self,
-        read: impl FnOnce(&Self) -> Result<T, StoreError>,
+        read: impl Fn(&Self) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        quiet::catch(|| read(self)).unwrap_or_else(|panic| {
+        let first = quiet::catch(|| read(self));
+        let again = first.or_else(|_| quiet::catch(|| read(self)));
+        again.unwrap_or_else(|panic| {
             error!(panic, "the database panicked while it was read");
             let works = quiet::catch(|| self.made("").is_ok()).unwrap_or(false);
             if !works && let Err(error) = self.reopen() {
