@@ -19,7 +19,7 @@ use super::short::quoted;
 use super::{App, encode, jobs, no_store, rpc, view};
 use crate::export::Format;
 use crate::fit::iteration::{Iteration, Level};
-use crate::fit::limit::{MOST_ADJUSTED, NoLimit, local_limit};
+use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 use crate::fit::points::{Grid, Points};
 use crate::job::Job;
 use crate::job::content::Content;
@@ -178,7 +178,7 @@ pub async fn limit(
         .jobs
         .resources()
         .scheduler
-        .compute(Lane::Long, compute)
+        .compute(Lane::Long(LIMIT_COST), compute)
         .await?;
     limit.map(json_response).map_err(|reason| {
         let detail = match reason {

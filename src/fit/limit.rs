@@ -10,6 +10,9 @@ use super::tensor::Tensor;
 /// The most adjusted points for which the limit is computed: it takes O(n³).
 pub const MOST_ADJUSTED: usize = 1000;
 
+/// At most so many multiplications, for the factors of the matrix of the adjusted points.
+pub const LIMIT_COST: usize = MOST_ADJUSTED.pow(3) / 3;
+
 /// Where the difference vectors of the fixed points end.
 #[derive(Clone, Debug)]
 pub struct LocalLimit {

@@ -5,7 +5,9 @@
 //! What comes from clients is read, and what goes to them is written, on the wire lane; and what can
 //! take seconds in one piece, like the factors of a dense matrix, has the long lane. The operating
 //! system shares the cores between them: a small job never waits for a large one, and nobody's request
-//! for somebody's set-up.
+//! for somebody's set-up. Set-ups are not cut into slices: the long lane takes the one with the least
+//! work and the one that came first in turn, so that a short one does not wait for many that are
+//! longer, and none waits for ever.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,8 +38,8 @@ pub enum Lane {
     Heavy,
     /// For reading what comes from clients, and writing what goes to them.
     Wire,
-    /// For what can take seconds in one piece.
-    Long,
+    /// For what can take seconds in one piece, of so many multiplications.
+    Long(usize),
 }
 
 impl Lane {
@@ -53,7 +55,7 @@ impl Lane {
     /// The lane of the first slice of a run, which prepares the steps.
     pub fn of_start(start: usize, step: usize) -> Self {
         match start {
-            LONG.. => Self::Long,
+            LONG.. => Self::Long(start),
             _ => Self::of(start.max(step)),
         }
     }
@@ -108,7 +110,7 @@ impl Queues {
             Lane::Quick => &self.quick,
             Lane::Heavy => &self.heavy,
             Lane::Wire => &self.wire,
-            Lane::Long => &self.long,
+            Lane::Long(_) => &self.long,
         }
     }
 }
@@ -118,7 +120,7 @@ const LANES: [(Lane, &str); 4] = [
     (Lane::Quick, "quick"),
     (Lane::Heavy, "heavy"),
     (Lane::Wire, "wire"),
-    (Lane::Long, "long"),
+    (Lane::Long(0), "long"),
 ];
 
 #[derive(Default)]
@@ -129,8 +131,33 @@ struct Queue {
 
 #[derive(Default)]
 struct QueueState {
-    waiting: VecDeque<Arc<dyn Work>>,
+    waiting: VecDeque<Waiting>,
+    /// Whether the one with the fewest multiplications was taken last, and not the first.
+    least: bool,
     closed: bool,
+}
+
+/// Work that waits, and how many multiplications it is if it is long.
+struct Waiting {
+    multiplications: usize,
+    work: Arc<dyn Work>,
+}
+
+impl QueueState {
+    /// On the long lane the work with the fewest multiplications every other time, else the first.
+    fn next(&mut self, lane: Lane) -> Option<Arc<dyn Work>> {
+        self.least = !self.least && matches!(lane, Lane::Long(_));
+        let least = || {
+            let waiting = self.waiting.iter().enumerate();
+            waiting.min_by_key(|(_, waiting)| waiting.multiplications)
+        };
+        let place = self
+            .least
+            .then(least)
+            .flatten()
+            .map_or(0, |(place, _)| place);
+        self.waiting.remove(place).map(|waiting| waiting.work)
+    }
 }
 
 impl Scheduler {
@@ -150,7 +177,7 @@ impl Scheduler {
 
     /// Queues work.
     pub fn submit(&self, lane: Lane, work: Arc<dyn Work>) {
-        self.0.of(lane).push(work);
+        self.0.push(lane, work);
     }
 
     /// Computes a value in the pool, off the threads that serve the network.
@@ -187,21 +214,21 @@ impl Drop for Scheduler {
 }
 
 impl Queue {
-    fn push(&self, work: Arc<dyn Work>) {
+    fn push(&self, waiting: Waiting) {
         let mut state = self.state.lock();
         if !state.closed {
-            state.waiting.push_back(work);
+            state.waiting.push_back(waiting);
             self.filled.notify_one();
         }
     }
 
-    fn pop(&self) -> Option<Arc<dyn Work>> {
+    fn pop(&self, lane: Lane) -> Option<Arc<dyn Work>> {
         let mut state = self.state.lock();
         loop {
             if state.closed {
                 return None;
             }
-            if let Some(work) = state.waiting.pop_front() {
+            if let Some(work) = state.next(lane) {
                 return Some(work);
             }
             self.filled.wait(&mut state);
@@ -217,11 +244,22 @@ impl Queue {
 }
 
 impl Queues {
+    fn push(&self, lane: Lane, work: Arc<dyn Work>) {
+        let multiplications = match lane {
+            Lane::Long(multiplications) => multiplications,
+            _ => 0,
+        };
+        self.of(lane).push(Waiting {
+            multiplications,
+            work,
+        });
+    }
+
     fn serve(&self, lane: Lane) {
-        while let Some(work) = self.of(lane).pop() {
+        while let Some(work) = self.of(lane).pop(lane) {
             let deadline = Instant::now() + SLICE;
             match catch_unwind(AssertUnwindSafe(|| work.slice(deadline))) {
-                Ok(Turn::Again(lane)) => self.of(lane).push(work),
+                Ok(Turn::Again(lane)) => self.push(lane, work),
                 Ok(Turn::Done) => {}
                 Err(_) => {
                     error!("a computation panicked; its job fails, the others go on");
@@ -258,6 +296,7 @@ impl Work for Call {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use futures_util::future::join_all;
 
     /// Counts its turns and notes the order in which they come.
     struct Counting {
@@ -302,6 +341,30 @@ mod tests {
             scheduler.compute(Lane::Heavy, || ()).await.unwrap();
         }
         assert_eq!(*log.lock(), [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
+    }
+
+    #[tokio::test]
+    async fn the_long_lane_takes_the_least_and_the_first_in_turn() {
+        let scheduler = Scheduler::new(1).unwrap();
+        let log = Arc::new(Mutex::new(Vec::new()));
+        let (release, blocked) = std::sync::mpsc::channel::<()>();
+        let (start, started) = oneshot::channel();
+        let first = scheduler.compute(Lane::Long(9), move || {
+            let _ = start.send(());
+            blocked.recv().is_ok()
+        });
+        let sizes = [7, 5, 6, 1, 3].map(|size| {
+            let log = Arc::clone(&log);
+            scheduler.compute(Lane::Long(size), move || log.lock().push(size))
+        });
+        // All of them wait when the first one, which was taken as the one with the least, ends.
+        let others = async {
+            started.await.unwrap();
+            let release = async { release.send(()).unwrap() };
+            tokio::join!(join_all(sizes), release);
+        };
+        tokio::join!(first, others).0.unwrap();
+        assert_eq!(*log.lock(), [7, 1, 5, 3, 6]);
     }
 
     #[tokio::test]
