@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut server = tonic_prost_build::configure().build_client(false);
     for message in ENCODED {
         let path = format!(".piad.v1.{message}");
-        server = server.extern_path(path, "crate::api::rpc::encoded::Encoded");
+        server = server.extern_path(path, "crate::api::stream::encoded::Encoded");
     }
     server.compile_fds(descriptors.clone())?;
 

@@ -8,7 +8,7 @@ use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use jiff::SignedDuration;
 
-use crate::api::cors::Origin;
+use crate::api::http::cors::Origin;
 use crate::server::listen::Listen;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.

@@ -2,8 +2,8 @@
 
 use axum::http::{HeaderMap, header};
 
-use super::problem::{Kind, Problem};
-use super::short::quoted;
+use crate::api::problem::{Kind, Problem};
+use crate::api::short::quoted;
 
 /// What compressed bytes begin with, and what they are called.
 const COMPRESSED: [(&[u8], &str); 6] = [

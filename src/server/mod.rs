@@ -30,8 +30,9 @@ use tokio::net::TcpListener;
 use tokio::sync::watch;
 use tracing::{info, warn};
 
-use crate::api::host::Hosts;
-use crate::api::{self, App};
+use crate::api::app::App;
+use crate::api::http::host::Hosts;
+use crate::api::http::router;
 use crate::config::{Config, DataDir};
 use crate::job::Resources;
 use crate::job::counters::Counters;
@@ -72,7 +73,7 @@ pub async fn serve(
     let (times, most) = (times(&config), Most::of(&config));
     let counters = jobs.resources().counters.clone();
     let hosts = Hosts::new(&config.allowed_host, is_loopback(&listeners)?);
-    let router = api::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
+    let router = router::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
 
     for listener in &listeners {
         info!("listening on http://{}", listener.local_addr()?);

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
-use piad::api::read::{Limits, parse};
-use piad::api::request::JobRequest;
+use piad::api::json::read::{Limits, parse};
+use piad::api::json::request::JobRequest;
 use piad::config::Config;
 use piad::export::nurbs::KnotVector;
 use piad::export::{Fitted, Nurbs};

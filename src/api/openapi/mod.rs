@@ -15,8 +15,9 @@ pub mod page;
 mod parameters;
 pub mod resources;
 
-use std::sync::LazyLock;
+use std::sync::{Arc, OnceLock};
 
+use axum::Extension;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -24,10 +25,11 @@ use schemars::SchemaGenerator;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-use super::options::object::StreamObject;
-use super::problem::Kind;
-use super::request::JobRequest;
-use super::request::edit::EditRequest;
+use crate::api::json::request::JobRequest;
+use crate::api::json::request::edit::EditRequest;
+use crate::api::json::view::to_bytes;
+use crate::api::problem::Kind;
+use crate::api::stream::options::object::StreamObject;
 use operation::Tag;
 
 const DESCRIPTION: &str = "\
@@ -41,17 +43,27 @@ What a request does not say has defaults; what it says and is not understood is 
 
 The `Accept` header chooses among the media types of an answer, and limits of a server are told by `/v1/capabilities`.";
 
-/// The bytes of the document, made when somebody asks for it.
-static DOCUMENT: LazyLock<Bytes> = LazyLock::new(|| {
-    let document = document(super::resources().described());
-    super::view::to_bytes(&document)
-});
+/// The paths of the document, and its bytes when somebody has asked for them.
+#[derive(Clone, Debug)]
+pub struct Description(Arc<(Map<String, Value>, OnceLock<Bytes>)>);
+
+impl Description {
+    /// The description of these paths.
+    pub fn new(paths: Map<String, Value>) -> Self {
+        Self(Arc::new((paths, OnceLock::new())))
+    }
+
+    fn bytes(&self) -> Bytes {
+        let (paths, bytes) = self.0.as_ref();
+        let make = || to_bytes(&document(paths.clone()));
+        bytes.get_or_init(make).clone()
+    }
+}
 
 /// `GET /openapi.json`
-pub async fn get() -> Response {
+pub async fn get(Extension(description): Extension<Description>) -> Response {
     let content_type = HeaderValue::from_static("application/json");
-    let document = Bytes::clone(&DOCUMENT);
-    ([(header::CONTENT_TYPE, content_type)], document).into_response()
+    ([(header::CONTENT_TYPE, content_type)], description.bytes()).into_response()
 }
 
 /// The document, of which `paths` are the resources.

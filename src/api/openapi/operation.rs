@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use crate::api::negotiate::{JSON, PROTOBUF};
+use crate::api::language::{JSON, PROTOBUF};
 use crate::api::problem::Kind;
 
 /// Where in a description operations stand together.

@@ -5,7 +5,7 @@
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::api::path::Named;
+use crate::api::http::path::Named;
 use crate::api::problem::{Kind, Problem};
 use crate::api::short::quoted;
 

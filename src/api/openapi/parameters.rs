@@ -4,12 +4,13 @@ use serde_json::{Map, Value, json};
 
 use super::operation::reference;
 use super::page;
-use crate::api::export::FORMAT_NAMES;
+use crate::api::http::export::FORMAT_NAMES;
+use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
-use crate::api::negotiate::{LARGEST, LONGEST_WAIT};
-use crate::api::options::MOST_MILESTONES;
-use crate::api::options::form::SAMPLE_GRID;
 use crate::api::order::LONGEST_KEY;
+use crate::api::stream::options::MOST_MILESTONES;
+use crate::api::stream::options::form::SAMPLE_GRID;
+use crate::api::whole::LARGEST;
 
 /// The parameters, by the names of their components.
 pub(super) fn parameters() -> Map<String, Value> {

@@ -8,7 +8,7 @@ use axum::routing::{MethodRouter, delete, get, post};
 use serde_json::{Map, Value, json};
 
 use super::operation::Operation;
-use crate::api::App;
+use crate::api::app::App;
 
 /// The resources of the API.
 #[derive(Default)]
@@ -72,13 +72,8 @@ impl Resources {
         paths.map(|(path, it)| (path.clone(), of(it))).collect()
     }
 
-    /// The routes.
-    pub fn router(self) -> Router<App> {
-        self.router
-    }
-
-    /// The paths of the document.
-    pub fn described(self) -> Map<String, Value> {
-        self.paths
+    /// The routes, and the paths of the document.
+    pub fn parts(self) -> (Router<App>, Map<String, Value>) {
+        (self.router, self.paths)
     }
 }

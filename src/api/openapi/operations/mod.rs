@@ -5,7 +5,7 @@ pub mod jobs;
 pub mod server;
 
 use super::operation::{json_of, message_of};
-use crate::api::negotiate::{NDJSON, PROTOBUF, SSE};
+use crate::api::language::{NDJSON, PROTOBUF, SSE};
 use crate::api::problem::Kind;
 use serde_json::{Value, json};
 

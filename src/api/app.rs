@@ -1,0 +1,30 @@
+//! What the doors share.
+
+use std::sync::Arc;
+
+use tokio::sync::watch;
+
+use super::http::measure::Requests;
+use crate::config::Config;
+use crate::job::service::Jobs;
+
+/// What handlers share.
+#[derive(Clone)]
+pub struct App {
+    pub(in crate::api) jobs: Arc<Jobs>,
+    pub(in crate::api) config: Arc<Config>,
+    pub(in crate::api) stopping: watch::Receiver<bool>,
+    pub(in crate::api) requests: Requests,
+}
+
+impl App {
+    /// An application over `jobs`; streams end when `stopping` becomes true.
+    pub fn new(jobs: Arc<Jobs>, config: Config, stopping: watch::Receiver<bool>) -> Self {
+        Self {
+            jobs,
+            config: Arc::new(config),
+            stopping,
+            requests: Requests::default(),
+        }
+    }
+}

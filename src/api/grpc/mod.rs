@@ -1,0 +1,9 @@
+//! The gRPC service, on the same port as the HTTP resources.
+//!
+//! - [`service`]: the calls; [`mount`]: the service next to the resources, with reflection and health;
+//! - [`errors`]: problems as gRPC statuses; [`malformed`]: messages that cannot be read.
+
+pub mod errors;
+pub mod malformed;
+pub mod mount;
+pub mod service;

@@ -1,0 +1,299 @@
+//! The calls of the service: each is the same as a REST resource, of which it uses the code.
+
+use std::pin::Pin;
+use std::sync::Arc;
+
+use bytes::Bytes;
+use futures_util::{Stream, stream};
+use prost::Message;
+use tonic::{Request, Response, Status};
+use uuid::Uuid;
+
+use crate::api::app::App;
+use crate::api::language::{Framing, Language};
+use crate::api::order::{self, Order};
+use crate::api::problem::{Kind, Problem};
+use crate::api::proto::messages as pb;
+use crate::api::proto::messages::fitting_service_server::FittingService;
+use crate::api::proto::{edit, names, request, stream as options, view};
+use crate::api::stream::encode;
+use crate::api::stream::encoded::Encoded;
+use crate::api::stream::feed::{Event, Feed};
+use crate::api::stream::options::form::Form;
+use crate::api::stream::options::object::StreamObject;
+use crate::api::stream::options::{StreamOptions, StreamParameters};
+use crate::api::{jobs, levels};
+use crate::job::service::Accepted;
+use crate::job::store::Key;
+use crate::job::{Held, Job};
+
+/// The service, over the jobs of an application.
+#[derive(Clone)]
+pub struct Service(App);
+
+/// The events of a call.
+type Events = Pin<Box<dyn Stream<Item = Result<Encoded, Status>> + Send>>;
+
+type Answer<T> = Result<Response<T>, Status>;
+
+impl Service {
+    /// A service over these jobs.
+    pub fn new(app: App) -> Self {
+        Self(app)
+    }
+
+    /// Makes a job, or finds the one that was made for the same key.
+    async fn make(
+        &self,
+        input: Option<pb::JobInput>,
+        key: String,
+        watch: Option<&StreamParameters>,
+    ) -> Result<Accepted, Problem> {
+        let Self(app) = self;
+        order::check_open(app)?;
+        let input = input.ok_or_else(|| Problem::at_field("input", "it is missing"))?;
+        let key = self.key(key, "/v1/jobs", &input).await?;
+        if let Some(known) = order::known(app, key.as_ref()).await? {
+            return Ok(known);
+        }
+        let order = Order::new(app, input.encoded_len(), move |config| {
+            request::validate(input, config)
+        })
+        .await
+        .map_err(|problem| problem.within("input"))?;
+        let watch = watch.map(|parameters| (parameters, Framing::Protobuf));
+        order.make(app, watch, key).await
+    }
+
+    async fn make_edit(
+        &self,
+        parent: &Arc<Job>,
+        message: pb::EditJobRequest,
+    ) -> Result<Accepted, Problem> {
+        let Self(app) = self;
+        order::check_open(app)?;
+        let edit = message
+            .edit
+            .ok_or_else(|| Problem::at_field("edit", "it is missing"))?;
+        let path = format!("/v1/jobs/{}/edits", parent.id());
+        let key = self.key(message.idempotency_key, &path, &edit).await?;
+        if let Some(known) = order::known(app, key.as_ref()).await? {
+            return Ok(known);
+        }
+        let within = |problem: Problem| problem.within("edit");
+        let (length, owner) = (edit.encoded_len(), Arc::clone(parent));
+        let read = order::read(app, length, move || edit::edit(edit, owner.outline()));
+        let (request, layout) = read.await.map_err(within)?;
+        let order = Order::edit(app, parent, request).await;
+        let order = order.map_err(|problem| within(layout.name(problem)))?;
+        order.make(app, None, key).await
+    }
+
+    /// The key of a request, which is the same as that of REST with the same message.
+    async fn key(
+        &self,
+        name: String,
+        path: &str,
+        message: &impl Message,
+    ) -> Result<Option<Key>, Problem> {
+        if name.is_empty() {
+            return Ok(None);
+        }
+        order::check_key(&name).map_err(|detail| Problem::at_field("idempotency_key", detail))?;
+        let body = Bytes::from(message.encode_to_vec());
+        let key = order::key(&self.0, name, path.to_owned(), body);
+        key.await.map(Some)
+    }
+
+    /// The events of a job after iteration `seen`.
+    fn events(
+        &self,
+        job: Arc<Job>,
+        options: StreamOptions,
+        seen: Option<usize>,
+        held: Held,
+    ) -> Events {
+        let feed = Feed::new(&self.0, job, options, seen, held);
+        Box::pin(stream::unfold(Some(feed), next))
+    }
+}
+
+/// The next message of a stream, which is made when the connection has taken the one before.
+async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Feed>)> {
+    let mut feed = feed?;
+    loop {
+        let (ends, event) = match feed.next().await {
+            None => {
+                let problem = Problem::new(Kind::Internal, "the stream broke off");
+                return Some((Err(problem.into()), None));
+            }
+            Some(Event::Stopping) => {
+                let problem = Problem::new(Kind::Stopping, "the server is stopping");
+                return Some((Err(problem.retry_after(1).into()), None));
+            }
+            // Connections are kept open by HTTP/2 itself.
+            Some(Event::Quiet) => continue,
+            Some(event) => (matches!(event, Event::End(_)), event),
+        };
+        if let Some(message) = Encoded::event(event) {
+            return Some((Ok(message), (!ends).then_some(feed)));
+        }
+    }
+}
+
+/// The form in which a single level is asked for.
+fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Problem> {
+    let object = options::object(pb::StreamOptions {
+        view,
+        samples_u,
+        samples_v,
+        ..pb::StreamOptions::default()
+    })?;
+    let form = object.parameters().message_form(job.outline().surface);
+    // The choices are fields of the request itself.
+    form.map_err(|mut problem| {
+        problem.name_fields(|error| {
+            let parameter = error.parameter.as_deref()?;
+            Some(crate::api::proto::fields::option(parameter).to_owned())
+        });
+        problem
+    })
+}
+
+/// The number of an iteration; larger ones than any job has are as good as the largest.
+fn level(number: u64) -> usize {
+    usize::try_from(number).map_or(usize::MAX / 4, |number| number.min(usize::MAX / 4))
+}
+
+fn taken(accepted: Accepted) -> (Arc<Job>, bool) {
+    match accepted {
+        Accepted::New(job) => (job, false),
+        Accepted::Known(job) => (job, true),
+    }
+}
+
+#[tonic::async_trait]
+impl FittingService for Service {
+    type FitStream = Events;
+    type WatchJobStream = Events;
+
+    async fn create_job(
+        &self,
+        request: Request<pb::CreateJobRequest>,
+    ) -> Answer<pb::CreateJobResponse> {
+        let message = request.into_inner();
+        let accepted = self.make(message.input, message.idempotency_key, None);
+        let (job, replayed) = taken(accepted.await?);
+        Ok(Response::new(pb::CreateJobResponse {
+            job: Some(view::job(&job)),
+            replayed,
+        }))
+    }
+
+    async fn fit(&self, request: Request<pb::FitRequest>) -> Answer<Events> {
+        let message = request.into_inner();
+        let parameters = options::parameters(message.stream)?;
+        let accepted = self.make(message.input, message.idempotency_key, Some(&parameters));
+        let (job, replayed) = taken(accepted.await?);
+        let outline = job.outline();
+        let defaults = StreamObject::of(&outline.label)?;
+        let mut options =
+            parameters.framed(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+        // A job that is known has a stream of its own, which may end it.
+        options.cancels &= !replayed;
+        let held = job.held().await?;
+        Ok(Response::new(self.events(job, options, None, held)))
+    }
+
+    async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Answer<pb::GetJobResponse> {
+        let job = jobs::find(&self.0, &request.get_ref().id).await?;
+        let job = Some(view::job(&job));
+        Ok(Response::new(pb::GetJobResponse { job }))
+    }
+
+    async fn list_jobs(
+        &self,
+        request: Request<pb::ListJobsRequest>,
+    ) -> Answer<pb::ListJobsResponse> {
+        let message = request.into_inner();
+        let limit = match message.page_size {
+            0 => jobs::DEFAULT_PAGE,
+            size => size as usize,
+        };
+        jobs::check_limit(limit).map_err(|detail| Problem::at_field("page_size", detail))?;
+        let state = names::wanted_state(message.state)?;
+        let before = match message.page_token.as_str() {
+            "" => None,
+            token => Some(Uuid::try_parse(token).map_err(|_| {
+                let detail = "it is not one that this server gave";
+                Problem::at_field("page_token", detail)
+            })?),
+        };
+        let (jobs, more) = jobs::page(&self.0, state, before, limit).await?;
+        Ok(Response::new(view::page(&jobs, more)))
+    }
+
+    async fn cancel_job(
+        &self,
+        request: Request<pb::CancelJobRequest>,
+    ) -> Answer<pb::CancelJobResponse> {
+        let job = jobs::find(&self.0, &request.get_ref().id).await?;
+        jobs::end(&job).await?;
+        let job = Some(view::job(&job));
+        Ok(Response::new(pb::CancelJobResponse { job }))
+    }
+
+    async fn delete_job(
+        &self,
+        request: Request<pb::DeleteJobRequest>,
+    ) -> Answer<pb::DeleteJobResponse> {
+        jobs::forget(&self.0, &request.get_ref().id).await?;
+        Ok(Response::new(pb::DeleteJobResponse {}))
+    }
+
+    async fn edit_job(&self, request: Request<pb::EditJobRequest>) -> Answer<pb::EditJobResponse> {
+        let message = request.into_inner();
+        let parent = jobs::find(&self.0, &message.id).await?;
+        let (job, replayed) = taken(self.make_edit(&parent, message).await?);
+        Ok(Response::new(pb::EditJobResponse {
+            job: Some(view::job(&job)),
+            replayed,
+        }))
+    }
+
+    async fn get_iteration(&self, request: Request<pb::GetIterationRequest>) -> Answer<Encoded> {
+        let message = request.into_inner();
+        let job = jobs::find(&self.0, &message.id).await?;
+        let form = form(&job, message.view, message.samples_u, message.samples_v)?;
+        let frame = levels::frame(&job, message.iteration.map(level)).await?;
+        let bytes = encode::frame(&job, &frame, &form).await?;
+        Ok(Response::new(Encoded::response(bytes)))
+    }
+
+    async fn get_result(&self, request: Request<pb::GetResultRequest>) -> Answer<Encoded> {
+        let message = request.into_inner();
+        let job = jobs::find(&self.0, &message.id).await?;
+        let form = form(&job, message.view, message.samples_u, message.samples_v)?;
+        let bytes = levels::result_content(&job, form).await?;
+        Ok(Response::new(Encoded::response(bytes)))
+    }
+
+    async fn get_input(&self, request: Request<pb::GetInputRequest>) -> Answer<Encoded> {
+        let job = jobs::find(&self.0, &request.get_ref().id).await?;
+        let bytes = levels::input_content(&job, Language::Protobuf).await?;
+        Ok(Response::new(Encoded::response(bytes)))
+    }
+
+    async fn watch_job(&self, request: Request<pb::WatchJobRequest>) -> Answer<Events> {
+        let message = request.into_inner();
+        let job = jobs::find(&self.0, &message.id).await?;
+        let parameters = options::parameters(message.stream)?;
+        let outline = job.outline();
+        let defaults = StreamObject::of(&outline.label)?;
+        let options =
+            parameters.of_reader(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+        let held = job.held().await?;
+        let seen = message.resume_after.map(level);
+        Ok(Response::new(self.events(job, options, seen, held)))
+    }
+}

@@ -1,0 +1,56 @@
+//! Answers: small ones as they are, large ones piece by piece.
+
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::http::{HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use futures_util::stream;
+
+use crate::api::language::PROTOBUF;
+use crate::api::stream::sending::{ENOUGH, Outgoing};
+use crate::job::Job;
+use crate::job::content::Content;
+
+/// A content as an answer.
+pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
+    let content_type = [(header::CONTENT_TYPE, HeaderValue::from_static(content_type))];
+    if content.rest.is_none() && content.head.len() <= ENOUGH {
+        return no_store((content_type, content.head).into_response());
+    }
+    let length = content.length();
+    let mut outgoing = Outgoing::new(Arc::clone(job));
+    outgoing.push(content);
+    let body = stream::unfold(outgoing, |mut outgoing| async move {
+        let bytes = outgoing.next().await?;
+        Some((bytes, outgoing))
+    });
+    let mut response = no_store((content_type, Body::from_stream(body)).into_response());
+    if let Some(length) = length {
+        let length = HeaderValue::from(length);
+        response
+            .headers_mut()
+            .insert(header::CONTENT_LENGTH, length);
+    }
+    response
+}
+
+/// A protobuf message as an answer.
+pub fn message(bytes: Bytes) -> Response {
+    let content_type = HeaderValue::from_static(PROTOBUF);
+    no_store(([(header::CONTENT_TYPE, content_type)], bytes).into_response())
+}
+
+/// JSON as an answer.
+pub fn json(json: Bytes) -> Response {
+    let content_type = HeaderValue::from_static("application/json");
+    no_store(([(header::CONTENT_TYPE, content_type)], json).into_response())
+}
+
+/// Answers of this API are never the same twice.
+pub fn no_store(mut response: Response) -> Response {
+    let value = HeaderValue::from_static("no-store");
+    response.headers_mut().insert(header::CACHE_CONTROL, value);
+    response
+}

@@ -1,0 +1,224 @@
+//! New jobs: posted ones, and edits of others.
+
+use std::sync::Arc;
+
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+use tokio::time::Duration;
+
+use super::intake::Taken;
+use super::negotiate::{self, Answer};
+use super::path::Named;
+use super::{body, events, jobs as shown};
+use crate::api::app::App;
+use crate::api::jobs;
+use crate::api::json::read::Limits;
+use crate::api::json::request::JobRequest;
+use crate::api::json::request::edit::EditRequest;
+use crate::api::json::{read, view};
+use crate::api::language::Language;
+use crate::api::order;
+use crate::api::order::Order;
+use crate::api::problem::Problem;
+use crate::api::proto;
+use crate::api::stream::options::StreamParameters;
+use crate::api::stream::options::form::Encoding;
+use crate::api::stream::options::object::StreamObject;
+use crate::job::memory::Permit;
+use crate::job::service::Accepted;
+use crate::job::store::Key;
+
+const IDEMPOTENCY_KEY: &str = "idempotency-key";
+const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
+
+/// `POST /v1/jobs`
+pub async fn job(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+    let mut posted = Posted::read(&app, request).await?;
+    if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
+        return posted.answer(&app, known).await;
+    }
+    let (language, body, _room) = posted.take_body();
+    let order = Order::new(&app, body.len(), move |config| match language {
+        Language::Json => {
+            let limits = Limits {
+                points: config.max_points,
+            };
+            let request = read::parse::<JobRequest>(&body, limits)?;
+            drop(body);
+            request.validate(config)
+        }
+        Language::Protobuf => {
+            let message = proto::request::decode(body, config.max_points)?;
+            proto::request::validate(message, config)
+        }
+    })
+    .await?;
+    posted.create(&app, order).await
+}
+
+/// `POST /v1/jobs/{id}/edits`: a new job that starts from the control points of another one.
+pub async fn edit(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    request: Request,
+) -> Result<Response, Problem> {
+    let mut posted = Posted::read(&app, request).await?;
+    // Also when the parent is gone by now.
+    if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
+        return posted.answer(&app, known).await;
+    }
+    let parent = jobs::find(&app, &id).await?;
+    let (language, body, _room) = posted.take_body();
+    let (length, owner) = (body.len(), Arc::clone(&parent));
+    let order = match language {
+        Language::Json => {
+            let limits = Limits {
+                points: parent.outline().grid.count(),
+            };
+            let read = move || read::parse::<EditRequest>(&body, limits);
+            let request = order::read(&app, length, read).await?;
+            Order::edit(&app, &parent, request).await?
+        }
+        Language::Protobuf => {
+            let read = move || {
+                let outline = owner.outline();
+                let message = proto::request::decode(body, outline.grid.count())?;
+                proto::edit::edit(message, outline)
+            };
+            let (request, layout) = order::read(&app, length, read).await?;
+            let order = Order::edit(&app, &parent, request).await;
+            order.map_err(|problem| layout.name(problem))?
+        }
+    };
+    posted.create(&app, order).await
+}
+
+/// A request for a new job.
+struct Posted {
+    answer: Answer,
+    wait: Option<Duration>,
+    parameters: StreamParameters,
+    key: Option<Key>,
+    language: Language,
+    body: Taken,
+}
+
+impl Posted {
+    async fn read(app: &App, request: Request) -> Result<Self, Problem> {
+        order::check_open(app)?;
+        let parameters: StreamParameters = negotiate::query(request.uri())?;
+        let headers = request.headers();
+        let answer = negotiate::answer(headers)?;
+        let wait = negotiate::wait(headers)?;
+        check_parameters(answer, &parameters)?;
+        let name = idempotency_key(headers)?;
+        let path = request.uri().path().to_owned();
+        let (language, body) = body::read(app, request).await?;
+        let key = match name {
+            None => None,
+            Some(name) => Some(order::key(app, name, path, body.bytes.clone()).await?),
+        };
+        Ok(Self {
+            answer,
+            wait,
+            parameters,
+            key,
+            language,
+            body,
+        })
+    }
+
+    /// The body, which is not needed any more once it is read, and the memory that it takes.
+    fn take_body(&mut self) -> (Language, Bytes, Vec<Permit>) {
+        let bytes = std::mem::take(&mut self.body.bytes);
+        (self.language, bytes, std::mem::take(&mut self.body.room))
+    }
+
+    async fn create(self, app: &App, order: Order) -> Result<Response, Problem> {
+        let watch = match self.answer {
+            Answer::Events(framing) => Some((&self.parameters, framing)),
+            Answer::Job(_) => None,
+        };
+        let accepted = order.make(app, watch, self.key.clone()).await?;
+        self.answer(app, accepted).await
+    }
+
+    async fn answer(self, app: &App, accepted: Accepted) -> Result<Response, Problem> {
+        let (job, known) = match accepted {
+            Accepted::New(job) => (job, false),
+            Accepted::Known(job) => (job, true),
+        };
+        let mut response = match self.answer {
+            Answer::Events(framing) => {
+                let stream = StreamObject::of(&job.outline().label)?;
+                let mut options =
+                    self.parameters
+                        .framed(framing, stream.as_ref(), job.outline().surface)?;
+                // A job that is known has a stream of its own, which may end it.
+                options.cancels &= !known;
+                // With a new job it was checked before there was one.
+                if known && options.form.encoding == Encoding::Base64F32 {
+                    let problem = job.problem().await?;
+                    self.parameters.check_range(stream.as_ref(), &problem)?;
+                }
+                let held = job.held().await?;
+                events::stream(app, Arc::clone(&job), framing, options, None, held)
+            }
+            Answer::Job(language) => {
+                if let Some(wait) = self.wait {
+                    let mut stopping = app.stopping.clone();
+                    // However the wait ends, the job is shown as it stands then.
+                    tokio::select! {
+                        _ = job.ended() => {}
+                        () = tokio::time::sleep(wait) => {}
+                        _ = stopping.wait_for(|stopping| *stopping) => {}
+                    }
+                }
+                (StatusCode::CREATED, shown::show(&job, language)).into_response()
+            }
+        };
+        let headers = response.headers_mut();
+        let location = HeaderValue::from_str(&view::path(&job)).ok();
+        headers.extend(location.map(|location| (header::LOCATION, location)));
+        if known {
+            headers.insert(REPLAYED, HeaderValue::from_static("true"));
+        }
+        if let (Some(wait), Answer::Job(_)) = (self.wait, self.answer) {
+            let applied = HeaderValue::from_str(&format!("wait={}", wait.as_secs())).ok();
+            let name = HeaderName::from_static("preference-applied");
+            headers.extend(applied.map(|applied| (name, applied)));
+        }
+        Ok(response)
+    }
+}
+
+/// The key by which a client recognises its request.
+fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
+    let Some(value) = headers.get(IDEMPOTENCY_KEY) else {
+        return Ok(None);
+    };
+    let key = value.to_str().unwrap_or("");
+    order::check_key(key).map_err(|detail| Problem::at_header("Idempotency-Key", detail))?;
+    Ok(Some(key.to_owned()))
+}
+
+/// The parameters are about the stream, and about one that starts at the beginning.
+fn check_parameters(answer: Answer, parameters: &StreamParameters) -> Result<(), Problem> {
+    let refused = match answer {
+        Answer::Job(_) => parameters.given(),
+        Answer::Events(_) => parameters.last_event_id.as_ref().map(|_| "last_event_id"),
+    };
+    match refused {
+        None => Ok(()),
+        Some("last_event_id") => Err(Problem::at_parameter(
+            "last_event_id",
+            "a new job has no events yet",
+        )),
+        Some(name) => Err(Problem::at_parameter(
+            name,
+            "it is about event streams, but the Accept header does not ask for one",
+        )),
+    }
+}

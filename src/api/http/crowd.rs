@@ -1,0 +1,32 @@
+//! Requests on connections beyond the limits: how the server is can still be asked.
+
+use axum::extract::Request;
+use axum::http::{HeaderValue, Version, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use crate::api::problem::{Kind, Problem};
+use crate::server::limits::Crowded;
+
+/// Resources that are there for everybody.
+const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
+
+/// Answers requests on such connections with 503, but for those about the state of the server.
+pub async fn hold_back(request: Request, next: Next) -> Response {
+    let Some(&crowded) = request.extensions().get::<Crowded>() else {
+        return next.run(request).await;
+    };
+    let version = request.version();
+    let mut response = if ALWAYS.contains(&request.uri().path()) {
+        next.run(request).await
+    } else {
+        Problem::new(Kind::TooManyConnections, crowded.to_string())
+            .retry_after(5)
+            .into_response()
+    };
+    if version <= Version::HTTP_11 {
+        let close = HeaderValue::from_static("close");
+        response.headers_mut().insert(header::CONNECTION, close);
+    }
+    response
+}

@@ -1,0 +1,259 @@
+//! The events of a job as the body of an answer: as server-sent events, a JSON object a line, or
+//! protobuf messages with their lengths in front.
+//!
+//! The data of an event are shared by all streams; only what stands around them differs.
+
+use std::fmt::Write;
+use std::future::poll_fn;
+use std::sync::Arc;
+use std::task::Poll;
+
+use axum::body::Body;
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use bytes::{Buf, BufMut, BytesMut};
+use futures_util::{Stream, StreamExt, stream};
+use prost::Message;
+use prost::encoding::encode_varint;
+use serde_json::json;
+use uuid::Uuid;
+
+use super::negotiate;
+use super::path::Named;
+use crate::api::app::App;
+use crate::api::jobs;
+use crate::api::language::Framing;
+use crate::api::problem::Problem;
+use crate::api::short::quoted;
+use crate::api::stream::encoded::Encoded;
+use crate::api::stream::feed::{Event, Feed};
+use crate::api::stream::options::form::Encoding;
+use crate::api::stream::options::object::StreamObject;
+use crate::api::stream::options::{StreamOptions, StreamParameters};
+use crate::api::stream::sending::Outgoing;
+use crate::api::whole::plain_number;
+use crate::job::content::Content;
+use crate::job::{Held, Job};
+
+const LAST_EVENT_ID: &str = "last-event-id";
+const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
+const END: &str = "end";
+
+/// `GET /v1/jobs/{id}/events`
+pub async fn get(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let framing = negotiate::framing(&headers)?;
+    let parameters: StreamParameters = negotiate::query(&uri)?;
+    let job = jobs::find(&app, &id).await?;
+    let defaults = StreamObject::of(&job.outline().label)?;
+    let options = parameters.of_reader(framing, defaults.as_ref(), job.outline().surface)?;
+    if options.form.encoding == Encoding::Base64F32 {
+        let problem = job.problem().await?;
+        parameters.check_range(defaults.as_ref(), &problem)?;
+    }
+    let held = job.held().await?;
+    match last_event_id(&headers, parameters.last_event_id)? {
+        None => Ok(stream(&app, job, framing, options, None, held)),
+        // Only this status keeps an EventSource from connecting again.
+        Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
+        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, options, Some(k), held)),
+    }
+}
+
+/// The last event that a client has seen.
+enum LastEvent {
+    Iteration(usize),
+    End,
+}
+
+/// The header wins over the query parameter, which is for clients that cannot set headers.
+fn last_event_id(
+    headers: &HeaderMap,
+    parameter: Option<String>,
+) -> Result<Option<LastEvent>, Problem> {
+    let header = headers
+        .get(LAST_EVENT_ID)
+        .map(|value| value.to_str().unwrap_or("?"));
+    let in_header = event_of(header).map_err(|why| Problem::at_header("Last-Event-ID", why))?;
+    let in_query = event_of(parameter.as_deref())
+        .map_err(|why| Problem::at_parameter("last_event_id", why))?;
+    Ok(in_header.or(in_query))
+}
+
+/// The event of an id; an empty one is none. Or what is wrong with it.
+fn event_of(id: Option<&str>) -> Result<Option<LastEvent>, String> {
+    match id {
+        None | Some("") => Ok(None),
+        Some(END) => Ok(Some(LastEvent::End)),
+        Some(id) => plain_number(id)
+            .map(|k| Some(LastEvent::Iteration(k)))
+            .ok_or_else(|| {
+                format!(
+                    "{} is no event id: ids are iteration numbers and \"end\"",
+                    quoted(id)
+                )
+            }),
+    }
+}
+
+/// The events of a job after iteration `seen`.
+pub fn stream(
+    app: &App,
+    job: Arc<Job>,
+    framing: Framing,
+    options: StreamOptions,
+    seen: Option<usize>,
+    held: Held,
+) -> Response {
+    let mut outgoing = Outgoing::new(Arc::clone(&job));
+    // Proxies hold the answer back until there is something to pass on.
+    if framing == Framing::Sse {
+        outgoing.text().put_slice(b": piad\nretry: 2000\n\n");
+    }
+    let events = stream::unfold(Feed::new(app, job, options, seen, held), |mut feed| async {
+        let event = feed.next().await?;
+        Some((event, feed))
+    });
+    let state = (Box::pin(events.fuse()), outgoing);
+    let body = stream::unfold(state, move |(mut events, mut outgoing)| async move {
+        if outgoing.is_empty() {
+            gather(framing, &mut events, &mut outgoing).await;
+        }
+        let bytes = outgoing.next().await?;
+        Some((bytes, (events, outgoing)))
+    });
+    let mut response = Response::new(Body::from_stream(body));
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::CONTENT_TYPE, framing.media_type()),
+        (header::CACHE_CONTROL, "no-store, no-transform"),
+        (HeaderName::from_static("x-accel-buffering"), "no"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    if let Some(k) = seen {
+        headers.insert(RESUMED_AFTER, HeaderValue::from(k));
+    }
+    response
+}
+
+/// Waits for an event, and takes those that have happened with it, unless they are large: many small
+/// ones go out in one write.
+async fn gather(
+    framing: Framing,
+    events: &mut (impl Stream<Item = Event> + Unpin),
+    outgoing: &mut Outgoing,
+) {
+    poll_fn(|context| {
+        loop {
+            match events.poll_next_unpin(context) {
+                Poll::Ready(Some(event)) => write(framing, event, outgoing),
+                Poll::Pending if outgoing.is_empty() => return Poll::Pending,
+                Poll::Pending | Poll::Ready(None) => return Poll::Ready(()),
+            }
+            if outgoing.is_enough() {
+                return Poll::Ready(());
+            }
+        }
+    })
+    .await;
+}
+
+fn write(framing: Framing, event: Event, outgoing: &mut Outgoing) {
+    match framing {
+        Framing::Sse => write_sse(event, outgoing),
+        Framing::Ndjson => write_line(event, outgoing),
+        Framing::Protobuf => write_message(event, outgoing),
+    }
+}
+
+fn write_sse(event: Event, outgoing: &mut Outgoing) {
+    let text = outgoing.text();
+    let (data, milestone) = match event {
+        Event::Job(data) => {
+            text.put_slice(b"event: job\n");
+            (data, None)
+        }
+        Event::Iteration { k, milestone, data } => {
+            put(text, format_args!("event: iteration\nid: {k}\n"));
+            (data, milestone)
+        }
+        Event::End(data) => {
+            put(text, format_args!("event: end\nid: {END}\n"));
+            (data, None)
+        }
+        Event::Quiet => return text.put_slice(b": still here\n\n"),
+        Event::Stopping => {
+            // Clients come back one after the other, to whoever serves them then.
+            let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
+            return put(
+                text,
+                format_args!(": the server is stopping\nretry: {retry}\n\n"),
+            );
+        }
+    };
+    text.put_slice(b"data: ");
+    push_json(data, milestone, outgoing);
+    outgoing.text().put_slice(b"\n\n");
+}
+
+/// A JSON object a line; there are no comments.
+fn write_line(event: Event, outgoing: &mut Outgoing) {
+    let text = outgoing.text();
+    let (data, milestone) = match event {
+        Event::Job(data) => {
+            text.put_slice(br#"{"event":"job","data":"#);
+            (data, None)
+        }
+        Event::Iteration { k, milestone, data } => {
+            put(
+                text,
+                format_args!(r#"{{"event":"iteration","id":{k},"data":"#),
+            );
+            (data, milestone)
+        }
+        Event::End(data) => {
+            put(
+                text,
+                format_args!(r#"{{"event":"end","id":"{END}","data":"#),
+            );
+            (data, None)
+        }
+        Event::Quiet | Event::Stopping => return,
+    };
+    push_json(data, milestone, outgoing);
+    outgoing.text().put_slice(b"}\n");
+}
+
+/// A `WatchJobResponse` after its length; there are no comments.
+fn write_message(event: Event, outgoing: &mut Outgoing) {
+    if let Some(message) = Encoded::event(event) {
+        encode_varint(message.encoded_len() as u64, outgoing.text());
+        let (head, body) = message.parts();
+        outgoing.text().put(head);
+        outgoing.push(body);
+    }
+}
+
+/// Pushes the data, which all readers share, with a milestone as their first field.
+fn push_json(mut data: Content, milestone: Option<f64>, outgoing: &mut Outgoing) {
+    if let Some(milestone) = milestone.filter(|_| data.head.starts_with(b"{")) {
+        let milestone = json!(milestone);
+        put(
+            outgoing.text(),
+            format_args!("{{\"milestone\":{milestone},"),
+        );
+        data.head.advance(1);
+    }
+    outgoing.push(data);
+}
+
+/// Memory takes whatever is written to it.
+fn put(text: &mut BytesMut, arguments: std::fmt::Arguments) {
+    let _ = text.write_fmt(arguments);
+}

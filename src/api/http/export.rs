@@ -1,0 +1,157 @@
+//! Iterations and results as files: which format a client wants, and what it gets.
+
+use std::sync::Arc;
+
+use axum::http::HeaderMap;
+use axum::response::Response;
+use bytes::Bytes;
+
+use super::answer::answer;
+use super::negotiate;
+use crate::api::language::{JSON, PROTOBUF};
+use crate::api::problem::{Kind, Problem};
+use crate::export::csv::Table;
+use crate::export::{ExportError, Fitted, Format, UnknownFormat, write};
+use crate::fit::iteration::Iteration;
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem as fit;
+use crate::fit::system::System;
+use crate::job::Job;
+use crate::job::content::{Content, Piece, Pieces};
+use crate::job::scheduler::Lane;
+
+/// Multiplications up to which the levels before are computed for a drawing of their errors.
+const HISTORY: usize = 200_000_000;
+
+/// Bytes of a control point or sample while its file is made: itself, and its text or triangles.
+const BYTES_PER_POINT: usize = 300;
+
+/// So many lines of a table are made at a time.
+const LINES: usize = 4096;
+
+/// Writing a number takes about as long as so many multiplications.
+const OPERATIONS_PER_NUMBER: usize = 100;
+
+/// The formats by name: those of levels, and files.
+pub const FORMAT_NAMES: [&str; 8] = [
+    "json", "protobuf", "step", "iges", "obj", "gltf", "svg", "csv",
+];
+
+/// How a level is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Representation {
+    /// As JSON.
+    Json,
+    /// As a protobuf message.
+    Protobuf,
+    /// As a file.
+    File(Format),
+}
+
+/// What the query says, or else the Accept header; JSON if neither does.
+pub fn representation(
+    headers: &HeaderMap,
+    format: Option<&str>,
+) -> Result<Representation, Problem> {
+    match format {
+        Some("json") => Ok(Representation::Json),
+        Some("protobuf") => Ok(Representation::Protobuf),
+        Some(name) => name
+            .parse()
+            .map(Representation::File)
+            .map_err(|error: UnknownFormat| {
+                Problem::at_parameter("format", format!("{error}, and json and protobuf"))
+            }),
+        None => {
+            let files =
+                Format::ALL.map(|format| (format.media_type(), Representation::File(format)));
+            let levels = [
+                (JSON, Representation::Json),
+                (PROTOBUF, Representation::Protobuf),
+            ];
+            negotiate::choose(headers, &[levels.as_slice(), files.as_slice()].concat())
+        }
+    }
+}
+
+/// A level of a job as a file.
+pub async fn file(
+    job: &Arc<Job>,
+    level: usize,
+    control_points: Arc<Points>,
+    format: Format,
+    samples: Option<Grid>,
+) -> Result<Response, Problem> {
+    let count = control_points.len() + samples.map_or(0, Grid::count);
+    let bytes = match format {
+        Format::Csv => 0,
+        _ => count * BYTES_PER_POINT,
+    };
+    let permit = job.resources().memory.files.take(bytes).await;
+    let system = job.system().await?;
+    let owner = Arc::clone(job);
+    let numbers = control_points.len() * control_points.dimension();
+    let lane = Lane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let write = move || {
+        let problem = Arc::clone(system.problem());
+        let errors = match format {
+            Format::Svg => history(&problem, level, || system.get()),
+            _ => Vec::new(),
+        };
+        let outline = owner.outline();
+        let fitted = Fitted {
+            name: outline.label.name.as_deref(),
+            errors: &errors,
+            samples,
+            ..Fitted::new(&problem, &control_points, outline.created)
+        };
+        match format {
+            Format::Csv => Table::new(&fitted).map(table),
+            _ => write(format, &fitted).map(|bytes| Bytes::from(bytes).into()),
+        }
+    };
+    let scheduler = &job.resources().scheduler;
+    let content = scheduler.compute(lane, write).await??;
+    Ok(answer(
+        job,
+        content.with_permit(permit),
+        format.media_type(),
+    ))
+}
+
+/// A table, of which a long one is written when it is sent.
+fn table(table: Table) -> Content {
+    let lines = table.lines();
+    let table = Arc::new(table);
+    let part = |start: usize| {
+        let (table, end) = (Arc::clone(&table), lines.min(start + LINES));
+        Piece::Later(Box::new(move || table.part(start..end).into()))
+    };
+    let mut parts: Vec<Piece> = (0..lines).step_by(LINES).map(part).collect();
+    let mut head = table.names();
+    if parts.len() == 1 {
+        parts.clear();
+        head.extend(table.part(0..lines));
+    }
+    let rest = (!parts.is_empty()).then(|| Arc::new(Pieces::new(parts, None)));
+    Content::new(head.into(), rest)
+}
+
+/// The largest distances of the levels up to this one; none if they take too long to compute.
+fn history(problem: &fit::Problem, level: usize, system: impl FnOnce() -> Arc<System>) -> Vec<f64> {
+    if problem.step_cost().saturating_mul(level) > HISTORY {
+        return Vec::new();
+    }
+    let mut iteration = Iteration::start(system());
+    let mut errors = vec![iteration.level().error.max];
+    for _ in 0..level {
+        errors.push(iteration.step().error.max);
+    }
+    errors
+}
+
+impl From<ExportError> for Problem {
+    fn from(error: ExportError) -> Self {
+        Self::new(Kind::NoExport, error.to_string())
+    }
+}

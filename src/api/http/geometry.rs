@@ -1,0 +1,173 @@
+//! Inputs, single iterations, results, and the limits of local fits.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::http::{HeaderMap, Uri};
+use axum::response::Response;
+
+use super::answer::{self, answer};
+use super::export::{self, Representation};
+use super::file_name::named;
+use super::negotiate;
+use super::path::Named;
+use crate::api::app::App;
+use crate::api::jobs;
+use crate::api::json::view;
+use crate::api::language::Language;
+use crate::api::levels;
+use crate::api::problem::{Kind, Problem};
+use crate::api::short::quoted;
+use crate::api::stream::encode;
+use crate::api::stream::options::form::{Digits, Encoding, Form};
+use crate::api::stream::options::{StreamParameters, ViewParameters};
+use crate::api::whole::plain_number;
+use crate::export::Format;
+use crate::fit::iteration::Iteration;
+use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
+use crate::fit::points::Grid;
+use crate::job::Job;
+use crate::job::scheduler::Lane;
+
+/// `GET /v1/jobs/{id}/iterations/{k}`
+pub async fn iteration(
+    State(app): State<App>,
+    Named((id, k)): Named<(String, String)>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
+    let k = match k.as_str() {
+        "last" => None,
+        k => Some(level_number(k)?),
+    };
+    let frame = levels::frame(&job, k).await?;
+    match wanted {
+        Wanted::Form(form) => {
+            let content = encode::frame(&job, &frame, &form).await?;
+            Ok(answer(&job, content, media_type(&form)))
+        }
+        Wanted::File(format, samples) => {
+            let (level, points) = (frame.level.iteration, Arc::clone(&frame.control_points));
+            let file = export::file(&job, level, points, format, samples).await?;
+            Ok(named(file, job.outline(), Some(level), format))
+        }
+    }
+}
+
+/// `GET /v1/jobs/{id}/input`: the job as it was accepted.
+pub async fn input(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let language = negotiate::language(&headers)?;
+    let job = jobs::find(&app, &id).await?;
+    let content = levels::input_content(&job, language).await?;
+    Ok(answer(&job, content, language.media_type()))
+}
+
+/// `GET /v1/jobs/{id}/result`
+pub async fn result(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
+    match wanted {
+        Wanted::Form(form) if form.digits == Digits::Auto => {
+            let detail = "a result has all digits; rounded ones are for iterations";
+            Err(Problem::at_parameter("digits", detail))
+        }
+        Wanted::Form(form) => {
+            let content = levels::result_content(&job, form.clone()).await?;
+            Ok(answer(&job, content, media_type(&form)))
+        }
+        Wanted::File(format, samples) => {
+            let (_, level, points) = levels::end(&job).await?;
+            let file = export::file(&job, level.iteration, points, format, samples).await?;
+            Ok(named(file, job.outline(), None, format))
+        }
+    }
+}
+
+/// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
+pub async fn limit(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    negotiate::json(&headers)?;
+    let job = jobs::find(&app, &id).await?;
+    let system = job.system().await?;
+    let compute = move || {
+        let start = Iteration::start(system.get());
+        local_limit(&start).map(|limit| view::limit(system.problem(), &limit))
+    };
+    let limit = app
+        .jobs
+        .resources()
+        .scheduler
+        .compute(Lane::Long(LIMIT_COST), compute)
+        .await?;
+    limit.map(answer::json).map_err(|reason| {
+        let detail = match reason {
+            NoLimit::NotLocal => "only local fits have points that stay".to_owned(),
+            NoLimit::TooMany(count) => format!(
+                "{count} points are adjusted; the closed form is computed for up to {MOST_ADJUSTED}"
+            ),
+            NoLimit::Singular => "the matrix of the adjusted points is singular".to_owned(),
+        };
+        Problem::new(Kind::NoLimit, detail)
+    })
+}
+
+/// What a client wants of a level.
+enum Wanted {
+    Form(Form),
+    File(Format, Option<Grid>),
+}
+
+async fn job_and_wanted(
+    app: &App,
+    id: &str,
+    uri: &Uri,
+    headers: &HeaderMap,
+) -> Result<(Arc<Job>, Wanted), Problem> {
+    let parameters: ViewParameters = negotiate::query(uri)?;
+    let representation = export::representation(headers, parameters.format.as_deref())?;
+    let job = jobs::find(app, id).await?;
+    let surface = job.outline().surface;
+    if let Representation::File(format) = representation {
+        let samples = parameters.samples_of_file(surface)?;
+        return Ok((job, Wanted::File(format, samples)));
+    }
+    let parameters = StreamParameters::from(parameters);
+    let form = match representation {
+        Representation::Protobuf => parameters.message_form(surface)?,
+        _ => parameters.form(surface)?,
+    };
+    if form.encoding == Encoding::Base64F32 {
+        let problem = job.problem().await?;
+        parameters.check_range(None, &problem)?;
+    }
+    Ok((job, Wanted::Form(form)))
+}
+
+fn level_number(text: &str) -> Result<usize, Problem> {
+    plain_number(text).ok_or_else(|| {
+        let detail = format!(
+            "{} is no iteration: they are numbered from 0; there is also \"last\"",
+            quoted(text)
+        );
+        Problem::new(Kind::NoSuchIteration, detail)
+    })
+}
+
+fn media_type(form: &Form) -> &'static str {
+    match form.is_protobuf() {
+        false => Language::Json.media_type(),
+        true => Language::Protobuf.media_type(),
+    }
+}

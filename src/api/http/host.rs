@@ -1,0 +1,145 @@
+//! For whom a request is meant: its Host.
+//!
+//! A server on the loopback interface is there for programs of this machine. A page of the web is not
+//! one of them, but its browser is: the page gets a name of its own to stand for 127.0.0.1 ("DNS
+//! rebinding"), and the browser takes the server for the page's own. What gives it away is the name.
+
+use std::net::IpAddr;
+use std::sync::Arc;
+
+use axum::extract::{Request, State};
+use axum::http::uri::Authority;
+use axum::http::{HeaderMap, Version, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use crate::api::problem::{Kind, Problem};
+
+/// Whoever asks for these, as orchestrators do by all kinds of names, learns nothing else.
+const ALWAYS: [&str; 2] = ["/livez", "/readyz"];
+
+/// The names of a server.
+#[derive(Clone, Debug)]
+pub struct Hosts {
+    /// Besides those of the loopback interface, in lower case.
+    names: Arc<[String]>,
+    /// Requests for others are refused.
+    checked: bool,
+}
+
+impl Hosts {
+    /// The names that are given; they are checked if there are any, or if the server is on the
+    /// loopback interface.
+    pub fn new(names: &[String], loopback: bool) -> Self {
+        let names: Arc<[String]> = names.iter().map(|name| plain(name)).collect();
+        let checked = (loopback || !names.is_empty()) && !names.iter().any(|name| name == "*");
+        Self { names, checked }
+    }
+
+    fn know(&self, host: &str) -> bool {
+        let host = plain(host);
+        let address = host.trim_start_matches('[').trim_end_matches(']');
+        if let Ok(address) = address.parse::<IpAddr>() {
+            return address.to_canonical().is_loopback() || self.names.contains(&host);
+        }
+        host == "localhost"
+            || host.ends_with(".localhost")
+            || self.names.iter().any(|name| match name.strip_prefix('*') {
+                Some(ending) => host.ends_with(ending) && host.len() > ending.len(),
+                None => *name == host,
+            })
+    }
+}
+
+fn plain(name: &str) -> String {
+    let name = name.trim();
+    name.strip_suffix('.').unwrap_or(name).to_ascii_lowercase()
+}
+
+/// Refuses requests that do not say for whom they are, or are for somebody else.
+pub async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
+    match refusal(&hosts, &request) {
+        None => next.run(request).await,
+        Some(problem) => problem.into_response(),
+    }
+}
+
+fn refusal(hosts: &Hosts, request: &Request) -> Option<Problem> {
+    let authority = match in_header(request.headers(), request.version()) {
+        Ok(in_header) => request.uri().authority().cloned().or(in_header),
+        Err(why) => return Some(Problem::at_header("Host", why)),
+    };
+    if !hosts.checked || ALWAYS.contains(&request.uri().path()) {
+        return None;
+    }
+    let host = authority.as_ref().map_or("", Authority::host);
+    if hosts.know(host) {
+        return None;
+    }
+    let detail = format!(
+        "this server is not {host:?}; it is reached as localhost, or by names that it is told with --allowed-host"
+    );
+    Some(Problem::new(Kind::UnknownHost, detail))
+}
+
+/// The Host header, which there is once in HTTP/1.1; or what is wrong with it.
+fn in_header(headers: &HeaderMap, version: Version) -> Result<Option<Authority>, &'static str> {
+    let mut values = headers.get_all(header::HOST).iter();
+    match (values.next(), values.next()) {
+        (None, _) if version == Version::HTTP_11 => Err("it is missing"),
+        (None, _) => Ok(None),
+        (Some(_), Some(_)) => Err("there is more than one"),
+        (Some(host), None) if host.is_empty() => Ok(None),
+        (Some(host), None) => match host.to_str().map(str::parse::<Authority>) {
+            Ok(Ok(authority)) if !authority.as_str().contains('@') => Ok(Some(authority)),
+            _ => Err("it is not a host with or without a port"),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_this_machine_and_given_ones_are_known() {
+        let given = [
+            "Fit.example.org".to_owned(),
+            "*.cad.example".to_owned(),
+            "192.0.2.7".to_owned(),
+        ];
+        let hosts = Hosts::new(&given, true);
+        for host in [
+            "localhost",
+            "LOCALHOST.",
+            "a.localhost",
+            "127.0.0.1",
+            "127.9.8.7",
+            "[::1]",
+            "[::ffff:127.0.0.1]",
+            "fit.example.org",
+            "a.cad.example",
+            "192.0.2.7",
+        ] {
+            assert!(hosts.know(host), "{host}");
+        }
+        for host in [
+            "",
+            "localhost.evil.example",
+            "notlocalhost",
+            "10.0.0.1",
+            "[::2]",
+            "0.0.0.0",
+            "cad.example",
+            ".cad.example",
+            "127.0.0.1.evil.example",
+            "example.org",
+        ] {
+            assert!(!hosts.know(host), "{host}");
+        }
+        assert!(
+            hosts.checked && Hosts::new(&given, false).checked && Hosts::new(&[], true).checked
+        );
+        assert!(!Hosts::new(&[], false).checked && !Hosts::new(&["*".to_owned()], true).checked);
+    }
+}

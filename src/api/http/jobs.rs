@@ -1,0 +1,113 @@
+//! Listing, showing, cancelling and deleting jobs.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use prost::Message;
+use serde::Deserialize;
+use serde_json::json;
+use uuid::Uuid;
+
+use super::answer::{message, no_store};
+use super::negotiate;
+use super::path::Named;
+use crate::api::app::App;
+use crate::api::json::view;
+use crate::api::language::Language;
+use crate::api::problem::Problem;
+use crate::api::short::quoted;
+use crate::api::whole::plain_number;
+use crate::api::{jobs, proto};
+use crate::job::Job;
+use crate::job::state::State as JobState;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListParameters {
+    state: Option<String>,
+    limit: Option<String>,
+    cursor: Option<String>,
+}
+
+/// `GET /v1/jobs`
+pub async fn list(
+    State(app): State<App>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let language = negotiate::language(&headers)?;
+    let parameters: ListParameters = negotiate::query(&uri)?;
+    let limit = match parameters.limit.as_deref() {
+        None => Ok(jobs::DEFAULT_PAGE),
+        Some(text) => {
+            let limit = plain_number(text);
+            let limit = limit.ok_or_else(|| format!("{} is no whole number", quoted(text)));
+            limit.and_then(|limit| jobs::check_limit(limit).map(|()| limit))
+        }
+    };
+    let limit = limit.map_err(|detail| Problem::at_parameter("limit", detail))?;
+    let state = parameters
+        .state
+        .map(|name| name.parse::<JobState>())
+        .transpose()
+        .map_err(|detail| Problem::at_parameter("state", detail))?;
+    let before = parameters
+        .cursor
+        .map(|cursor| Uuid::try_parse(&cursor))
+        .transpose()
+        .map_err(|_| Problem::at_parameter("cursor", "it is not one that this server gave"))?;
+    let (jobs, more) = jobs::page(&app, state, before, limit).await?;
+    if language == Language::Protobuf {
+        let page = proto::view::page(&jobs, more);
+        return Ok(message(page.encode_to_vec().into()));
+    }
+    let next = jobs.last().filter(|_| more).map(|job| {
+        let state = state.map_or(String::new(), |state| format!("&state={state}"));
+        format!("/v1/jobs?cursor={}&limit={limit}{state}", job.id())
+    });
+    let jobs: Vec<_> = jobs.iter().map(|job| view::job(job)).collect();
+    Ok(no_store(
+        Json(json!({"jobs": jobs, "next": next})).into_response(),
+    ))
+}
+
+/// `GET /v1/jobs/{id}`
+pub async fn get(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let language = negotiate::language(&headers)?;
+    let job = jobs::find(&app, &id).await?;
+    Ok(show(&job, language))
+}
+
+/// The job as it stands.
+pub fn show(job: &Job, language: Language) -> Response {
+    match language {
+        Language::Json => no_store(Json(view::job(job)).into_response()),
+        Language::Protobuf => message(proto::view::job(job).encode_to_vec().into()),
+    }
+}
+
+/// `POST /v1/jobs/{id}/cancel`
+pub async fn cancel(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let language = negotiate::language(&headers)?;
+    let job = jobs::find(&app, &id).await?;
+    jobs::end(&job).await?;
+    Ok(show(&job, language))
+}
+
+/// `DELETE /v1/jobs/{id}`
+pub async fn delete(
+    State(app): State<App>,
+    Named(id): Named<String>,
+) -> Result<StatusCode, Problem> {
+    jobs::forget(&app, &id).await?;
+    Ok(StatusCode::NO_CONTENT)
+}

@@ -1,0 +1,31 @@
+//! The HTTP resources.
+//!
+//! - [`router`]: the resources and their addresses;
+//! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
+//! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
+//! - [`info`]: capabilities, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
+//! - [`path`]: the names in a path; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
+//! - [`body`]: a request body by its media type; [`intake`]: how it arrives, with limits of size, memory and time;
+//! - [`answer`]: answers, small and large; [`render`]: problems as answers;
+//! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
+//!   [`request_id`]: what it is called; [`crowd`]: what is answered on connections beyond the limits.
+
+pub mod answer;
+pub mod body;
+pub mod cors;
+pub mod create;
+pub mod crowd;
+pub mod events;
+pub mod export;
+pub mod file_name;
+pub mod geometry;
+pub mod host;
+pub mod info;
+pub mod intake;
+pub mod jobs;
+pub mod measure;
+pub mod negotiate;
+pub mod path;
+pub mod render;
+pub mod request_id;
+pub mod router;

@@ -1,0 +1,180 @@
+//! Headers and query parameters that choose an answer.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+use axum::extract::Query;
+use axum::http::{HeaderMap, Uri, header};
+use headers_accept::Accept;
+use mediatype::MediaType;
+use serde::de::DeserializeOwned;
+
+use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
+use crate::api::problem::{Kind, Problem};
+use crate::api::short::quoted;
+
+/// The longest that `Prefer: wait` may ask for.
+pub const LONGEST_WAIT: u64 = 300;
+
+/// How a job is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// The job as it stands.
+    Job(Language),
+    /// The events of the job.
+    Events(Framing),
+}
+
+/// The job or its events, whichever the client prefers; the job as JSON if it does not care. A client
+/// of messages that wants them as they come says so with `Prefer: stream`, for they have the same
+/// media type.
+pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
+    let message = match prefers_stream(headers) {
+        true => Answer::Events(Framing::Protobuf),
+        false => Answer::Job(Language::Protobuf),
+    };
+    choose(
+        headers,
+        &[
+            (JSON, Answer::Job(Language::Json)),
+            (SSE, Answer::Events(Framing::Sse)),
+            (NDJSON, Answer::Events(Framing::Ndjson)),
+            (PROTOBUF, message),
+        ],
+    )
+}
+
+/// The framing of an event stream; server-sent events if the client does not care.
+pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
+    choose(
+        headers,
+        &[
+            (SSE, Framing::Sse),
+            (NDJSON, Framing::Ndjson),
+            (PROTOBUF, Framing::Protobuf),
+        ],
+    )
+}
+
+/// JSON or a message; JSON if the client does not care.
+pub fn language(headers: &HeaderMap) -> Result<Language, Problem> {
+    choose(
+        headers,
+        &[(JSON, Language::Json), (PROTOBUF, Language::Protobuf)],
+    )
+}
+
+/// Refuses clients that do not take JSON.
+pub fn json(headers: &HeaderMap) -> Result<(), Problem> {
+    choose(headers, &[(JSON, ())])
+}
+
+fn prefers_stream(headers: &HeaderMap) -> bool {
+    let values = headers.get_all("prefer").iter();
+    let mut preferences = values.flat_map(|value| value.to_str().unwrap_or("").split(','));
+    preferences.any(|preference| preference.trim().eq_ignore_ascii_case("stream"))
+}
+
+/// The first of the representations that the Accept header likes best.
+pub fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
+    let mut given = Vec::new();
+    for value in headers.get_all(header::ACCEPT) {
+        let text = value
+            .to_str()
+            .map_err(|_| Problem::at_header("Accept", "it is not text"))?;
+        given.push(text);
+    }
+    let given = given.join(", ");
+    let given: Vec<String> = given.split(',').map(without_parameters).collect();
+    let given = given.join(", ");
+    let wanted = match given.trim() {
+        "" => "*/*",
+        given => given,
+    };
+    let accept = Accept::from_str(wanted).map_err(|_| {
+        Problem::at_header(
+            "Accept",
+            format!("{} is no list of media types", quoted(wanted)),
+        )
+    })?;
+    let types: Vec<MediaType> = available
+        .iter()
+        .filter_map(|(name, _)| MediaType::parse(name).ok())
+        .collect();
+    let best = accept.negotiate(&types);
+    best.and_then(|best| types.iter().position(|candidate| candidate == best))
+        .and_then(|index| available.get(index))
+        .map(|(_, value)| *value)
+        .ok_or_else(|| {
+            let names: Vec<&str> = available.iter().map(|(name, _)| *name).collect();
+            let names = names.join(", ");
+            Problem::new(
+                Kind::NotAcceptable,
+                format!("Accept is {}; this resource has {names}", quoted(wanted)),
+            )
+        })
+}
+
+/// A media range with its quality alone: `text/event-stream; charset=utf-8` is an event stream.
+fn without_parameters(range: &str) -> String {
+    let mut parts = range.split(';').map(str::trim);
+    let essence = parts.next().unwrap_or("");
+    match parts.find(|parameter| parameter.starts_with("q=") || parameter.starts_with("Q=")) {
+        Some(quality) => format!("{essence};{quality}"),
+        None => essence.to_owned(),
+    }
+}
+
+/// The time of `Prefer: wait=n` (RFC 7240), in seconds.
+pub fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
+    for value in headers.get_all("prefer") {
+        let text = value.to_str().unwrap_or("");
+        for preference in text.split(',') {
+            // Parameters of a preference follow a semicolon.
+            let preference = preference.split(';').next().unwrap_or("").trim();
+            let Some((name, seconds)) = preference.split_once('=') else {
+                continue;
+            };
+            if !name.trim().eq_ignore_ascii_case("wait") {
+                continue;
+            }
+            let seconds = seconds.trim().trim_matches('"');
+            return match seconds.parse() {
+                Ok(seconds) if seconds <= LONGEST_WAIT => Ok(Some(Duration::from_secs(seconds))),
+                _ => Err(Problem::at_header(
+                    "Prefer",
+                    format!(
+                        "wait is a whole number of seconds from 0 to {LONGEST_WAIT}, not {}",
+                        quoted(seconds)
+                    ),
+                )),
+            };
+        }
+    }
+    Ok(None)
+}
+
+/// The query parameters of a resource; unknown ones are errors.
+pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
+    Query::try_from_uri(uri)
+        .map(|Query(parameters)| parameters)
+        .map_err(|rejection| explain(&rejection.body_text()))
+}
+
+/// What is wrong with a query, from the words of its reader.
+fn explain(text: &str) -> Problem {
+    let of_field = |words: &str| {
+        let (_, rest) = text.split_once(words)?;
+        rest.split_once('`')
+    };
+    if let Some((name, _)) = of_field("duplicate field `") {
+        return Problem::at_parameter(name, "it is given twice");
+    }
+    if let Some((name, rest)) = of_field("unknown field `") {
+        // Between the other quotation marks are the names that are known.
+        let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+        let detail = format!("there is no such parameter; there are {}", known.join(", "));
+        return Problem::at_parameter(name, detail);
+    }
+    Problem::new(Kind::InvalidRequest, "the query cannot be understood")
+}

@@ -1,0 +1,24 @@
+//! The parts of a path that name something.
+
+use axum::extract::{FromRequestParts, Path};
+use axum::http::request::Parts;
+use serde::de::DeserializeOwned;
+
+use crate::api::problem::{Kind, Problem};
+use crate::api::short;
+
+/// The parts of a path. What is no text, such as `%FF`, names nothing.
+#[derive(Debug)]
+pub struct Named<T>(pub T);
+
+impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Named<T> {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let path = Path::from_request_parts(parts, state).await;
+        path.map(|Path(names)| Self(names)).map_err(|_| {
+            let path = short::plain(parts.uri.path());
+            Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
+        })
+    }
+}

@@ -1,0 +1,146 @@
+//! The resources and their addresses.
+
+use std::collections::HashMap;
+use std::future::ready;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::{MatchedPath, Request};
+use axum::http::StatusCode;
+use axum::middleware;
+use axum::{Extension, Router, http};
+use tower::ServiceBuilder;
+use tower_http::catch_panic::CatchPanicLayer;
+use tower_http::classify::ServerErrorsFailureClass;
+use tower_http::request_id::SetRequestIdLayer;
+use tower_http::trace::TraceLayer;
+use tracing::{Span, error, info};
+
+use super::host::Hosts;
+use super::request_id::{NewRequestId, REQUEST_ID};
+use super::{
+    cors, create, crowd, events, geometry, host, info as about, jobs, measure, render, request_id,
+};
+use crate::api::app::App;
+use crate::api::grpc;
+use crate::api::openapi::resources::Resources;
+use crate::api::openapi::{self, Description};
+use crate::api::problem::{Kind, Problem};
+use crate::api::short;
+
+/// All resources, under the names of the server.
+pub fn router(app: App, hosts: Hosts) -> Router {
+    let trace = TraceLayer::new_for_http().make_span_with(span);
+    let layers = ServiceBuilder::new()
+        .map_request(request_id::plain)
+        .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
+        .layer(trace.on_failure(tell_failure))
+        .layer(middleware::from_fn_with_state(
+            app.requests.clone(),
+            measure::measure,
+        ))
+        .option_layer(cors::layer(&app.config.cors_origin))
+        .layer(middleware::from_fn(render::render))
+        .layer(middleware::from_fn(crowd::hold_back))
+        .layer(middleware::from_fn_with_state(hosts, host::check))
+        .layer(CatchPanicLayer::custom(|_| {
+            use axum::response::IntoResponse;
+            Problem::new(
+                Kind::Internal,
+                "the request ran into a defect of the server",
+            )
+            .into_response()
+        }));
+    let resources = resources();
+    let methods = Arc::new(resources.methods());
+    let (routes, paths) = resources.parts();
+    routes
+        .layer(Extension(Description::new(paths)))
+        .fallback(not_found)
+        .method_not_allowed_fallback(move |request: Request| {
+            ready(method_not_allowed(&methods, &request))
+        })
+        .merge(grpc::mount::routes(&app))
+        .layer(layers)
+        .with_state(app)
+}
+
+/// Every resource, with its description.
+fn resources() -> Resources {
+    use crate::api::openapi::operations::{
+        geometry as of_geometry, jobs as of_jobs, server as of_server,
+    };
+    use crate::api::openapi::page;
+    Resources::default()
+        .get("/", about::index, of_server::index())
+        .get("/livez", about::livez, of_server::livez())
+        .get("/readyz", about::readyz, of_server::readyz())
+        .get("/metrics", about::metrics, of_server::metrics())
+        .get("/problems", about::problems, of_server::problems())
+        .get("/problems/{slug}", about::problem, of_server::problem())
+        .get("/openapi.json", openapi::get, of_server::description())
+        .get("/docs", page::page, of_server::reference())
+        .get("/docs/{file}", page::file, of_server::reference_file())
+        .get(
+            "/v1/capabilities",
+            about::capabilities,
+            of_server::capabilities(),
+        )
+        .post("/v1/jobs", create::job, of_jobs::create())
+        .get("/v1/jobs", jobs::list, of_jobs::list())
+        .get("/v1/jobs/{id}", jobs::get, of_jobs::get())
+        .delete("/v1/jobs/{id}", jobs::delete, of_jobs::delete())
+        .post("/v1/jobs/{id}/cancel", jobs::cancel, of_jobs::cancel())
+        .post("/v1/jobs/{id}/edits", create::edit, of_jobs::edit())
+        .get("/v1/jobs/{id}/events", events::get, of_jobs::watch())
+        .get("/v1/jobs/{id}/input", geometry::input, of_jobs::input())
+        .get(
+            "/v1/jobs/{id}/iterations/{k}",
+            geometry::iteration,
+            of_geometry::iteration(),
+        )
+        .get(
+            "/v1/jobs/{id}/result",
+            geometry::result,
+            of_geometry::result(),
+        )
+        .get("/v1/jobs/{id}/limit", geometry::limit, of_geometry::limit())
+}
+
+async fn not_found(request: Request) -> Problem {
+    let path = short::plain(request.uri().path());
+    Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
+}
+
+/// Says which methods the resource understands, of all resources.
+fn method_not_allowed(methods: &HashMap<String, String>, request: &Request) -> Problem {
+    let method = short::plain(request.method().as_str());
+    let path = short::plain(request.uri().path());
+    let matched = request.extensions().get::<MatchedPath>();
+    let understood = matched.and_then(|matched| methods.get(matched.as_str()));
+    let understood = understood.map_or("others, which the Allow header names", String::as_str);
+    Problem::new(
+        Kind::MethodNotAllowed,
+        format!("{path} does not understand {method}, but {understood}"),
+    )
+}
+
+fn span<B>(request: &http::Request<B>) -> tracing::Span {
+    let id = request.headers().get(REQUEST_ID);
+    tracing::info_span!(
+        "request",
+        method = %request.method(),
+        path = request.uri().path(),
+        id = id.and_then(|id| id.to_str().ok()),
+    )
+}
+
+/// A server that takes no more for the moment does as it should.
+fn tell_failure(failure: ServerErrorsFailureClass, latency: Duration, _span: &Span) {
+    match failure {
+        ServerErrorsFailureClass::StatusCode(StatusCode::SERVICE_UNAVAILABLE) => {
+            info!(?latency, "answered 503 Service Unavailable");
+        }
+        failure => error!(?latency, "the request failed: {failure}"),
+    }
+}

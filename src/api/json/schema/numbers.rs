@@ -1,0 +1,84 @@
+//! Points, weights and numbers.
+
+use schemars::json_schema;
+
+use super::{each, schema_of};
+use crate::api::json::numbers::{MAX_DIMENSION, PointGrid, PointList};
+
+/// A data point.
+pub enum Point {}
+
+schema_of!(
+    Point,
+    "Point",
+    json_schema!({
+        "description": "A point with 1, 2 or 3 coordinates; all points of a job have the same number of them.",
+        "type": "array",
+        "items": {"type": "number"},
+        "minItems": 1,
+        "maxItems": MAX_DIMENSION,
+        "examples": [[0.95, 0.0114]],
+    })
+);
+
+schema_of!(PointList, "Points", generator => json_schema!({
+    "description": "The data points of a curve, in their order.",
+    "type": "array",
+    "items": generator.subschema_for::<Point>(),
+    "minItems": 2,
+    "examples": [[[0, 0], [1, 2], [3, 1], [4, 3]]],
+}));
+
+schema_of!(PointGrid, "PointGrid", generator => json_schema!({
+    "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.",
+    "type": "array",
+    "items": {
+        "type": "array",
+        "items": {"anyOf": [generator.subschema_for::<Point>(), {"type": "null"}]},
+        "minItems": 2,
+    },
+    "minItems": 2,
+    "examples": [[[[0, 0, 0], [0, 1, 1]], [[1, 0, 1], [1, 1, 0]]]],
+}));
+
+/// Weights of a curve, or of a direction.
+pub enum Weights {}
+
+schema_of!(
+    Weights,
+    "Weights",
+    json_schema!({
+        "description": "One weight for each data point; with rational \"fixed\" alternatively one for each control point, end copies included.",
+        "type": "array",
+        "items": {"type": "number", "exclusiveMinimum": 0},
+        "minItems": 2,
+        "examples": [[1, 2, 2, 1]],
+    })
+);
+
+/// Weights of a surface.
+pub enum SurfaceWeights {}
+
+schema_of!(SurfaceWeights, "SurfaceWeights", generator => {
+    let line = generator.subschema_for::<Weights>();
+    json_schema!({
+        "description": "Rows of weights, one for each data point, or weights of both directions whose products they are.",
+        "anyOf": [
+            {"title": "Rows", "type": "array", "items": line, "minItems": 2},
+            each(&line),
+        ],
+        "examples": [[[1, 1], [1, 2]], {"u": [1, 2], "v": [1, 1]}],
+    })
+});
+
+/// Weights in an edit, of a curve or of a surface.
+pub enum NewWeights {}
+
+schema_of!(NewWeights, "NewWeights", generator => json_schema!({
+    "description": "New weights of all data points: of a curve a list, of a surface as in a job.",
+    "anyOf": [
+        generator.subschema_for::<Weights>(),
+        generator.subschema_for::<SurfaceWeights>(),
+    ],
+    "examples": [[1, 2, 2, 1]],
+}));

@@ -1,0 +1,51 @@
+//! The languages in which requests and answers are written, and how the events of a stream are framed.
+
+/// The media type of JSON.
+pub const JSON: &str = "application/json";
+/// The media type of server-sent events.
+pub const SSE: &str = "text/event-stream";
+/// The media type of a JSON object a line.
+pub const NDJSON: &str = "application/x-ndjson";
+/// Protobuf messages.
+pub const PROTOBUF: &str = "application/x-protobuf";
+
+/// How the events of a stream are framed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// Server-sent events.
+    Sse,
+    /// One JSON object a line.
+    Ndjson,
+    /// Protobuf messages, each after its length.
+    Protobuf,
+}
+
+impl Framing {
+    /// The media type of such a stream.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Sse => SSE,
+            Self::Ndjson => NDJSON,
+            Self::Protobuf => PROTOBUF,
+        }
+    }
+}
+
+/// What bodies are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// JSON.
+    Json,
+    /// A protobuf message.
+    Protobuf,
+}
+
+impl Language {
+    /// What it is called in headers.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Json => JSON,
+            Self::Protobuf => PROTOBUF,
+        }
+    }
+}

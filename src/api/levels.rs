@@ -1,0 +1,96 @@
+//! The contents of inputs, iterations and results, in whatever language.
+
+use std::sync::Arc;
+
+use super::json::view;
+use super::language::Language;
+use super::problem::{Kind, Problem};
+use super::proto;
+use super::stream::encode;
+use super::stream::options::form::{Form, View};
+use crate::fit::iteration::Level;
+use crate::fit::points::Points;
+use crate::job::Job;
+use crate::job::content::Content;
+use crate::job::cursor::{Cursor, Next};
+use crate::job::frame::Frame;
+use crate::job::state::{Levels, Status};
+
+/// Bytes of a data point of an input with all that is given for it.
+const BYTES_PER_POINT: usize = 160;
+
+/// The frame of a level; without a number that of the last level so far.
+pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Problem> {
+    let k = match k {
+        None => last_level(job)?,
+        Some(k) => k,
+    };
+    match Cursor::new(Arc::clone(job), k).next().await? {
+        Next::Frame(frame) => Ok(frame),
+        Next::End(status) => {
+            let reached = status.levels.map(|levels| levels.last.iteration);
+            let detail = match reached {
+                Some(last) => format!(
+                    "the job is {} at iteration {last}, before {k}",
+                    status.state
+                ),
+                None => format!("the job is {} before its first iteration", status.state),
+            };
+            Err(Problem::new(Kind::NoSuchIteration, detail))
+        }
+    }
+}
+
+/// The job as it was accepted, as JSON or as the bytes of a message.
+pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content, Problem> {
+    // It is made as a whole.
+    let room = &job.resources().memory.files;
+    let permit = room
+        .take(job.outline().grid.count() * BYTES_PER_POINT)
+        .await;
+    let (owner, problem) = (Arc::clone(job), job.problem().await?);
+    let numbers = problem.data().len() * problem.data().dimension();
+    let write = move || match language {
+        Language::Json => view::input(owner.outline(), &problem).into(),
+        Language::Protobuf => proto::input::input(owner.outline(), &problem).into(),
+    };
+    let content = encode::off_network(job, numbers, write).await?;
+    Ok(content.with_permit(permit))
+}
+
+/// The last level of a job that has ended.
+pub async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Problem> {
+    let status = job.status();
+    match (status.levels, job.result().await?) {
+        (Some(Levels { last, .. }), Some(points)) => Ok((status, last, points)),
+        _ => {
+            let detail = format!("the job is {} and has no result", status.state);
+            Err(Problem::new(Kind::NoResult, detail))
+        }
+    }
+}
+
+/// The final geometry in a form, as JSON or as the bytes of a message.
+pub async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Problem> {
+    let (status, level, points) = end(job).await?;
+    if form.view != View::ControlPoints && !form.is_protobuf() {
+        let frame = Arc::new(Frame::last(level, points));
+        return Ok(encode::frame(job, &frame, &form).await?);
+    }
+    let (owner, problem) = (Arc::clone(job), job.problem().await?);
+    let numbers = points.len() * points.dimension();
+    let write = move || match form.is_protobuf() {
+        false => view::level::result(&owner, &problem, &status, &level, &points, &form),
+        true => proto::geometry::result(&owner, &problem, &status, &level, &points, form.view),
+    };
+    Ok(encode::off_network(job, numbers, write).await?)
+}
+
+fn last_level(job: &Job) -> Result<usize, Problem> {
+    let status = job.status();
+    let levels = status.levels.ok_or_else(|| {
+        let detail = format!("the job is {} and has no iteration yet", status.state);
+        Problem::new(Kind::NoSuchIteration, detail)
+    })?;
+    Ok(levels.last.iteration)
+}

@@ -1,0 +1,58 @@
+//! What went wrong further down, as a problem.
+
+use super::{Kind, Problem};
+use crate::job::scheduler::Broken;
+use crate::job::service::Refused;
+use crate::job::state::Failure;
+use crate::job::store::StoreError;
+use crate::job::store::blame::MOST_CRASHES;
+
+impl From<Failure> for Problem {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Overflow => Self::new(
+                Kind::Overflow,
+                "the distances from the data have left the range of numbers: the iteration has diverged, or the data are too large",
+            ),
+            Failure::Crashes => Self::new(
+                Kind::Internal,
+                format!(
+                    "the server has crashed at least {MOST_CRASHES} times while this job was running; it is not tried again"
+                ),
+            ),
+            Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
+        }
+    }
+}
+
+impl From<Refused> for Problem {
+    fn from(refused: Refused) -> Self {
+        let detail = refused.to_string();
+        match refused {
+            Refused::Full { .. } => Self::new(Kind::QueueFull, detail).retry_after(5),
+            Refused::PeerFull { .. } => Self::new(Kind::TooManyJobs, detail).retry_after(5),
+            Refused::TooLarge { .. } | Refused::TooMuchWork { .. } => {
+                Self::at_pointer(Kind::InvalidFit, String::new(), detail)
+            }
+            Refused::KeyTaken(_) => Self::new(Kind::KeyTaken, detail),
+            Refused::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<StoreError> for Problem {
+    fn from(error: StoreError) -> Self {
+        let detail = error.to_string();
+        match error {
+            StoreError::Gone(id) => Self::unknown_job(&id.to_string()),
+            StoreError::Full(_) => Self::new(Kind::StoreFull, detail).retry_after(60),
+            StoreError::Failed(_) | StoreError::Broken(_) => Self::new(Kind::Internal, detail),
+        }
+    }
+}
+
+impl From<Broken> for Problem {
+    fn from(broken: Broken) -> Self {
+        Self::new(Kind::Internal, broken.to_string())
+    }
+}

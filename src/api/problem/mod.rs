@@ -1,0 +1,238 @@
+//! Errors, as HTTP says them in problem objects (RFC 9457) and gRPC in statuses.
+//!
+//! - [`kind`]: the kinds of problems, and what to do about them;
+//! - `causes`: what went wrong further down, as a problem.
+
+mod causes;
+mod kind;
+
+use serde::Serialize;
+
+use super::short;
+pub use kind::{Entry, Kind};
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, Serialize)]
+pub struct FieldError {
+    /// JSON pointer (RFC 6901) into the body.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pointer: Option<String>,
+    /// A query parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<String>,
+    /// A header.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub header: Option<&'static str>,
+    /// A field of a protobuf message, such as `curve.points[34]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<String>,
+    /// Why it is wrong.
+    pub detail: String,
+}
+
+/// The most characters of a detail. What clients have written is repeated in part already; this is
+/// for what nobody has thought of.
+const LONGEST_DETAIL: usize = 1000;
+
+/// The most characters of a place.
+const LONGEST_PLACE: usize = 300;
+
+impl FieldError {
+    /// What is wrong, wherever that is.
+    fn new(detail: &str) -> Self {
+        Self {
+            pointer: None,
+            parameter: None,
+            header: None,
+            field: None,
+            detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
+        }
+    }
+
+    /// Where and what.
+    fn told(&self) -> String {
+        let detail = &self.detail;
+        match (&self.pointer, &self.parameter, self.header, &self.field) {
+            (Some(pointer), ..) if pointer.is_empty() => format!("/: {detail}"),
+            (Some(pointer), ..) => format!("{pointer}: {detail}"),
+            (_, Some(name), ..) => format!("query parameter {name}: {detail}"),
+            (_, _, Some(name), _) => format!("header {name}: {detail}"),
+            (.., Some(field)) if !field.is_empty() => format!("{field}: {detail}"),
+            _ => detail.clone(),
+        }
+    }
+}
+
+/// A problem object.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    kind: Kind,
+    detail: String,
+    errors: Vec<FieldError>,
+    retry_after: Option<u32>,
+}
+
+/// The JSON of a problem object.
+#[derive(Serialize)]
+struct ProblemBody<'a> {
+    r#type: String,
+    title: &'static str,
+    status: u16,
+    detail: &'a str,
+    #[serde(skip_serializing_if = "<[FieldError]>::is_empty")]
+    errors: &'a [FieldError],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    request_id: Option<&'a str>,
+}
+
+impl Problem {
+    /// A problem that is not about a particular field.
+    pub fn new(kind: Kind, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        Self {
+            kind,
+            detail: short::cut(&detail, LONGEST_DETAIL).into_owned(),
+            errors: Vec::new(),
+            retry_after: None,
+        }
+    }
+
+    /// A problem with a value in the body.
+    pub fn at_pointer(kind: Kind, pointer: String, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        let pointer = short::cut(&pointer, LONGEST_PLACE).into_owned();
+        let place = if pointer.is_empty() { "/" } else { &pointer };
+        let mut problem = Self::new(kind, format!("{place}: {detail}"));
+        problem.errors.push(FieldError {
+            pointer: Some(pointer),
+            ..FieldError::new(&detail)
+        });
+        problem
+    }
+
+    /// One problem of several, of which the first says what kind it is; none of none.
+    pub fn of_all(problems: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let mut problems = problems.into_iter();
+        let mut all = problems.next()?;
+        let mut details = vec![std::mem::take(&mut all.detail)];
+        for problem in problems {
+            all.errors.extend(problem.errors);
+            details.push(problem.detail);
+        }
+        all.detail = short::cut(&details.join("; "), LONGEST_DETAIL).into_owned();
+        Some(all)
+    }
+
+    /// A problem with a query parameter.
+    pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
+        let (name, detail) = (name.into(), detail.into());
+        let name = short::cut(&name, LONGEST_PLACE).into_owned();
+        let mut problem = Self::new(
+            Kind::InvalidRequest,
+            format!("query parameter {name}: {detail}"),
+        );
+        problem.errors.push(FieldError {
+            parameter: Some(name),
+            ..FieldError::new(&detail)
+        });
+        problem
+    }
+
+    /// A problem with a field of a message, of which the path is told.
+    pub fn at_field(field: impl Into<String>, detail: impl Into<String>) -> Self {
+        let mut problem = Self::at_pointer(Kind::InvalidFit, String::new(), detail);
+        let field = field.into();
+        problem.name_fields(|_| Some(field.clone()));
+        problem
+    }
+
+    /// Says of errors which field of a message they are about, where `name` knows it, instead of
+    /// where it would be in JSON or in a query.
+    pub fn name_fields(&mut self, name: impl Fn(&FieldError) -> Option<String>) {
+        let mut named = false;
+        for error in &mut self.errors {
+            if let Some(field) = name(error) {
+                error.field = Some(field);
+                (error.pointer, error.parameter) = (None, None);
+                named = true;
+            }
+        }
+        if named {
+            let told = self.errors.iter().map(FieldError::told);
+            let told = told.collect::<Vec<_>>().join("; ");
+            self.detail = short::cut(&told, LONGEST_DETAIL).into_owned();
+        }
+    }
+
+    /// The same with paths of fields that start further up, at a message with this field.
+    pub fn within(mut self, parent: &str) -> Self {
+        self.name_fields(|error| match error.field.as_deref()? {
+            "" => Some(parent.to_owned()),
+            field => Some(format!("{parent}.{field}")),
+        });
+        self
+    }
+
+    /// The kind.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// What is wrong.
+    pub fn detail(&self) -> &str {
+        &self.detail
+    }
+
+    /// The single things that are wrong.
+    pub fn errors(&self) -> &[FieldError] {
+        &self.errors
+    }
+
+    /// After how many seconds to try again.
+    pub fn retry(&self) -> Option<u32> {
+        self.retry_after
+    }
+
+    /// A problem with a header.
+    pub fn at_header(name: &'static str, detail: impl Into<String>) -> Self {
+        let detail = detail.into();
+        let mut problem = Self::new(Kind::InvalidRequest, format!("header {name}: {detail}"));
+        problem.errors.push(FieldError {
+            header: Some(name),
+            ..FieldError::new(&detail)
+        });
+        problem
+    }
+
+    /// The job does not exist.
+    pub fn unknown_job(id: &str) -> Self {
+        Self::new(
+            Kind::UnknownJob,
+            format!("there is no job {}", short::quoted(id)),
+        )
+    }
+
+    /// The same problem, to be tried again after so many seconds.
+    pub fn retry_after(mut self, seconds: u32) -> Self {
+        self.retry_after = Some(seconds);
+        self
+    }
+
+    /// The object as JSON.
+    pub fn to_json(&self, request_id: Option<&str>) -> serde_json::Value {
+        let Entry {
+            slug,
+            status,
+            title,
+            ..
+        } = self.kind.entry();
+        serde_json::json!(ProblemBody {
+            r#type: format!("/problems/{slug}"),
+            title,
+            status: status.as_u16(),
+            detail: &self.detail,
+            errors: &self.errors,
+            request_id,
+        })
+    }
+}

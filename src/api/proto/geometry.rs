@@ -1,0 +1,308 @@
+//! The geometry of a level as messages.
+
+use std::sync::Arc;
+
+use bytes::BufMut;
+use prost::Message;
+use prost::encoding::{WireType, encode_key, encode_varint};
+
+use super::messages::{self as pb, iteration};
+use super::names;
+use super::view::{count, direction, distances};
+use crate::api::json::view::source::{Net, NetWeights, Source};
+use crate::api::json::view::writer::{Digits, Writer};
+use crate::api::stream::options::form::{Form, View};
+use crate::fit::geometry::Geometry;
+use crate::fit::iteration::Level;
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+use crate::fit::samples::Samples;
+use crate::job::Job;
+use crate::job::content::Content;
+use crate::job::frame::Frame;
+use crate::job::state::Status;
+
+/// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the
+/// arrays of [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written when they are sent.
+const NET_OF_ITERATION: u32 = 6;
+const SAMPLES_OF_ITERATION: u32 = 8;
+const NET_OF_RESULT: u32 = 11;
+const SAMPLES_OF_RESULT: u32 = 12;
+const POINTS: u32 = 4;
+const WEIGHTS_OF_NET: u32 = 5;
+const PARAMETERS_OF_SAMPLES: [u32; 2] = [5, 6];
+
+/// What is written when it is sent.
+enum Large<'a> {
+    Net(&'a Arc<Problem>, &'a Arc<Points>),
+    Samples(Samples),
+}
+
+/// A level, as the bytes of an `Iteration`.
+pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
+    let level = &frame.level;
+    let points = &frame.control_points;
+    let (shown, large) = match form.view {
+        View::Errors => (None, None),
+        View::ControlPoints => (None, Some((NET_OF_ITERATION, Large::Net(problem, points)))),
+        View::Samples(grid) => {
+            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            (None, Some((SAMPLES_OF_ITERATION, Large::Samples(samples))))
+        }
+        View::Changed => {
+            let moved = frame.moved.as_deref().unwrap_or_default();
+            let changes = changes(problem, Geometry::new(problem, points), moved);
+            (Some(iteration::Geometry::Changes(changes)), None)
+        }
+    };
+    let message = pb::Iteration {
+        iteration: level.iteration as u64,
+        error: Some(distances(&level.error, problem.method())),
+        rate: level.rate,
+        moved: level.moved as u64,
+        bad_weight: bad_weight(level),
+        predicted: level.predicted.map(|level| level as u64),
+        geometry: shown,
+    };
+    written(&message, large)
+}
+
+/// The final geometry, as the bytes of a `FitResult`.
+pub fn result(
+    job: &Job,
+    problem: &Arc<Problem>,
+    status: &Status,
+    level: &Level,
+    points: &Arc<Points>,
+    view: View,
+) -> Content {
+    let outline = job.outline();
+    let large = match view {
+        View::Errors => None,
+        View::Samples(grid) => {
+            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            Some((SAMPLES_OF_RESULT, Large::Samples(samples)))
+        }
+        View::ControlPoints | View::Changed => Some((NET_OF_RESULT, Large::Net(problem, points))),
+    };
+    let message = pb::FitResult {
+        id: outline.id.to_string(),
+        name: outline.label.name.clone(),
+        kind: names::kind(outline).into(),
+        state: names::state(status.state).into(),
+        iteration: level.iteration as u64,
+        error: Some(distances(&level.error, problem.method())),
+        rational: names::rational(problem).into(),
+        u: Some(direction(problem.u(), false)),
+        v: problem.v().map(|v| direction(v, false)),
+        bad_weight: bad_weight(level),
+        geometry: None,
+    };
+    written(&message, large)
+}
+
+/// A message, and the field of it that is large.
+fn written(message: &impl Message, large: Option<(u32, Large<'_>)>) -> Content {
+    let mut writer = Writer::with_capacity(message.encoded_len());
+    writer.text().put_slice(&message.encode_to_vec());
+    match large {
+        None => {}
+        Some((field, Large::Net(problem, points))) => {
+            write_net(&mut writer, field, problem, points)
+        }
+        Some((field, Large::Samples(samples))) => write_samples(&mut writer, field, &samples),
+    }
+    writer.finish()
+}
+
+/// The complete control net, with the weights of homogeneous fits.
+fn write_net(
+    writer: &mut Writer,
+    field: u32,
+    problem: &Arc<Problem>,
+    control_points: &Arc<Points>,
+) {
+    let geometry = Geometry::new(problem, control_points);
+    let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));
+    let places = rows * columns;
+    let net = || Net {
+        problem: Arc::clone(problem),
+        control_points: Arc::clone(control_points),
+    };
+    let head = pb::ControlNet {
+        dimension: count(problem.dimension()),
+        rows: count(rows),
+        columns: count(columns),
+        ..pb::ControlNet::default()
+    };
+    let points = Packed::new(POINTS, places * problem.dimension());
+    let weights = problem.is_homogeneous();
+    let weights = weights.then(|| Packed::new(WEIGHTS_OF_NET, places));
+    let arrays = [Some(&points), weights.as_ref()];
+    begin(writer, field, &head, arrays.into_iter().flatten());
+    points.write(writer, net());
+    if let Some(weights) = weights {
+        weights.write(writer, NetWeights(net()));
+    }
+}
+
+/// Points of the curve or surface at equal steps of the parameters.
+fn write_samples(writer: &mut Writer, field: u32, samples: &Samples) {
+    let head = pb::Samples {
+        dimension: count(samples.dimension()),
+        rows: count(samples.u.count()),
+        columns: count(samples.columns()),
+        ..pb::Samples::default()
+    };
+    let points = Packed::new(POINTS, samples.count() * samples.dimension());
+    let lines = [Some(samples.u), samples.v].into_iter().flatten();
+    let lines = PARAMETERS_OF_SAMPLES.into_iter().zip(lines);
+    let lines = lines.map(|(field, line)| (Packed::new(field, line.count()), line));
+    let lines: Vec<_> = lines.collect();
+    let arrays = std::iter::once(&points).chain(lines.iter().map(|(packed, _)| packed));
+    begin(writer, field, &head, arrays);
+    points.write(writer, samples.clone());
+    for (packed, line) in &lines {
+        packed.write(writer, *line);
+    }
+}
+
+/// Begins a field that is a message with these arrays behind its head.
+fn begin<'a>(
+    writer: &mut Writer,
+    field: u32,
+    head: &impl Message,
+    arrays: impl Iterator<Item = &'a Packed>,
+) {
+    let length: usize = arrays.map(Packed::length).sum();
+    encode_key(field, WireType::LengthDelimited, writer.text());
+    encode_varint((head.encoded_len() + length) as u64, writer.text());
+    writer.text().put_slice(&head.encode_to_vec());
+}
+
+/// A field of packed doubles.
+struct Packed {
+    /// What stands before the numbers.
+    key: Vec<u8>,
+    numbers: usize,
+}
+
+impl Packed {
+    fn new(field: u32, numbers: usize) -> Self {
+        let mut key = Vec::new();
+        if numbers > 0 {
+            encode_key(field, WireType::LengthDelimited, &mut key);
+            encode_varint(8 * numbers as u64, &mut key);
+        }
+        Self { key, numbers }
+    }
+
+    /// All its bytes.
+    fn length(&self) -> usize {
+        self.key.len() + 8 * self.numbers
+    }
+
+    fn write(&self, writer: &mut Writer, numbers: impl Source) {
+        writer.text().put_slice(&self.key);
+        writer.array([self.numbers].as_slice().into(), numbers, Digits::Raw);
+    }
+}
+
+fn bad_weight(level: &Level) -> Option<pb::BadWeight> {
+    let (index, weight) = level.bad_weight?;
+    Some(pb::BadWeight {
+        control_point: count(index),
+        weight,
+    })
+}
+
+/// The places of the complete net at which control points have moved.
+fn changes(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> pb::Changes {
+    let across = geometry.columns().unwrap_or(1);
+    let mut changes = pb::Changes {
+        dimension: count(problem.dimension()),
+        ..pb::Changes::default()
+    };
+    for &index in moved {
+        for (row, column) in geometry.occurrences(index) {
+            changes.indices.push(count(row * across + column));
+            changes.points.extend(geometry.place(index));
+            changes.weights.extend(geometry.weight(index));
+        }
+    }
+    changes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::basis::knots::Knots;
+    use crate::fit::direction::{BasisChoice, DirectionChoice};
+    use crate::fit::method::Method;
+    use crate::fit::parameters::Parametrization;
+    use crate::fit::points::Grid;
+    use crate::fit::problem::{Request, Tolerance, Weights};
+
+    /// Nets that are written by hand, in one piece or several, are what the contract says.
+    #[test]
+    fn written_nets_are_messages() {
+        for (count, homogeneous) in [(5, false), (5, true), (9000, false), (9000, true)] {
+            let mut points = Points::new(2);
+            (0..count).for_each(|i| points.push(&[i as f64, (i as f64).sin()]));
+            let weights = match homogeneous {
+                true => Weights::Homogeneous((0..count).map(|i| 1.0 + i as f64).collect()),
+                false => Weights::None,
+            };
+            let problem = Problem::new(Request {
+                points: Arc::new(points),
+                grid: Grid {
+                    rows: count,
+                    columns: 1,
+                },
+                u: DirectionChoice {
+                    basis: BasisChoice::BSpline {
+                        degree: 3,
+                        knots: Knots::Data,
+                    },
+                    parameters: Parametrization::Uniform,
+                    closed: false,
+                    control_points: None,
+                    weights: None,
+                },
+                v: None,
+                missing: Vec::new(),
+                weights,
+                method: Method::Global,
+                selected: None,
+                start: None,
+                lambda_min: None,
+                tolerance: Tolerance::Absolute(0.0),
+                max_iterations: 1,
+            });
+            let problem = Arc::new(problem.unwrap());
+            let control_points = Arc::new(problem.data().clone());
+            let head = pb::Iteration {
+                iteration: 7,
+                ..pb::Iteration::default()
+            };
+            let content = written(
+                &head,
+                Some((NET_OF_ITERATION, Large::Net(&problem, &control_points))),
+            );
+            assert_eq!(content.rest.is_some(), count > 5);
+            let message = pb::Iteration::decode(content.whole()).unwrap();
+            let Some(iteration::Geometry::ControlNet(net)) = message.geometry else {
+                panic!("it has a control net");
+            };
+            assert_eq!((message.iteration, net.rows), (7, count as u32 + 2));
+            assert_eq!((net.columns, net.dimension), (1, 2));
+            let geometry = Geometry::new(&problem, &control_points);
+            let places = || (0..geometry.rows()).flat_map(|row| geometry.row(row));
+            let points: Vec<f64> = places().flat_map(|index| geometry.place(index)).collect();
+            let weights: Vec<f64> = places()
+                .filter_map(|index| geometry.weight(index))
+                .collect();
+            assert!(net.points == points && net.weights == weights);
+        }
+    }
+}

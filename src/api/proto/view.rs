@@ -1,0 +1,249 @@
+//! Jobs, their descriptions and ends as messages.
+
+use std::sync::Arc;
+
+use bytes::Bytes;
+use jiff::Timestamp;
+use prost::Message;
+
+use super::fields::Layout;
+use super::messages::{self as pb, method::Kind, stop_rules::Rule};
+use super::{names, stream};
+use crate::api::json::view::warning::pointer;
+use crate::api::problem as api;
+use crate::api::stream::options::object::StreamObject;
+use crate::fit::direction::Direction;
+use crate::fit::iteration::Level;
+use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::norms::FitError;
+use crate::fit::problem::Problem;
+use crate::fit::system::Forecast;
+use crate::fit::warning::Warning;
+use crate::job::Job;
+use crate::job::content::Content;
+use crate::job::outline::Outline;
+use crate::job::state::{Failure, Levels, Status};
+
+/// Numbers of points, which are limited by what a request can carry.
+pub fn count(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+/// The job as a resource.
+pub fn job(job: &Job) -> pb::Job {
+    let (status, outline) = (job.status(), job.outline());
+    let label = &outline.label;
+    let level = status.levels.map(|levels| levels.last);
+    let forecast = status.levels.map(|levels| levels.forecast);
+    let parent = label.parent.map(|parent| pb::Parent {
+        id: parent.id.to_string(),
+        iteration: parent.iteration as u64,
+    });
+    pb::Job {
+        id: outline.id.to_string(),
+        name: label.name.clone(),
+        kind: names::kind(outline).into(),
+        state: names::state(status.state).into(),
+        reason: names::reason(status.reason).into(),
+        rows: count(outline.grid.rows),
+        columns: count(outline.grid.columns),
+        method: Some(method(outline.method, Vec::new(), forecast)),
+        computed: Some(computed(outline, forecast)),
+        stop: Some(stop(outline)),
+        stream: stream_options(outline),
+        iteration: level.map(|level| level.iteration as u64),
+        error: level.map(|level| distances(&level.error, outline.method)),
+        progress: status.progress(outline),
+        created_at: Some(time(outline.created)),
+        started_at: status.started.map(time),
+        finished_at: status.finished.map(time),
+        parent,
+        problem: status.failure.map(problem),
+        detail: status.detail(outline.tolerance).unwrap_or_default(),
+        warnings: warnings(outline, status.levels.as_ref()),
+        predicted: Some(prediction(forecast, level)),
+    }
+}
+
+/// What is doubtful about a job, as far as is known by now.
+fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<pb::Warning> {
+    let layout = Layout::default();
+    let view = |warning: Warning| pb::Warning {
+        code: names::warning(&warning).into(),
+        // In messages every direction of a surface has a basis of its own.
+        field: layout.field(&pointer(&warning, outline, outline.surface)),
+        detail: warning.detail(),
+    };
+    outline.warnings(levels).map(view).collect()
+}
+
+/// A page of the list of jobs.
+pub fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
+    let last = jobs.last().filter(|_| more);
+    pb::ListJobsResponse {
+        jobs: jobs.iter().map(|it| job(it)).collect(),
+        next_page_token: last.map_or(String::new(), |job| job.id().to_string()),
+    }
+}
+
+/// How the streams of a job go if they do not say it themselves.
+pub fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
+    let object = StreamObject::of(&outline.label).ok().flatten()?;
+    Some(stream::options(&object))
+}
+
+/// The method with its settings, and the ω that was computed for it.
+pub fn method(method: Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
+    use pb::method as m;
+    let kind = match method {
+        Method::Global => Kind::Global(m::Global {}),
+        Method::Weighted { omega } => Kind::Weighted(m::Weighted {
+            omega: forecast.and_then(|it| it.omega).or(omega),
+        }),
+        Method::Local { row_by_row } => Kind::Local(m::Local {
+            indices,
+            row_by_row,
+        }),
+        Method::Adaptive { threshold } => Kind::Adaptive(m::Adaptive { threshold }),
+        Method::Extended { start } => Kind::Extended(m::Extended {
+            start: match start {
+                Start::Transformed => m::Start::Transformed,
+                Start::Data => m::Start::Data,
+            }
+            .into(),
+        }),
+        Method::Transpose => Kind::Transpose(m::Transpose {}),
+        Method::Convex => Kind::Convex(m::Convex {}),
+        Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
+        Method::Direct => Kind::Direct(m::Direct {}),
+        Method::LeastSquares(settings) => Kind::LeastSquares(least_squares(settings)),
+    };
+    pb::Method { kind: Some(kind) }
+}
+
+fn least_squares(settings: LeastSquares) -> pb::method::LeastSquares {
+    use pb::method::Variant as V;
+    let (variant, mu) = match settings.variant {
+        Variant::Diagonal => (V::Diagonal, None),
+        Variant::Lspia { mu } => (V::Lspia, mu),
+        Variant::ConjugateGradients => (V::Cg, None),
+    };
+    pb::method::LeastSquares {
+        control_points_u: count(settings.u),
+        control_points_v: count(settings.v),
+        variant: variant.into(),
+        mu,
+    }
+}
+
+/// What a level says about the end.
+fn prediction(forecast: Option<Forecast>, level: Option<Level>) -> pb::Prediction {
+    let iterations = level.and_then(|level| level.predicted);
+    pb::Prediction {
+        rate: forecast.and_then(|it| it.rate),
+        iterations: iterations.map(|iterations| iterations as u64),
+    }
+}
+
+fn computed(outline: &Outline, forecast: Option<Forecast>) -> pb::Computed {
+    pb::Computed {
+        lambda_min: forecast.and_then(|it| it.block.or(it.lambda_min)),
+        adjusted: outline.adjusted.map(|adjusted| adjusted as u64),
+    }
+}
+
+fn stop(outline: &Outline) -> pb::StopRules {
+    pb::StopRules {
+        rule: Some(Rule::Tolerance(outline.tolerance)),
+        max_iterations: Some(outline.max_iterations as u64),
+    }
+}
+
+/// The distances of a level from the data.
+pub fn distances(error: &FitError, method: Method) -> pb::Distances {
+    let local = matches!(method, Method::Local { .. });
+    pb::Distances {
+        max: error.max,
+        rms: error.rms,
+        sum: error.sum,
+        at: count(error.at),
+        fixed_max: error.fixed_max.filter(|_| local),
+        homogeneous: error.homogeneous,
+        gradient: error.gradient,
+    }
+}
+
+fn time(at: Timestamp) -> prost_types::Timestamp {
+    prost_types::Timestamp {
+        seconds: at.as_second(),
+        nanos: at.subsec_nanosecond(),
+    }
+}
+
+fn problem(failure: Failure) -> pb::Problem {
+    let problem = api::Problem::from(failure);
+    let entry = problem.kind().entry();
+    pb::Problem {
+        r#type: format!("/problems/{}", entry.slug),
+        title: entry.title.to_owned(),
+        status: entry.status.as_u16().into(),
+        detail: problem.detail().to_owned(),
+    }
+}
+
+/// A direction of what was fitted; the parameters of the data are a part of descriptions only.
+pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDirection {
+    let basis = &direction.basis;
+    pb::FittedDirection {
+        basis: names::basis(basis).into(),
+        degree: count(basis.degree()),
+        closed: direction.is_closed(),
+        control_points: count(basis.functions()),
+        knots: basis.knots().unwrap_or_default().into_owned(),
+        parameters: match with_parameters {
+            true => direction.parameters.to_vec(),
+            false => Vec::new(),
+        },
+        weights: direction.weights().unwrap_or_default().to_vec(),
+    }
+}
+
+/// All that does not change from iteration to iteration, as the bytes of a `JobDescription`.
+pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Content {
+    let outline = job.outline();
+    let forecast = levels.map(|levels| levels.forecast);
+    let first = levels.map(|levels| levels.first);
+    let message = pb::JobDescription {
+        id: outline.id.to_string(),
+        name: outline.label.name.clone(),
+        kind: names::kind(outline).into(),
+        dimension: count(problem.dimension()),
+        rows: count(outline.grid.rows),
+        columns: count(outline.grid.columns),
+        u: Some(direction(problem.u(), true)),
+        v: problem.v().map(|v| direction(v, true)),
+        rational: names::rational(problem).into(),
+        method: Some(method(outline.method, Vec::new(), forecast)),
+        computed: Some(computed(outline, forecast)),
+        predicted: Some(prediction(forecast, first)),
+        stop: Some(stop(outline)),
+        warnings: warnings(outline, levels.as_ref()),
+    };
+    Bytes::from(message.encode_to_vec()).into()
+}
+
+/// The end of a job, as the bytes of a `JobEnd`.
+pub fn end(job: &Job, status: &Status) -> Content {
+    let level = status.levels.map(|levels| levels.last);
+    let times = status.started.zip(status.finished);
+    let message = pb::JobEnd {
+        state: names::state(status.state).into(),
+        reason: names::reason(status.reason).into(),
+        iterations: level.map_or(0, |level| level.iteration as u64),
+        error: level.map(|level| distances(&level.error, job.outline().method)),
+        elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
+        problem: status.failure.map(problem),
+        detail: status.detail(job.outline().tolerance).unwrap_or_default(),
+    };
+    Bytes::from(message.encode_to_vec()).into()
+}

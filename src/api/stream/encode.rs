@@ -1,0 +1,110 @@
+//! Making the JSON or the messages of frames and descriptions: once for all readers, and off the
+//! network threads.
+
+use std::sync::Arc;
+
+use super::options::form::{Digits, Encoding, Form, View};
+use crate::api::json::view;
+use crate::api::proto;
+use crate::fit::direction::Direction;
+use crate::fit::problem::Problem;
+use crate::job::Job;
+use crate::job::content::Content;
+use crate::job::frame::Frame;
+use crate::job::scheduler::Lane;
+use crate::job::state::Status;
+use crate::job::store::StoreError;
+
+/// So many numbers are written where they are needed, more of them on the compute pool.
+const SMALL: usize = 2000;
+
+/// Writing a number takes about as long as so many multiplications.
+const OPERATIONS_PER_NUMBER: usize = 50;
+
+/// The data of the `job` event, made once for each job and encoding.
+pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
+    // Knots that are near each other would be the same in 32 bits.
+    let (name, encoding) = match form.encoding {
+        Encoding::Json => ("json", Encoding::Json),
+        Encoding::Base64 | Encoding::Base64F32 => ("base64", Encoding::Base64),
+        Encoding::Protobuf => ("protobuf", Encoding::Protobuf),
+    };
+    let problem = job.problem().await?;
+    let owner = Arc::clone(job);
+    job.description(name, || async move {
+        let numbers = problem.grid().count();
+        let described = Arc::clone(&owner);
+        let levels = owner.status().levels;
+        let describe = move || match encoding {
+            Encoding::Protobuf => proto::view::description(&described, &problem, levels),
+            _ => {
+                let in_base64 = encoding == Encoding::Base64;
+                view::description(&described, &problem, levels, in_base64)
+            }
+        };
+        off_network(&owner, numbers, describe).await
+    })
+    .await
+}
+
+/// The data of the `end` event.
+pub fn end(job: &Job, status: &Status, form: &Form) -> Content {
+    match form.is_protobuf() {
+        false => view::end(job, status).into(),
+        true => proto::view::end(job, status),
+    }
+}
+
+/// The data of an `iteration` event, made once for each frame and form.
+pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Content, StoreError> {
+    let is_last = || frame.is_last || job.has_ended_at(frame.level.iteration);
+    let in_full = form.digits == Digits::Auto && is_last();
+    let form = if in_full {
+        form.in_full()
+    } else {
+        form.clone()
+    };
+    let problem = job.problem().await?;
+    let key = Arc::clone(form.key());
+    let (owner, shown) = (Arc::clone(job), Arc::clone(frame));
+    let encode = || async move {
+        owner.resources().counters.encodings.inc();
+        let numbers = numbers(&problem, &shown, form.view);
+        let frame = shown;
+        let encode = move || match form.is_protobuf() {
+            false => view::level::level(&problem, &frame, &form),
+            true => proto::geometry::iteration(&problem, &frame, &form),
+        };
+        off_network(&owner, numbers, encode).await
+    };
+    let cache = &job.resources().memory.cache;
+    frame.encoded(&key, cache, encode).await
+}
+
+/// About how many numbers are written, or computed.
+fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
+    let dimension = frame.control_points.dimension();
+    match view {
+        View::Errors => 0,
+        View::ControlPoints => frame.control_points.len() * dimension,
+        View::Changed => frame.moved.as_ref().map_or(0, |moved| moved.len()) * dimension,
+        View::Samples(grid) => {
+            let functions = |direction: &Direction| direction.basis.support_width();
+            let each: usize = problem.directions().map(functions).product();
+            grid.count().saturating_mul(each)
+        }
+    }
+}
+
+/// Encodes on the compute pool, unless it is little.
+pub async fn off_network(
+    job: &Job,
+    numbers: usize,
+    encode: impl FnOnce() -> Content + Send + 'static,
+) -> Result<Content, StoreError> {
+    if numbers <= SMALL {
+        return Ok(encode());
+    }
+    let lane = Lane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    Ok(job.resources().scheduler.compute(lane, encode).await?)
+}

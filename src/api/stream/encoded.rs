@@ -1,0 +1,100 @@
+//! Messages that are sent as the bytes that they are.
+//!
+//! Geometry is encoded once, however many clients read it, over gRPC or REST. What stands around it
+//! differs: the field of the response that it is in, and the milestone that it reaches for a client.
+
+use bytes::{Buf, BufMut, Bytes, BytesMut};
+use prost::encoding::{DecodeContext, WireType, double, encode_key, encode_varint, skip_field};
+use prost::{DecodeError, Message};
+
+use super::feed::Event;
+use crate::job::content::Content;
+
+/// A message with one field that is a message, whose bytes are shared.
+#[derive(Debug)]
+pub struct Encoded {
+    /// Everything that comes before the shared bytes.
+    head: Bytes,
+    body: Content,
+    /// The bytes of the body.
+    length: usize,
+}
+
+impl Encoded {
+    /// The response whose field 1 is the message with these bytes.
+    pub fn response(message: Content) -> Self {
+        Self::with_field(1, None, message)
+    }
+
+    /// An event as `WatchJobResponse` or `FitResponse`; none if there is nothing to tell.
+    pub fn event(event: Event) -> Option<Self> {
+        match event {
+            Event::Job(data) => Some(Self::with_field(1, None, data)),
+            Event::Iteration {
+                milestone, data, ..
+            } => Some(Self::with_field(2, milestone, data)),
+            Event::End(data) => Some(Self::with_field(3, None, data)),
+            Event::Quiet | Event::Stopping => None,
+        }
+    }
+
+    fn with_field(tag: u32, milestone: Option<f64>, content: Content) -> Self {
+        let (body, length) = match content.length() {
+            Some(length) => (content, length),
+            None => {
+                let whole = content.whole();
+                let length = whole.len();
+                (whole.into(), length)
+            }
+        };
+        let mut head = BytesMut::with_capacity(24);
+        if let Some(milestone) = milestone {
+            double::encode(4, &milestone, &mut head);
+        }
+        encode_key(tag, WireType::LengthDelimited, &mut head);
+        encode_varint(length as u64, &mut head);
+        Self {
+            head: head.freeze(),
+            body,
+            length,
+        }
+    }
+
+    /// The message in two parts, of which the second is shared.
+    pub fn parts(self) -> (Bytes, Content) {
+        (self.head, self.body)
+    }
+}
+
+impl Message for Encoded {
+    fn encode_raw(&self, buffer: &mut impl BufMut) {
+        buffer.put_slice(&self.head);
+        buffer.put_slice(&self.body.head);
+        if let Some(rest) = &self.body.rest {
+            (0..rest.count()).for_each(|index| buffer.put(rest.make(index)));
+        }
+    }
+
+    /// The server does not read what it sends.
+    fn merge_field(
+        &mut self,
+        tag: u32,
+        wire_type: WireType,
+        buffer: &mut impl Buf,
+        context: DecodeContext,
+    ) -> Result<(), DecodeError> {
+        skip_field(wire_type, tag, buffer, context)
+    }
+
+    fn encoded_len(&self) -> usize {
+        self.head.len() + self.length
+    }
+
+    fn clear(&mut self) {
+        *self = Self {
+            head: Bytes::new(),
+            body: Bytes::new().into(),
+            length: 0,
+        };
+    }
+}

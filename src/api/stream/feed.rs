@@ -1,0 +1,270 @@
+//! A job as a sequence of events: the job, then every iteration from 0 on, then the end.
+//!
+//! Events are pulled: the next frame is asked for when the connection has taken the one before. The
+//! data of an iteration are made once for each form and shared by all feeds.
+
+use std::collections::VecDeque;
+use std::pin::pin;
+use std::sync::Arc;
+
+use futures_util::FutureExt;
+use tokio::sync::watch;
+use tokio::time::{Duration, Instant, sleep_until};
+use tracing::error;
+
+use super::encode;
+use super::milestones::Milestones;
+use super::options::StreamOptions;
+use crate::api::app::App;
+use crate::job::content::Content;
+use crate::job::counters::Open;
+use crate::job::cursor::{Cursor, Next};
+use crate::job::frame::Frame;
+use crate::job::state::Status;
+use crate::job::store::StoreError;
+use crate::job::{Held, Job};
+
+/// What happens in the life of a job, or of the connection. Data are JSON or a protobuf message, as
+/// the form of the feed says.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// What does not change from iteration to iteration.
+    Job(Content),
+    /// An iteration.
+    Iteration {
+        /// Its number.
+        k: usize,
+        /// The smallest milestone that it is the first to reach.
+        milestone: Option<f64>,
+        /// Its errors and geometry.
+        data: Content,
+    },
+    /// The end of the job.
+    End(Content),
+    /// Nothing has happened for a while.
+    Quiet,
+    /// The server stops; nothing follows.
+    Stopping,
+}
+
+/// Where a feed is.
+enum Stage {
+    /// Before the `job` event, which tells numbers that are known when the job has begun.
+    Waiting,
+    Iterations,
+    Over,
+}
+
+/// What a feed was waiting for.
+enum Happened {
+    Next(Result<Next, StoreError>),
+    Nothing,
+    Stopping,
+}
+
+/// The events of one reader of a job.
+pub struct Feed {
+    job: Arc<Job>,
+    cursor: Cursor,
+    options: StreamOptions,
+    milestones: Option<Milestones>,
+    /// The last iteration that the client has.
+    seen: Option<usize>,
+    /// The client has complete control points, to which changes can be applied.
+    complete: bool,
+    stage: Stage,
+    /// Events that have happened: at most three at a time.
+    pending: VecDeque<Event>,
+    heartbeat: Duration,
+    /// When the client hears that the stream is still there, if it hears nothing else.
+    quiet_until: Instant,
+    stopping: watch::Receiver<bool>,
+    _open: Open,
+    /// So that it comes to its end, also if the job is deleted.
+    held: Held,
+}
+
+impl Feed {
+    /// The events of a job after iteration `seen`.
+    pub fn new(
+        app: &App,
+        job: Arc<Job>,
+        options: StreamOptions,
+        seen: Option<usize>,
+        held: Held,
+    ) -> Self {
+        let mut cursor = Cursor::new(Arc::clone(&job), 0);
+        if options.latest {
+            cursor.only_latest(options.every);
+        }
+        let first = match seen {
+            None => 0,
+            // What the client has seen tells which milestones it has seen reached.
+            Some(k) if !options.milestones.is_empty() => k,
+            Some(k) => k + 1,
+        };
+        cursor.seek(first.next_multiple_of(options.every));
+        let milestones = Milestones::new(options.milestones.clone());
+        let open = job.resources().counters.open_stream();
+        Self {
+            cursor,
+            job,
+            milestones: Some(milestones).filter(|milestones| !milestones.all_reached()),
+            options,
+            seen,
+            complete: false,
+            stage: Stage::Waiting,
+            pending: VecDeque::new(),
+            heartbeat: app.config.heartbeat,
+            quiet_until: Instant::now(),
+            stopping: app.stopping.clone(),
+            _open: open,
+            held,
+        }
+    }
+
+    /// The next event. A feed that ends without `End` or `Stopping` has broken off.
+    pub async fn next(&mut self) -> Option<Event> {
+        self.quiet_until = Instant::now() + self.heartbeat;
+        loop {
+            if let Some(event) = self.pending.pop_front() {
+                return Some(event);
+            }
+            match self.stage {
+                Stage::Waiting | Stage::Iterations => self.advance().await,
+                Stage::Over => return None,
+            }
+        }
+    }
+
+    /// Waits for the next frame, the next heartbeat or the end of the server.
+    async fn advance(&mut self) {
+        let happened = {
+            let mut next = pin!(self.cursor.next());
+            // What is at hand is taken at once: timers and wake-ups are only for waiting. A feed that
+            // leaves out frames looks at its timer in between.
+            let waits = *self.stopping.borrow() || self.milestones.is_some();
+            let at_hand = (!waits).then(|| next.as_mut().now_or_never());
+            match at_hand.flatten() {
+                Some(next) => Happened::Next(next),
+                None => tokio::select! {
+                    next = next => Happened::Next(next),
+                    () = sleep_until(self.quiet_until) => Happened::Nothing,
+                    _ = self.stopping.wait_for(|stopping| *stopping) => Happened::Stopping,
+                },
+            }
+        };
+        match happened {
+            Happened::Next(next) => {
+                match self.push_next(next).await {
+                    Ok(()) => {}
+                    // Deleted before its points were read: there is nothing to come back for.
+                    Err(StoreError::Gone(_)) => self.push_end(&self.job.status()),
+                    Err(reason) => {
+                        // Without an end the client comes back.
+                        error!(job = %self.job.id(), %reason, "a stream broke off");
+                        self.stage = Stage::Over;
+                    }
+                }
+            }
+            Happened::Nothing => {
+                self.quiet_until += self.heartbeat;
+                self.pending.push_back(Event::Quiet);
+            }
+            Happened::Stopping => {
+                self.pending.push_back(Event::Stopping);
+                self.stage = Stage::Over;
+            }
+        }
+    }
+
+    /// The next frame or the end, and first of all the job.
+    async fn push_next(&mut self, next: Result<Next, StoreError>) -> Result<(), StoreError> {
+        let next = next?;
+        if matches!(self.stage, Stage::Waiting) {
+            self.stage = Stage::Iterations;
+            if self.held.is_none() {
+                self.held = self.job.held().await?;
+            }
+            let data = encode::description(&self.job, &self.options.form).await?;
+            self.push(Event::Job(data));
+        }
+        match next {
+            Next::Frame(frame) => self.take(&frame).await,
+            Next::End(status) => self.finish(&status).await,
+        }
+    }
+
+    /// Sends a frame, if the client wants it.
+    async fn take(&mut self, frame: &Arc<Frame>) -> Result<(), StoreError> {
+        let Some(milestones) = &mut self.milestones else {
+            return self.push_frame(frame, None).await;
+        };
+        let milestone = milestones.reach(frame.level.error.max);
+        if milestones.all_reached() {
+            self.cursor.only_end();
+        }
+        let new = Some(frame.level.iteration) > self.seen;
+        match milestone.filter(|_| new) {
+            Some(milestone) => self.push_frame(frame, Some(milestone)).await?,
+            // Others have their turn, however many frames are left out.
+            None => tokio::task::consume_budget().await,
+        }
+        Ok(())
+    }
+
+    async fn push_frame(
+        &mut self,
+        frame: &Arc<Frame>,
+        milestone: Option<f64>,
+    ) -> Result<(), StoreError> {
+        let k = frame.level.iteration;
+        let changes = self.options.changes.as_ref();
+        let form = changes
+            .filter(|_| self.complete && frame.moved.is_some())
+            .unwrap_or(&self.options.form);
+        let data = encode::frame(&self.job, frame, form).await?;
+        self.push(Event::Iteration { k, milestone, data });
+        self.seen = Some(k);
+        self.complete = true;
+        if self.milestones.is_none() {
+            let next = (k + 1).next_multiple_of(self.options.every);
+            self.cursor.seek(next);
+        }
+        Ok(())
+    }
+
+    /// The last iteration, if it was left out so far, and the end.
+    async fn finish(&mut self, status: &Status) -> Result<(), StoreError> {
+        let last = status.levels.map(|levels| levels.last.iteration);
+        let leaves_out = self.options.every > 1 || self.milestones.is_some();
+        if leaves_out && let Some(last) = last.filter(|&last| Some(last) > self.seen) {
+            self.cursor.seek(last);
+            if let Next::Frame(frame) = self.cursor.next().await? {
+                self.push_frame(&frame, None).await?;
+            }
+        }
+        self.push_end(status);
+        Ok(())
+    }
+
+    fn push_end(&mut self, status: &Status) {
+        self.stage = Stage::Over;
+        let data = encode::end(&self.job, status, &self.options.form);
+        self.push(Event::End(data));
+    }
+
+    fn push(&mut self, event: Event) {
+        self.job.resources().counters.events.inc();
+        self.pending.push_back(event);
+    }
+}
+
+impl Drop for Feed {
+    fn drop(&mut self) {
+        let gone = !matches!(self.stage, Stage::Over);
+        if gone && self.options.cancels {
+            self.job.request_cancel();
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Event streams: what they show, and in which order and form.
+//!
+//! - [`options`]: what is shown of a fit, and how a stream goes;
+//! - [`feed`]: a job as a sequence of events; [`milestones`]: which iterations a stream shows that is asked
+//!   for the progress alone;
+//! - [`encode`]: their data, made once for all readers and off the network threads; [`encoded`]: events as
+//!   messages;
+//! - [`sending`]: what goes out on a connection.
+
+pub mod encode;
+pub mod encoded;
+pub mod feed;
+pub mod milestones;
+pub mod options;
+pub mod sending;

@@ -1,0 +1,139 @@
+//! What goes out on a connection: small things together in one write, large ones piece by piece,
+//! the next of which are made while the one before is on its way.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use bytes::{Bytes, BytesMut};
+use tokio::task::JoinHandle;
+
+use crate::job::Job;
+use crate::job::content::{Content, Pieces};
+use crate::job::scheduler::Broken;
+
+/// Contents up to this size are copied into one piece with what stands around them.
+const SMALL: usize = 16 * 1024;
+
+/// So many pieces are made ahead of the one that is being sent.
+const AHEAD: usize = 3;
+
+/// Contents above this size are likely to be followed by many of that size.
+const FEW: usize = 1024;
+
+/// Pieces that are copied together are sent when they have this size.
+pub const ENOUGH: usize = 64 * 1024;
+
+/// Bytes in the order in which they are sent.
+pub struct Outgoing {
+    job: Arc<Job>,
+    chunks: VecDeque<Chunk>,
+    /// Small things that will be sent together, after the chunks.
+    together: BytesMut,
+    /// The pieces after the one that was sent last, as far as they are being made.
+    ahead: VecDeque<JoinHandle<Result<Bytes, Broken>>>,
+}
+
+enum Chunk {
+    Bytes(Bytes),
+    /// The rest of something that takes memory until all of it is sent.
+    Whole(Content),
+    /// All pieces from one on.
+    Pieces(Arc<Pieces>, usize),
+}
+
+impl Outgoing {
+    /// Nothing yet, of a job whose compute pool makes the pieces.
+    pub fn new(job: Arc<Job>) -> Self {
+        Self {
+            job,
+            chunks: VecDeque::new(),
+            together: BytesMut::new(),
+            ahead: VecDeque::new(),
+        }
+    }
+
+    /// Whether there is nothing to send.
+    pub fn is_empty(&self) -> bool {
+        self.chunks.is_empty() && self.together.is_empty()
+    }
+
+    /// Whether so much is to be sent that nothing more should be gathered.
+    pub fn is_enough(&self) -> bool {
+        !self.chunks.is_empty() || self.together.len() >= ENOUGH
+    }
+
+    /// Where something small can be written.
+    pub fn text(&mut self) -> &mut BytesMut {
+        &mut self.together
+    }
+
+    /// Adds what may be large.
+    pub fn push(&mut self, content: Content) {
+        if content.rest.is_none() && content.head.len() > ENOUGH {
+            self.cut();
+            return self.chunks.push_back(Chunk::Whole(content));
+        }
+        self.push_bytes(content.head);
+        if let Some(rest) = content.rest {
+            self.cut();
+            self.chunks.push_back(Chunk::Pieces(rest, 0));
+        }
+    }
+
+    fn push_bytes(&mut self, bytes: Bytes) {
+        if bytes.len() <= SMALL {
+            // Of a few large ones all of them will find room.
+            if self.together.capacity() < self.together.len() + bytes.len() {
+                let many = if bytes.len() > FEW { ENOUGH + SMALL } else { 0 };
+                self.together.reserve(bytes.len().max(many));
+            }
+            self.together.extend_from_slice(&bytes);
+        } else {
+            self.cut();
+            self.chunks.push_back(Chunk::Bytes(bytes));
+        }
+    }
+
+    fn cut(&mut self) {
+        if !self.together.is_empty() {
+            let together = self.together.split().freeze();
+            self.chunks.push_back(Chunk::Bytes(together));
+        }
+    }
+
+    /// The next bytes to send, if there are any.
+    pub async fn next(&mut self) -> Option<Result<Bytes, Broken>> {
+        if self.chunks.is_empty() {
+            self.cut();
+        }
+        match self.chunks.pop_front()? {
+            Chunk::Bytes(bytes) => Some(Ok(bytes)),
+            Chunk::Whole(mut content) => {
+                let length = content.head.len().min(ENOUGH);
+                let part = content.head.split_to(length);
+                if !content.head.is_empty() {
+                    self.chunks.push_front(Chunk::Whole(content));
+                }
+                Some(Ok(part))
+            }
+            Chunk::Pieces(pieces, index) => {
+                let last = pieces.count().min(index + 1 + AHEAD);
+                for next in index + self.ahead.len()..last {
+                    let made = self.make(&pieces, next);
+                    self.ahead.push_back(made);
+                }
+                let piece = self.ahead.pop_front()?;
+                if index + 1 < pieces.count() {
+                    self.chunks.push_front(Chunk::Pieces(pieces, index + 1));
+                }
+                Some(piece.await.unwrap_or(Err(Broken)))
+            }
+        }
+    }
+
+    /// Begins to make a piece.
+    fn make(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
+        let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
+        tokio::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
+    }
+}
