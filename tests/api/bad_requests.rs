@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::data;
-use crate::support::{Server, problem};
+use crate::support::{Server, base, problem};
 
 /// A body that is wrong, with the status, the pointer and a part of the reason that is expected.
 struct Bad {
@@ -545,23 +545,36 @@ async fn bodies() {
     assert_eq!(job["state"], "converged");
 }
 
-/// The places that an answer tells, in their order.
-fn pointers(problem: &Value) -> Vec<&str> {
-    let errors = problem["errors"].as_array().unwrap().iter();
-    errors
-        .map(|error| error["pointer"].as_str().unwrap())
+/// The most mistakes that are told of one body.
+const MOST_TOLD: usize = 16;
+
+/// Posts what must be refused; gives the places that the answer tells. Its text, which ends somewhere
+/// if there are too many, has each of them, too.
+async fn refused(server: &Server, path: &str, body: &Value) -> Vec<String> {
+    let response = server.post(path).json(body).send().await.unwrap();
+    let (status, problem) = problem(response).await;
+    assert_eq!(status, 422, "{problem:#}");
+    let detail = problem["detail"].as_str().unwrap();
+    let errors = problem["errors"].as_array().unwrap();
+    let in_text = |pointer: &str| errors.len() == MOST_TOLD || detail.contains(pointer);
+    let pointers = errors
+        .iter()
+        .map(|error| error["pointer"].as_str().unwrap());
+    pointers
+        .inspect(|pointer| assert!(in_text(pointer), "{pointer}: {detail}"))
+        .map(str::to_owned)
         .collect()
+}
+
+/// A small job that has ended: the path under which it is edited.
+async fn edits(server: &Server) -> String {
+    let parent = server.fit(&data::small_job()).await;
+    format!("{}/edits", base(&parent))
 }
 
 #[tokio::test]
 async fn several_mistakes_are_told_at_once() {
     let server = Server::start().await;
-    let post = async |path: &str, body: &Value| {
-        let response = server.post(path).json(body).send().await.unwrap();
-        let (status, problem) = problem(response).await;
-        assert_eq!(status, 422, "{problem:#}");
-        problem
-    };
     let job = json!({
         "name": 7,
         "curve": {
@@ -572,7 +585,7 @@ async fn several_mistakes_are_told_at_once() {
         "method": {"kind": "local", "indices": [1, 2.5]},
         "stop": {"tolerance": "small", "max_iterations": null},
     });
-    let answer = post("/v1/jobs", &job).await;
+    let told = refused(&server, "/v1/jobs", &job).await;
     let expected = [
         "/name",
         "/curve/points/1/1",
@@ -583,47 +596,36 @@ async fn several_mistakes_are_told_at_once() {
         "/method/indices/1",
         "/stop/tolerance",
     ];
-    assert_eq!(pointers(&answer), expected);
-    for pointer in expected {
-        assert!(answer["detail"].as_str().unwrap().contains(pointer));
-    }
+    assert_eq!(told, expected);
     // The same mistake everywhere in a list is one mistake.
     let rows = json!({"curve": {"points": [[[0, 0], [0, 1]], [[1, 0], [1, 1]]]}, "stop": []});
-    let answer = post("/v1/jobs", &rows).await;
-    assert_eq!(pointers(&answer), ["/curve/points/0/0", "/stop"]);
+    let told = refused(&server, "/v1/jobs", &rows).await;
+    assert_eq!(told, ["/curve/points/0/0", "/stop"]);
     // There is an end to it.
     let keys: String = (0..1000).map(|k| format!("\"key{k}\":0,")).collect();
     let many: Value = serde_json::from_str(&format!("{{{}}}", keys.trim_end_matches(','))).unwrap();
-    let answer = post("/v1/jobs", &many).await;
-    assert_eq!(pointers(&answer).len(), 16);
+    let told = refused(&server, "/v1/jobs", &many).await;
+    assert_eq!(told.len(), MOST_TOLD);
 
-    let parent = server.fit(&data::small_job()).await;
-    let edits = format!("{}/edits", parent["links"]["self"].as_str().unwrap());
     let edit = json!({
         "iteration": "first",
         "points": [{"index": 1, "point": [1, 2]}, {"point": {"x": 1, "y": 2}}],
         "method": {"kind": "weighted", "omega": "most"},
     });
-    let answer = post(&edits, &edit).await;
+    let told = refused(&server, &edits(&server).await, &edit).await;
     let expected = [
         "/iteration",
         "/points/1/point",
         "/points/1",
         "/method/omega",
     ];
-    assert_eq!(pointers(&answer), expected);
+    assert_eq!(told, expected);
 }
 
 /// What can be read, but is no fit, in several ways.
 #[tokio::test]
 async fn several_mistakes_of_the_mathematics_are_told_at_once() {
     let server = Server::start().await;
-    let post = async |path: &str, body: &Value| {
-        let response = server.post(path).json(body).send().await.unwrap();
-        let (status, problem) = problem(response).await;
-        assert_eq!(status, 422, "{problem:#}");
-        problem
-    };
     let curve = json!({
         "curve": {
             "points": [[0, 0], [1, 1], [2, 0], [4, 4]],
@@ -634,30 +636,27 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         "stop": {"tolerance": -1, "max_iterations": 2_000_000_000},
         "stream": {"every": 0},
     });
-    let answer = post("/v1/jobs", &curve).await;
+    let told = refused(&server, "/v1/jobs", &curve).await;
     let expected = [
         "/stop/max_iterations",
         "/stream/every",
         "/method/threshold",
         "/method/mu",
     ];
-    assert_eq!(pointers(&answer), expected);
+    assert_eq!(told, expected);
     // Without those the numbers are looked at.
     let mut curve = curve;
     curve["method"] = json!({"kind": "weighted", "omega": 3});
     curve["stop"] = json!({"tolerance": -1});
     curve["stream"] = json!({});
-    let answer = post("/v1/jobs", &curve).await;
+    let told = refused(&server, "/v1/jobs", &curve).await;
     let expected = [
         "/stop/tolerance",
         "/method/omega",
         "/curve/parameters/2",
         "/curve/weights/2",
     ];
-    assert_eq!(pointers(&answer), expected);
-    for pointer in expected {
-        assert!(answer["detail"].as_str().unwrap().contains(pointer));
-    }
+    assert_eq!(told, expected);
     let surface = json!({
         "surface": {
             "points": data::peaks(4),
@@ -666,23 +665,21 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         },
         "stop": {"tolerance": 1, "relative_tolerance": 1},
     });
-    let answer = post("/v1/jobs", &surface).await;
+    let told = refused(&server, "/v1/jobs", &surface).await;
     let expected = [
         "/surface/weights",
         "/surface/basis/u/degree",
         "/surface/basis/u/knots",
         "/stop/relative_tolerance",
     ];
-    assert_eq!(pointers(&answer), expected);
+    assert_eq!(told, expected);
 
-    let parent = server.fit(&data::small_job()).await;
-    let edits = format!("{}/edits", parent["links"]["self"].as_str().unwrap());
     let edit = json!({
         "points": [{"index": 1, "point": [1]}, {"index": 9999, "point": [1, 2]}, {"index": 2}],
         "method": {"kind": "adaptive"},
         "stop": {"tolerance": 1, "relative_tolerance": 1},
     });
-    let answer = post(&edits, &edit).await;
+    let told = refused(&server, &edits(&server).await, &edit).await;
     let expected = [
         "/points/0/point",
         "/points/1/index",
@@ -690,5 +687,5 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         "/method",
         "/stop/relative_tolerance",
     ];
-    assert_eq!(pointers(&answer), expected);
+    assert_eq!(told, expected);
 }

@@ -7,7 +7,7 @@ use jiff::{SignedDuration, Timestamp};
 use piad::job::counters::Counters;
 use piad::job::store::embedded::EmbeddedStore;
 use piad::job::store::{Key, Record, Store};
-use serde_json::{Value, json};
+use serde_json::json;
 use uuid::Uuid;
 
 use crate::data;
@@ -38,15 +38,7 @@ async fn keep_copy(store: &EmbeddedStore, id: Uuid, at: Timestamp, key: &str) ->
 async fn what_was_dated_by_a_clock_that_was_ahead_is_young() {
     let data = tempfile::tempdir().unwrap();
     let mut program = Program::start(data.path());
-    let request = program.post("/v1/jobs").header("prefer", "wait=100");
-    let job: Value = request
-        .json(&data::small_job())
-        .send()
-        .await
-        .unwrap()
-        .json()
-        .await
-        .unwrap();
+    let job = program.fit(&data::small_job()).await;
     program.signal("-TERM");
     program.wait();
 

@@ -10,15 +10,7 @@ use tokio::net::TcpStream;
 
 use crate::data;
 use crate::program::Program;
-use crate::support::{Event, Server, Story, events};
-
-/// A counter of `/metrics`.
-async fn counter(server: &Server, name: &str) -> u64 {
-    let response = server.get("/metrics").send().await.unwrap();
-    let text = response.text().await.unwrap();
-    let line = text.lines().find(|line| line.starts_with(name)).unwrap();
-    line.split_whitespace().last().unwrap().parse().unwrap()
-}
+use crate::support::{Event, Server, Story, base, events};
 
 /// A job of 40 iterations.
 fn forty_iterations() -> Value {
@@ -35,7 +27,7 @@ fn forty_iterations() -> Value {
 async fn a_thousand_clients_share_one_computation_and_one_encoding() {
     let server = Server::start().await;
     let job = server.create(&forty_iterations()).await;
-    let path = format!("{}/events", job["links"]["self"].as_str().unwrap());
+    let path = format!("{}/events", base(&job));
     let connect = || async {
         let response = server.get(&path).send().await.unwrap();
         assert_eq!(response.status(), 200);
@@ -47,23 +39,11 @@ async fn a_thousand_clients_share_one_computation_and_one_encoding() {
     for story in &stories {
         assert!(story.iterations == first.iterations, "all get the same");
     }
-    assert_eq!(counter(&server, "piad_iterations_total").await, 41);
-    assert_eq!(counter(&server, "piad_encodings_total").await, 41);
+    let counted = server.metrics().await;
+    assert_eq!(counted["piad_iterations_total"], 41.0);
+    assert_eq!(counted["piad_encodings_total"], 41.0);
     // The job, its iterations and its end, for each of them.
-    assert_eq!(counter(&server, "piad_events_total").await, 1000 * 43);
-}
-
-/// Bytes of memory that a process has.
-fn memory(program: &Program) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{}/status", program.id())).unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    let kilobytes: u64 = line
-        .unwrap()
-        .trim()
-        .trim_end_matches(" kB")
-        .parse()
-        .unwrap();
-    kilobytes * 1024
+    assert_eq!(counted["piad_events_total"], 43_000.0);
 }
 
 /// Reads 1 kB/s for a while, then as fast as it can, to the end; gives what it has read.
@@ -98,31 +78,18 @@ async fn a_client_that_reads_a_kilobyte_a_second_costs_nobody_anything() {
         .collect();
     let large = json!({"curve": {"points": points}, "method": {"kind": "weighted", "omega": 0.3},
         "stop": {"tolerance": 0, "max_iterations": 5}});
-    let request = program
-        .post("/v1/jobs")
-        .header("prefer", "wait=60")
-        .json(&large);
-    let job: Value = request.send().await.unwrap().json().await.unwrap();
-    let path = format!("{}/events", job["links"]["self"].as_str().unwrap());
-    let before = memory(&program);
+    let path = format!("{}/events", base(&program.fit(&large).await));
+    let before = program.memory();
     let slow = tokio::spawn(read_slowly(program.stalled_client(&path).await, 4));
 
     // Meanwhile others are served as ever.
     let mut most = 0;
     for _ in 0..30 {
         let begin = std::time::Instant::now();
-        let request = program.post("/v1/jobs").header("prefer", "wait=60");
-        let job: Value = request
-            .json(&data::small_job())
-            .send()
-            .await
-            .unwrap()
-            .json()
-            .await
-            .unwrap();
+        let job = program.fit(&data::small_job()).await;
         assert_eq!(job["state"], "converged");
         assert!(begin.elapsed() < Duration::from_secs(2));
-        most = most.max(memory(&program));
+        most = most.max(program.memory());
         tokio::time::sleep(Duration::from_millis(100)).await;
     }
     // The job itself takes 24 bytes a point for its data, control points and residual each, 36 for

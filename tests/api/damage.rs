@@ -11,9 +11,7 @@ use crate::program::Program;
 async fn store(data: &Path, in_order: bool) -> Vec<u8> {
     let mut program = Program::start(data);
     for _ in 0..20 {
-        let request = program.post("/v1/jobs").header("prefer", "wait=100");
-        let job = request.json(&data::small_job()).send().await.unwrap();
-        assert_eq!(job.status(), 201);
+        program.fit(&data::small_job()).await;
     }
     match in_order {
         true => program.signal("-TERM"),

@@ -170,25 +170,6 @@ async fn what_takes_long_is_not_idle() {
     timeout(PATIENCE, ended).await.unwrap().unwrap().unwrap();
 }
 
-/// How many streams a server counts as open.
-async fn open_streams(server: &Server) -> u64 {
-    let response = server.get("/metrics").send().await.unwrap();
-    let text = response.text().await.unwrap();
-    let line = |line: &&str| line.starts_with("piad_streams_open ");
-    let line = text.lines().find(line).unwrap();
-    line.split_whitespace().last().unwrap().parse().unwrap()
-}
-
-async fn until_streams_open(server: &Server, number: u64) {
-    timeout(PATIENCE, async {
-        while open_streams(server).await != number {
-            sleep(Duration::from_millis(20)).await;
-        }
-    })
-    .await
-    .expect("streams end that nobody reads");
-}
-
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn answers_that_nobody_takes_are_given_up() {
     let server = Server::with(|config| {
@@ -208,19 +189,19 @@ async fn answers_that_nobody_takes_are_given_up() {
             sleep(Duration::from_millis(20)).await;
         }
     });
-    until_streams_open(&server, 1).await;
+    server.until("piad_streams_open", 1.0).await;
 
     let mut stalled = connect(&server).await;
     stalled.write_all(request.as_bytes()).await.unwrap();
-    until_streams_open(&server, 2).await;
-    until_streams_open(&server, 1).await;
+    server.until("piad_streams_open", 2.0).await;
+    server.until("piad_streams_open", 1.0).await;
 
     // A window of HTTP/2 that is not opened again, on a connection that is well otherwise.
     let (mut client, _connection) = connect_h2(&server, 65535).await;
     let (response, _) = client.send_request(get(&server, &path), true).unwrap();
     let mut body = response.await.unwrap().into_body();
-    until_streams_open(&server, 2).await;
-    until_streams_open(&server, 1).await;
+    server.until("piad_streams_open", 2.0).await;
+    server.until("piad_streams_open", 1.0).await;
     let (response, _) = client.send_request(get(&server, "/livez"), true).unwrap();
     assert_eq!(response.await.unwrap().status(), 200);
     let reason = loop {

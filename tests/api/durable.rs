@@ -14,14 +14,6 @@ fn path(job: &Value) -> &str {
     job["links"]["self"].as_str().unwrap()
 }
 
-/// Posts a job and waits for its end.
-async fn fit(program: &Program, job: &Value) -> Value {
-    let request = program.post("/v1/jobs").header("prefer", "wait=100");
-    let response = request.json(job).send().await.unwrap();
-    assert_eq!(response.status(), 201);
-    response.json().await.unwrap()
-}
-
 async fn stream(program: &Program, path: &str) -> Story {
     let response = program.get(&format!("{path}/events")).send().await.unwrap();
     Story::read(response).await
@@ -77,7 +69,7 @@ async fn ended_jobs_are_the_same_after_a_restart() {
     let mut program = Program::start(data.path());
     let mut before = Vec::new();
     for job in mixed_jobs() {
-        let job = fit(&program, &job).await;
+        let job = program.fit(&job).await;
         let result = program.json(&format!("{}/result", path(&job))).await;
         let input = program.json(&format!("{}/input", path(&job))).await;
         let story = stream(&program, path(&job)).await;
@@ -199,7 +191,7 @@ async fn wait_for(program: &Program, path: &str, state: &str) {
 async fn a_commit_that_is_cut_off_has_not_happened() {
     let data = tempfile::tempdir().unwrap();
     let mut program = Program::start(data.path());
-    let small = fit(&program, &data::small_job()).await;
+    let small = program.fit(&data::small_job()).await;
     let points: Vec<_> = (0..400_000).map(|i| json!([i, i % 7, i % 11])).collect();
     let large = json!({"curve": {"points": points}});
     let mut cut_off = 0;
@@ -397,7 +389,7 @@ async fn a_full_disk_refuses_new_jobs_and_loses_none() {
         let story = stream(&program, path(job)).await;
         assert_eq!(story.state(), "converged");
     }
-    fit(&program, &job).await;
+    program.fit(&job).await;
 }
 
 /// Fills the disk to the last page, with large jobs first; deletes all jobs; and makes new ones.
@@ -430,7 +422,7 @@ async fn fill_and_delete(program: &Program) {
     let list = program.json("/v1/jobs").await;
     assert_eq!(list["jobs"], json!([]));
     for _ in 0..10 {
-        fit(program, &data::small_job()).await;
+        program.fit(&data::small_job()).await;
     }
 }
 
@@ -477,7 +469,7 @@ async fn the_past_is_kept_within_age_and_size_but_never_a_running_job() {
     let program = Program::with(data.path(), &["--retain-age", "1s"]);
     let endless = program.post("/v1/jobs").json(&data::endless_job());
     let endless: Value = endless.send().await.unwrap().json().await.unwrap();
-    gone(&program, &fit(&program, &data::small_job()).await).await;
+    gone(&program, &program.fit(&data::small_job()).await).await;
     assert_eq!(program.json(path(&endless)).await["state"], "running");
 
     // A job of 100 points in a plane takes a bit more than 3 kB.
@@ -487,7 +479,7 @@ async fn the_past_is_kept_within_age_and_size_but_never_a_running_job() {
     let endless: Value = endless.send().await.unwrap().json().await.unwrap();
     let mut ended = Vec::new();
     for _ in 0..3 {
-        ended.push(fit(&program, &data::small_job()).await);
+        ended.push(program.fit(&data::small_job()).await);
     }
     gone(&program, &ended[0]).await;
     for job in [&ended[1], &ended[2]] {

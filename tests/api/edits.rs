@@ -430,9 +430,7 @@ async fn a_fit_that_runs_is_edited_where_it_is() {
 async fn an_edit_is_the_same_after_a_restart() {
     let data = tempfile::tempdir().unwrap();
     let mut program = Program::start(data.path());
-    let request = program.post("/v1/jobs").header("prefer", "wait=50");
-    let request = request.json(&data::small_job()).send();
-    let parent: Value = request.await.unwrap().json().await.unwrap();
+    let parent = program.fit(&data::small_job()).await;
     let body = json!({"points": [{"index": 7, "point": [1, 1]}], "method": {"kind": "local", "indices": [6, 7]}});
     let request = program.post(&format!("{}/edits", path(&parent)));
     let request = request.header("accept", "text/event-stream").json(&body);

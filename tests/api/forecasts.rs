@@ -30,7 +30,27 @@ fn curve(count: usize, noisy: bool) -> Value {
     json!(points)
 }
 
-fn job(points: &Value, basis: &Value, parameters: &str, method: &Value, tolerance: f64) -> Value {
+/// A basis; the parameters are uniform unless it says something else.
+#[derive(Clone, Copy)]
+enum Basis {
+    Ball,
+    Bernstein,
+    /// B-splines of a degree over chord lengths.
+    Spline(usize),
+    /// B-splines of a degree.
+    UniformSpline(usize),
+}
+
+fn job(points: &Value, basis: Basis, method: &Value, tolerance: f64) -> Value {
+    let parameters = match basis {
+        Basis::Spline(_) => "chord_length",
+        _ => "uniform",
+    };
+    let basis = match basis {
+        Basis::Ball => of_kind("said_ball"),
+        Basis::Bernstein => of_kind("bernstein"),
+        Basis::Spline(degree) | Basis::UniformSpline(degree) => of_degree(degree),
+    };
     json!({
         "curve": {"points": points, "basis": basis, "parameters": parameters},
         "method": method,
@@ -39,237 +59,158 @@ fn job(points: &Value, basis: &Value, parameters: &str, method: &Value, toleranc
     })
 }
 
+/// A basis or a method of which nothing else is to be said.
+fn of_kind(kind: &str) -> Value {
+    json!({"kind": kind})
+}
+
+fn of_degree(degree: usize) -> Value {
+    json!({"kind": "bspline", "degree": degree})
+}
+
+/// The methods that adjust all control points at once.
+fn methods() -> [Value; 3] {
+    ["global", "weighted", "chebyshev"].map(of_kind)
+}
+
+fn local(indices: impl IntoIterator<Item = usize>) -> Value {
+    json!({"kind": "local", "indices": indices.into_iter().collect::<Vec<_>>()})
+}
+
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |group, job| cases.push(Case { group, job });
-    let global = json!({"kind": "global"});
-    let methods = ["global", "weighted", "chebyshev"].map(|kind| json!({"kind": kind}));
-    let bspline = |degree: usize| json!({"kind": "bspline", "degree": degree});
-    let bernstein = json!({"kind": "bernstein"});
-    for tolerance in [0.3, 0.1, 0.03, 0.01, 1e-3] {
-        add(
-            "papers' curves",
-            job(
-                &data::lemniscate(),
-                &bernstein,
-                "uniform",
-                &global,
-                tolerance,
-            ),
-        );
-        add(
-            "papers' curves",
-            job(
-                &data::lemniscate(),
-                &json!({"kind": "said_ball"}),
-                "uniform",
-                &global,
-                tolerance,
-            ),
-        );
-        add(
-            "papers' curves",
-            job(&data::helix(), &bernstein, "uniform", &global, tolerance),
-        );
-        add(
-            "papers' curves",
-            job(
-                &data::helix(),
-                &bspline(3),
-                "chord_length",
-                &global,
-                tolerance,
-            ),
-        );
-    }
+    of_papers(&mut add);
     for tolerance in [1e-3, 1e-6, 1e-9] {
-        for method in &methods {
-            for (count, noisy) in [
-                (5, true),
-                (20, false),
-                (100, true),
-                (1000, false),
-                (1000, true),
-            ] {
-                for degree in [2, 3, 5] {
-                    let group = if count < 1000 {
-                        "B-splines, 5 to 100 points"
-                    } else {
-                        "B-splines, 1,000 points"
-                    };
-                    add(
-                        group,
-                        job(
-                            &curve(count, noisy),
-                            &bspline(degree),
-                            "chord_length",
-                            method,
-                            tolerance,
-                        ),
-                    );
-                }
-            }
+        splines(tolerance, &mut add);
+        local_fits(tolerance, &mut add);
+        other_methods(tolerance, &mut add);
+        uneven_splines_and_surfaces(tolerance, &mut add);
+    }
+    bernstein(&mut add);
+    cases
+}
+
+fn of_papers(add: &mut impl FnMut(&'static str, Value)) {
+    let global = of_kind("global");
+    for tolerance in [0.3, 0.1, 0.03, 0.01, 1e-3] {
+        for (points, basis) in [
+            (data::lemniscate(), Basis::Bernstein),
+            (data::lemniscate(), Basis::Ball),
+            (data::helix(), Basis::Bernstein),
+            (data::helix(), Basis::Spline(3)),
+        ] {
+            let job = job(&points, basis, &global, tolerance);
+            add("papers' curves", job);
         }
-        for adjusted in [vec![499, 500, 501], (200..240).collect()] {
-            for degree in [3, 5, 7] {
-                let method = json!({"kind": "local", "indices": adjusted});
+    }
+}
+
+fn splines(tolerance: f64, add: &mut impl FnMut(&'static str, Value)) {
+    for method in &methods() {
+        for (count, noisy) in [
+            (5, true),
+            (20, false),
+            (100, true),
+            (1000, false),
+            (1000, true),
+        ] {
+            let group = if count < 1000 {
+                "B-splines, 5 to 100 points"
+            } else {
+                "B-splines, 1,000 points"
+            };
+            for degree in [2, 3, 5] {
+                let points = curve(count, noisy);
                 add(
-                    "local, of 1,000 points",
-                    job(
-                        &curve(1000, true),
-                        &bspline(degree),
-                        "chord_length",
-                        &method,
-                        tolerance,
-                    ),
+                    group,
+                    job(&points, Basis::Spline(degree), method, tolerance),
                 );
             }
         }
-        let of_twenty = json!({"kind": "local", "indices": [9, 10, 11]});
-        add(
-            "Bernstein, 20 points",
-            job(
-                &curve(20, false),
-                &bernstein,
-                "uniform",
-                &of_twenty,
-                tolerance,
-            ),
-        );
-        add(
-            "other methods",
-            job(
-                &curve(40, true),
-                &bspline(3),
-                "chord_length",
-                &json!({"kind": "transpose"}),
-                tolerance,
-            ),
-        );
-        add(
-            "other methods",
-            job(
-                &curve(40, true),
-                &bspline(3),
-                "chord_length",
-                &json!({"kind": "convex"}),
-                tolerance,
-            ),
-        );
-        let least_squares = json!({"kind": "least_squares", "control_points": 30});
-        add(
-            "other methods",
-            job(
-                &curve(200, true),
-                &bspline(3),
-                "chord_length",
-                &least_squares,
-                tolerance,
-            ),
-        );
-        let adaptive = json!({"kind": "adaptive", "threshold": tolerance});
-        add(
-            "other methods",
-            job(
-                &curve(200, true),
-                &bspline(3),
-                "chord_length",
-                &adaptive,
-                tolerance,
-            ),
-        );
-        for method in &methods {
+        let group = "B-splines, 20,000 to 50,000 points";
+        for (points, degree) in [(curve(20_000, true), 3), (curve(50_000, false), 5)] {
             add(
-                "B-splines, 20,000 to 50,000 points",
-                job(
-                    &curve(20_000, true),
-                    &bspline(3),
-                    "chord_length",
-                    method,
-                    tolerance,
-                ),
-            );
-            add(
-                "B-splines, 20,000 to 50,000 points",
-                job(
-                    &curve(50_000, false),
-                    &bspline(5),
-                    "chord_length",
-                    method,
-                    tolerance,
-                ),
+                group,
+                job(&points, Basis::Spline(degree), method, tolerance),
             );
         }
     }
+}
+
+fn local_fits(tolerance: f64, add: &mut impl FnMut(&'static str, Value)) {
+    for method in [local([499, 500, 501]), local(200..240)] {
+        for degree in [3, 5, 7] {
+            let job = job(
+                &curve(1000, true),
+                Basis::Spline(degree),
+                &method,
+                tolerance,
+            );
+            add("local, of 1,000 points", job);
+        }
+    }
+    let of_twenty = local([9, 10, 11]);
+    let job = job(&curve(20, false), Basis::Bernstein, &of_twenty, tolerance);
+    add("Bernstein, 20 points", job);
+}
+
+fn other_methods(tolerance: f64, add: &mut impl FnMut(&'static str, Value)) {
+    let least_squares = json!({"kind": "least_squares", "control_points": 30});
+    let adaptive = json!({"kind": "adaptive", "threshold": tolerance});
+    for (count, method) in [
+        (40, of_kind("transpose")),
+        (40, of_kind("convex")),
+        (200, least_squares),
+        (200, adaptive),
+    ] {
+        let job = job(&curve(count, true), Basis::Spline(3), &method, tolerance);
+        add("other methods", job);
+    }
+}
+
+fn uneven_splines_and_surfaces(tolerance: f64, add: &mut impl FnMut(&'static str, Value)) {
+    for method in &methods() {
+        for degree in [3, 5] {
+            let job = job(&uneven(2000), Basis::Spline(degree), method, tolerance);
+            add("uneven B-splines, 2,000 points", job);
+            let surface = json!({
+                "surface": {"points": data::peaks(80), "basis": of_degree(degree)},
+                "method": method,
+                "stop": {"relative_tolerance": tolerance, "max_iterations": 20_000},
+            });
+            add("surfaces, 80 × 80 points", surface);
+        }
+    }
+}
+
+fn bernstein(add: &mut impl FnMut(&'static str, Value)) {
+    let global = of_kind("global");
+    let job = |points: &Value, method: &Value, tolerance| {
+        job(points, Basis::Bernstein, method, tolerance)
+    };
     for tolerance in [0.1, 0.03, 0.01, 3e-3] {
-        for method in &methods {
+        for method in &methods() {
             for count in [12, 20] {
-                add(
-                    "Bernstein, 12 and 20 points",
-                    job(
-                        &curve(count, true),
-                        &bernstein,
-                        "uniform",
-                        method,
-                        tolerance,
-                    ),
-                );
+                let job = job(&curve(count, true), method, tolerance);
+                add("Bernstein, 12 and 20 points", job);
             }
         }
     }
     for tolerance in [1e-4, 1e-5, 1e-6] {
-        add(
-            "Bernstein, small tolerances",
-            job(
-                &data::lemniscate(),
-                &bernstein,
-                "uniform",
-                &global,
-                tolerance,
-            ),
-        );
-        add(
-            "Bernstein, small tolerances",
-            job(&curve(20, false), &bernstein, "uniform", &global, tolerance),
-        );
+        for points in [data::lemniscate(), curve(20, false)] {
+            let job = job(&points, &global, tolerance);
+            add("Bernstein, small tolerances", job);
+        }
     }
     for tolerance in [0.03, 0.01, 3e-3, 1e-3, 3e-4] {
         for count in [24, 30, 40] {
             for noisy in [false, true] {
-                add(
-                    "Bernstein, 24 to 40 points",
-                    job(
-                        &curve(count, noisy),
-                        &bernstein,
-                        "uniform",
-                        &global,
-                        tolerance,
-                    ),
-                );
+                let job = job(&curve(count, noisy), &global, tolerance);
+                add("Bernstein, 24 to 40 points", job);
             }
         }
     }
-    for tolerance in [1e-3, 1e-6, 1e-9] {
-        for method in &methods {
-            for degree in [3, 5] {
-                add(
-                    "uneven B-splines, 2,000 points",
-                    job(
-                        &uneven(2000),
-                        &bspline(degree),
-                        "chord_length",
-                        method,
-                        tolerance,
-                    ),
-                );
-                let mut surface = json!({"surface": {"points": data::peaks(80), "basis": bspline(degree)}, "method": method});
-                surface["stop"] =
-                    json!({"relative_tolerance": tolerance, "max_iterations": 20_000});
-                add("surfaces, 80 × 80 points", surface);
-            }
-        }
-    }
-    cases
 }
 
 /// Points whose distances differ by two orders of magnitude.
@@ -377,27 +318,13 @@ async fn forecasts_are_within_a_factor_of_three() {
 #[tokio::test]
 async fn forecasts_do_not_wait_for_the_end_of_the_spectrum() {
     let server = Server::start().await;
-    let bernstein = json!({"kind": "bernstein"});
-    let global = json!({"kind": "global"});
-    let local = json!({"kind": "local", "indices": [9, 10, 11]});
+    let (global, local) = (of_kind("global"), local([9, 10, 11]));
     for job in [
-        job(&data::lemniscate(), &bernstein, "uniform", &global, 0.01),
-        job(&data::lemniscate(), &bernstein, "uniform", &global, 1e-3),
-        job(
-            &curve(1000, true),
-            &json!({"kind": "bspline"}),
-            "chord_length",
-            &local,
-            1e-6,
-        ),
-        job(
-            &curve(1000, true),
-            &json!({"kind": "bspline", "degree": 5}),
-            "chord_length",
-            &local,
-            1e-6,
-        ),
-        job(&curve(20, false), &bernstein, "uniform", &local, 1e-6),
+        job(&data::lemniscate(), Basis::Bernstein, &global, 0.01),
+        job(&data::lemniscate(), Basis::Bernstein, &global, 1e-3),
+        job(&curve(1000, true), Basis::Spline(3), &local, 1e-6),
+        job(&curve(1000, true), Basis::Spline(5), &local, 1e-6),
+        job(&curve(20, false), Basis::Bernstein, &local, 1e-6),
     ] {
         let story = server.stream(&job).await;
         assert_eq!(story.state(), "converged");
@@ -412,17 +339,9 @@ async fn forecasts_do_not_wait_for_the_end_of_the_spectrum() {
 #[tokio::test]
 async fn long_fits_are_foretold_while_they_run() {
     let server = Server::start().await;
-    let bspline = json!({"kind": "bspline", "degree": 3});
-    let points = curve(120_000, true);
-    let story = server
-        .stream(&job(
-            &points,
-            &bspline,
-            "uniform",
-            &json!({"kind": "global"}),
-            1e-9,
-        ))
-        .await;
+    let (points, basis) = (curve(120_000, true), Basis::UniformSpline(3));
+    let global = job(&points, basis, &of_kind("global"), 1e-9);
+    let story = server.stream(&global).await;
     assert_eq!(story.state(), "converged");
     assert_eq!(story.job["predicted"]["iterations"], Value::Null);
     let needed = story.iterations.len() - 1;
@@ -433,10 +352,8 @@ async fn long_fits_are_foretold_while_they_run() {
             "{k}: {predicted} {needed}"
         );
     }
-    let local = json!({"kind": "local", "indices": [60_000, 60_001, 60_002]});
-    let story = server
-        .stream(&job(&points, &bspline, "uniform", &local, 1e-9))
-        .await;
+    let local = local([60_000, 60_001, 60_002]);
+    let story = server.stream(&job(&points, basis, &local, 1e-9)).await;
     let needed = story.end["iterations"].as_f64().unwrap();
     let predicted = story.job["predicted"]["iterations"].as_f64().unwrap();
     assert!(factor(predicted, needed) <= 3.0, "{predicted} {needed}");

@@ -2,7 +2,6 @@
 
 use prost::Message;
 use reqwest::Response;
-use serde_json::Value;
 
 use crate::data;
 use crate::messages as pb;
@@ -182,26 +181,14 @@ fn edit_with_indices() -> pb::Edit {
     }
 }
 
-/// The most memory that the process has had since it was last asked, in bytes.
-fn peak(program: &Program) -> usize {
-    let path = |file: &str| format!("/proc/{}/{file}", program.id());
-    let status = std::fs::read_to_string(path("status")).unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kilobytes = line.unwrap().trim().trim_end_matches(" kB");
-    // Five forgets the peak.
-    std::fs::write(path("clear_refs"), "5").unwrap();
-    kilobytes.parse::<usize>().unwrap() * 1024
-}
-
 /// Sends a body that must be refused, with this as a part of the reason; gives the most memory that
-/// the server has needed.
+/// the server has needed so far.
 async fn refuse(
     program: &Program,
     (path, media_type): (&str, &str),
     body: Vec<u8>,
     reason: &str,
 ) -> usize {
-    peak(program);
     let request = program.post(path).header("content-type", media_type);
     let response = request.body(body).send().await.unwrap();
     let length = response.content_length().unwrap();
@@ -210,7 +197,7 @@ async fn refuse(
     let detail = problem["detail"].as_str().unwrap();
     assert!(detail.contains(reason), "{reason}: {problem:#}");
     assert_eq!(status, 422, "{problem:#}");
-    peak(program)
+    program.most_memory()
 }
 
 #[tokio::test]
@@ -218,9 +205,7 @@ async fn too_much_of_anything_costs_no_more_than_its_body() {
     let directory = tempfile::tempdir().unwrap();
     let most_points = MOST_POINTS.to_string();
     let program = Program::with(directory.path(), &["--max-points", &most_points]);
-    let request = program.post("/v1/jobs").header("prefer", "wait=100");
-    let job = request.json(&data::small_job()).send().await.unwrap();
-    let job: Value = job.json().await.unwrap();
+    let job = program.fit(&data::small_job()).await;
     let edits = format!("{}/edits", base(&job));
     let edit = many("{\"points\":[", "{\"index\":1,\"weight\":1}", "]}");
     let cases = too_much().into_iter();
@@ -239,7 +224,7 @@ async fn too_much_of_anything_costs_no_more_than_its_body() {
     let cases: Vec<_> = cases.chain([edit]).chain(messages).collect();
     // The body, another that the allocator has not given back, half of one more while a body grows
     // that has not announced its length; and the lists as far as they are allowed.
-    let bound = peak(&program) + BODY * 5 / 2 + 32 * MEGABYTE;
+    let bound = program.most_memory() + BODY * 5 / 2 + 32 * MEGABYTE;
     for (to, body, reason) in cases {
         let most = refuse(&program, to, body, reason).await;
         assert!(most < bound, "{reason}: {most} bytes of {bound}");
@@ -251,7 +236,7 @@ async fn too_many_indices_of_a_call_cost_no_more_than_its_body() {
     let directory = tempfile::tempdir().unwrap();
     let most_points = MOST_POINTS.to_string();
     let program = Program::with(directory.path(), &["--max-points", &most_points]);
-    let bound = peak(&program) + BODY * 5 / 2 + 32 * MEGABYTE;
+    let bound = program.most_memory() + BODY * 5 / 2 + 32 * MEGABYTE;
     let url = format!("http://{}", program.address);
     let channel = tonic::transport::Endpoint::from_shared(url).unwrap();
     let mut client = FittingServiceClient::new(channel.connect().await.unwrap());
@@ -263,6 +248,6 @@ async fn too_many_indices_of_a_call_cost_no_more_than_its_body() {
     assert_eq!(status.code(), tonic::Code::InvalidArgument, "{status:?}");
     let field = "input.method.local.indices: more than 100000";
     assert!(status.message().contains(field), "{status:?}");
-    let most = peak(&program);
+    let most = program.most_memory();
     assert!(most < bound, "{most} bytes of {bound}");
 }

@@ -1,43 +1,17 @@
 //! What `/metrics` tells: facts that the test brings about, in the format of OpenMetrics.
 
-use std::collections::HashMap;
-
 use futures_util::StreamExt;
 use reqwest::Method;
-use tokio::time::{Duration, sleep, timeout};
 
 use crate::data;
-use crate::support::{PATIENCE, Server, base, events};
-
-/// Values by names with their labels, which are in order of their names.
-async fn metrics(server: &Server) -> HashMap<String, f64> {
-    let response = server.get("/metrics").send().await.unwrap();
-    let text = response.text().await.unwrap();
-    assert!(text.ends_with("# EOF\n"));
-    let lines = text.lines().filter(|line| !line.starts_with('#'));
-    let pair = |line: &str| {
-        let (name, value) = line.rsplit_once(' ').unwrap();
-        (name.to_owned(), value.parse().unwrap())
-    };
-    lines.map(pair).collect()
-}
-
-async fn until(server: &Server, name: &str, value: f64) {
-    let reached = async {
-        while metrics(server).await.get(name) != Some(&value) {
-            sleep(Duration::from_millis(10)).await;
-        }
-    };
-    let reached = timeout(PATIENCE, reached).await;
-    assert!(reached.is_ok(), "{name} is not {value}");
-}
+use crate::support::{Server, base, events};
 
 #[tokio::test]
 async fn jobs_and_what_is_open_are_counted() {
     // There is memory for one of these jobs at a time.
     let server = Server::with(|config| config.memory = Some(bytesize::ByteSize::kib(240))).await;
     let names = ["piad_jobs_running", "piad_jobs_queued", "piad_streams_open"];
-    let all = metrics(&server).await;
+    let all = server.metrics().await;
     assert_eq!(names.map(|name| all[name]), [0.0; 3]);
     assert_eq!(all["piad_connections_open"], 1.0);
     let build = |name: &&String| name.starts_with("piad_build_info{");
@@ -50,25 +24,25 @@ async fn jobs_and_what_is_open_are_counted() {
     assert_eq!(all[build], 1.0);
 
     let mut jobs = Vec::new();
-    let mut all = metrics(&server).await;
+    let mut all = server.metrics().await;
     while all["piad_jobs_queued"] == 0.0 {
         jobs.push(server.create(&data::endless_job()).await);
-        all = metrics(&server).await;
+        all = server.metrics().await;
     }
     assert_eq!(all["piad_jobs_queued"], 1.0);
     assert_eq!(all["piad_jobs_running"], (jobs.len() - 1) as f64);
     let path = format!("{}/events", base(&jobs[0]));
     let mut stream = events(server.get(&path).send().await.unwrap());
     stream.next().await.unwrap();
-    until(&server, "piad_streams_open", 1.0).await;
+    server.until("piad_streams_open", 1.0).await;
     drop(stream);
-    until(&server, "piad_streams_open", 0.0).await;
+    server.until("piad_streams_open", 0.0).await;
     for job in &jobs {
         let cancel = server.post(&format!("{}/cancel", base(job)));
         cancel.send().await.unwrap();
     }
-    until(&server, "piad_jobs_queued", 0.0).await;
-    until(&server, "piad_jobs_running", 0.0).await;
+    server.until("piad_jobs_queued", 0.0).await;
+    server.until("piad_jobs_running", 0.0).await;
 }
 
 #[tokio::test]
@@ -98,7 +72,7 @@ async fn requests_are_counted_by_route() {
             .request(brew.clone(), format!("{}{path}", server.url));
         assert_eq!(request.send().await.unwrap().status(), 405);
     }
-    let all = metrics(&server).await;
+    let all = server.metrics().await;
     let requests = |method: &str, route: &str, status: u16| {
         let name = format!(
             "piad_http_requests_total{{method=\"{method}\",route=\"{route}\",status=\"{status}\"}}"

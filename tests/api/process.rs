@@ -167,8 +167,6 @@ async fn it_starts_without_proc() {
     );
     let capabilities = program.json("/v1/capabilities").await;
     assert_eq!(capabilities["limits"]["memory_bytes"], 512 << 20);
-    let request = program.post("/v1/jobs").header("prefer", "wait=100");
-    let answer = request.json(&data::small_job()).send().await.unwrap();
-    let job: serde_json::Value = answer.json().await.unwrap();
+    let job = program.fit(&data::small_job()).await;
     assert_eq!(job["state"], "converged");
 }

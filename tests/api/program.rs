@@ -1,5 +1,6 @@
 //! The program as a process of its own: started, signalled, killed.
 
+use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -12,7 +13,7 @@ use serde_json::Value;
 use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
 
-use crate::support::PATIENCE;
+use crate::support::{self, PATIENCE};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_piad");
 
@@ -99,13 +100,21 @@ impl Program {
         self.child.id()
     }
 
-    /// The most memory that it has taken so far, in bytes: its resident size.
+    /// The memory that it has, in bytes: its resident size.
+    pub fn memory(&self) -> usize {
+        self.status("VmRSS:")
+    }
+
+    /// The most memory that it has had so far.
     pub fn most_memory(&self) -> usize {
+        self.status("VmHWM:")
+    }
+
+    /// A size that the operating system tells about the process, in bytes.
+    fn status(&self, name: &str) -> usize {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.id())).unwrap();
-        let line = status.lines().find(|line| line.starts_with("VmHWM:"));
-        let kib = line
-            .and_then(|line| line.split_whitespace().nth(1))
-            .unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix(name));
+        let kib = line.unwrap().trim().strip_suffix(" kB").unwrap();
         1024 * kib.parse::<usize>().unwrap()
     }
 
@@ -133,6 +142,18 @@ impl Program {
         let response = self.get(path).send().await.unwrap();
         assert_eq!(response.status(), 200, "{path}");
         response.json().await.unwrap()
+    }
+
+    /// Posts a job and waits for its end.
+    pub async fn fit(&self, job: &Value) -> Value {
+        let request = self.post("/v1/jobs").header("prefer", "wait=50");
+        let response = request.json(job).send().await.unwrap();
+        assert_eq!(response.status(), 201, "{job}");
+        response.json().await.unwrap()
+    }
+
+    pub async fn metrics(&self) -> HashMap<String, f64> {
+        support::metrics(self.get("/metrics").send().await.unwrap()).await
     }
 
     pub fn signal(&self, name: &str) {

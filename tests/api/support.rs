@@ -1,5 +1,6 @@
 //! Starts servers and reads event streams.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use eventsource_stream::Eventsource;
@@ -10,6 +11,7 @@ use serde_json::{Value, json};
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
+use tokio::time::{sleep, timeout};
 
 /// How long a test waits for anything.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -105,11 +107,38 @@ impl Server {
         response.json().await.unwrap()
     }
 
+    pub async fn metrics(&self) -> HashMap<String, f64> {
+        metrics(self.get("/metrics").send().await.unwrap()).await
+    }
+
+    /// Waits until one of the metrics has a value.
+    pub async fn until(&self, name: &str, value: f64) {
+        let reached = async {
+            while self.metrics().await.get(name) != Some(&value) {
+                sleep(Duration::from_millis(10)).await;
+            }
+        };
+        let reached = timeout(PATIENCE, reached).await;
+        assert!(reached.is_ok(), "{name} is not {value}");
+    }
+
     /// Tells the server to stop and waits until it has.
     pub async fn stop(mut self) {
         self.stop.take().unwrap().send(()).unwrap();
         self.served.await.unwrap().unwrap();
     }
+}
+
+/// What `/metrics` tells: values by names with their labels, which are in order of their names.
+pub async fn metrics(response: Response) -> HashMap<String, f64> {
+    let text = response.text().await.unwrap();
+    assert!(text.ends_with("# EOF\n"));
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    let pair = |line: &str| {
+        let (name, value) = line.rsplit_once(' ').unwrap();
+        (name.to_owned(), value.parse().unwrap())
+    };
+    lines.map(pair).collect()
 }
 
 /// An event as a client sees it.

@@ -8,8 +8,9 @@ use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
 use tokio::time::sleep;
 
-use super::{MIB, alone};
+use super::{MIB, alone, iterations, post, spiral};
 use crate::program::Program;
+use crate::support::base;
 
 /// What a server takes besides: the program, its stacks and the cache of the store, and what the
 /// allocator holds back.
@@ -17,15 +18,6 @@ const CONSTANT: usize = 110 * MIB;
 
 /// What each answer takes that is on its way: the piece that is sent, and those that are made ahead.
 const ANSWER: usize = 2 * MIB;
-
-/// `count` points of a spiral.
-fn spiral(count: usize) -> Value {
-    let point = |i: usize| {
-        let t = i as f64 / 40.0;
-        json!([t * t.cos(), t * t.sin()])
-    };
-    (0..count).map(point).collect()
-}
 
 /// Reads an answer to its end, and says how long it was.
 async fn length(program: &Program, path: &str) -> usize {
@@ -40,40 +32,18 @@ async fn length(program: &Program, path: &str) -> usize {
 
 /// Posts a job and waits for its end; gives its path.
 async fn fitted(program: &Program, job: &Value) -> String {
-    let request = program.post("/v1/jobs").header("prefer", "wait=60");
-    let job: Value = request
-        .json(job)
-        .send()
-        .await
-        .unwrap()
-        .json()
-        .await
-        .unwrap();
+    let job = program.fit(job).await;
     assert!(
         job["error"].is_object() && job["state"] != "running",
         "{job}"
     );
-    format!("/v1/jobs/{}", job["id"].as_str().unwrap())
+    base(&job).to_owned()
 }
 
 /// The memory of the server stays within what it was given.
 fn check(program: &Program, given: usize) {
     let most = program.most_memory();
     assert!(most < given + CONSTANT, "{} MiB", most / MIB);
-}
-
-/// A counter or gauge of `/metrics`.
-async fn metric(program: &Program, name: &str) -> u64 {
-    let text = program
-        .get("/metrics")
-        .send()
-        .await
-        .unwrap()
-        .text()
-        .await
-        .unwrap();
-    let line = text.lines().find(|line| line.starts_with(name)).unwrap();
-    line.split_whitespace().last().unwrap().parse().unwrap()
 }
 
 /// Runs whose frames nobody reads: each ring alone could hold 64 MiB.
@@ -88,12 +58,11 @@ async fn recent_frames_share_a_budget() {
         "stop": {"tolerance": 0, "max_iterations": 1_000_000_000},
     });
     for _ in 0..40 {
-        let answer = program.post("/v1/jobs").json(&job).send().await.unwrap();
-        assert_eq!(answer.status(), 201);
+        post(&program, "/v1/jobs", &job).await;
     }
     // Kept as they came, they would take some 700 bytes each.
     let begin = Instant::now();
-    while metric(&program, "piad_iterations_total").await < 500_000 {
+    while iterations(&program).await < 500_000.0 {
         assert!(
             begin.elapsed() < Duration::from_secs(120),
             "they do not run"
@@ -173,9 +142,8 @@ async fn queued_jobs_give_their_points_back() {
     });
     let mut paths = Vec::new();
     for _ in 0..16 {
-        let answer = program.post("/v1/jobs").json(&job).send().await.unwrap();
-        let job: Value = answer.json().await.unwrap();
-        paths.push(format!("/v1/jobs/{}", job["id"].as_str().unwrap()));
+        let job = post(&program, "/v1/jobs", &job).await;
+        paths.push(base(&job).to_owned());
     }
     assert_eq!(program.json(&paths[15]).await["state"], "queued");
     for path in &paths[2..] {

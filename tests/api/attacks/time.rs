@@ -8,8 +8,9 @@ use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
 use tokio::time::sleep;
 
-use super::alone;
+use super::{alone, iterations, post, spiral};
 use crate::program::Program;
+use crate::support::base;
 
 /// How long the server may take to say that it lives, and another client's small job may take: in the
 /// median, as the machine has other tests to run. What is attacked here took tens of seconds.
@@ -19,30 +20,12 @@ const ANOTHER: Duration = Duration::from_secs(1);
 /// What has to end by itself does so in this time.
 const SOON: Duration = Duration::from_secs(5);
 
-fn spiral(count: usize) -> Value {
-    let point = |i: usize| {
-        let t = i as f64 / 40.0;
-        json!([t * t.cos(), t * t.sin()])
-    };
-    (0..count).map(point).collect()
-}
-
 /// A job whose set-up takes seconds: the factors of a dense matrix, some times over.
 fn dense(count: usize) -> Value {
     json!({
         "curve": {"points": spiral(count), "basis": {"kind": "bspline", "degree": count / 3}},
         "stop": {"max_iterations": 2},
     })
-}
-
-async fn post(program: &Program, path: &str, body: &Value) -> Value {
-    let answer = program.post(path).json(body).send().await.unwrap();
-    assert_eq!(answer.status(), 201, "{:?}", answer.text().await);
-    answer.json().await.unwrap()
-}
-
-fn path(job: &Value) -> String {
-    format!("/v1/jobs/{}", job["id"].as_str().unwrap())
 }
 
 /// Asks whether the server lives; says how long the answer took.
@@ -56,16 +39,7 @@ async fn asked(program: &Program) -> Duration {
 async fn fitted(program: &Program) -> Duration {
     let begin = Instant::now();
     let job = json!({"curve": {"points": spiral(30)}});
-    let request = program.post("/v1/jobs").header("prefer", "wait=60");
-    let job: Value = request
-        .json(&job)
-        .send()
-        .await
-        .unwrap()
-        .json()
-        .await
-        .unwrap();
-    assert_eq!(job["state"], "converged");
+    assert_eq!(program.fit(&job).await["state"], "converged");
     begin.elapsed()
 }
 
@@ -89,20 +63,11 @@ async fn serves_others(program: &Program) {
     assert!(job < ANOTHER, "{job:?}");
 }
 
-async fn iterations(program: &Program) -> u64 {
-    let text = program
-        .get("/metrics")
-        .send()
-        .await
-        .unwrap()
-        .text()
-        .await
-        .unwrap();
-    let line = text
-        .lines()
-        .find(|line| line.starts_with("piad_iterations_total"))
-        .unwrap();
-    line.split_whitespace().last().unwrap().parse().unwrap()
+async fn until_ended(program: &Program, job: &Value) {
+    let result = format!("{}/result", base(job));
+    while program.get(&result).send().await.unwrap().status() != 200 {
+        sleep(Duration::from_millis(100)).await;
+    }
 }
 
 /// Set-ups take seconds each, in one piece: they have a lane of their own, and who cancels a job in
@@ -118,12 +83,12 @@ async fn set_ups_delay_nobody_and_are_cancelled_at_once() {
     let begin = Instant::now();
     let cancelled = jobs[..4]
         .iter()
-        .map(|job| post_empty(&program, format!("{}/cancel", path(job))));
+        .map(|job| post_empty(&program, format!("{}/cancel", base(job))));
     for state in join_all(cancelled).await {
         assert_eq!(state, "cancelled");
     }
     for job in &jobs[4..] {
-        let url = format!("http://{}{}", program.address, path(job));
+        let url = format!("http://{}{}", program.address, base(job));
         let answer = program.client.delete(url).send().await.unwrap();
         assert_eq!(answer.status(), 204);
     }
@@ -161,11 +126,8 @@ async fn edits_do_not_stop_the_network() {
     let directory = tempfile::tempdir().unwrap();
     let program = Program::with(directory.path(), &["--recent", "0"]);
     let parent = post(&program, "/v1/jobs", &dense(600)).await;
-    let done = format!("{}/result", path(&parent));
-    while program.get(&done).send().await.unwrap().status() != 200 {
-        sleep(Duration::from_millis(100)).await;
-    }
-    let edits = format!("{}/edits", path(&parent));
+    until_ended(&program, &parent).await;
+    let edits = format!("{}/edits", base(&parent));
     let edit = json!({"points": [{"index": 3, "point": [1, 2]}], "iteration": 1});
     let edits = (0..3).map(|_| post(&program, &edits, &edit));
     let (edits, ()) = tokio::join!(join_all(edits), serves_others(&program));
@@ -184,16 +146,13 @@ async fn abandoned_work_stops() {
         "stop": {"tolerance": 0, "max_iterations": 2000},
     });
     let job = post(&program, "/v1/jobs", &job).await;
-    let result = format!("{}/result", path(&job));
-    while program.get(&result).send().await.unwrap().status() != 200 {
-        sleep(Duration::from_millis(200)).await;
-    }
+    until_ended(&program, &job).await;
     let before = iterations(&program).await;
     for k in 1980..1990 {
         let mut stream = TcpStream::connect(&program.address).await.unwrap();
         let request = format!(
             "GET {}/iterations/{k} HTTP/1.1\r\nHost: localhost\r\n\r\n",
-            path(&job)
+            base(&job)
         );
         stream.write_all(request.as_bytes()).await.unwrap();
     }
@@ -213,7 +172,7 @@ async fn abandoned_work_stops() {
         );
     }
     assert!(
-        last - before < 1900,
+        last - before < 1900.0,
         "{} iterations for nobody",
         last - before
     );
