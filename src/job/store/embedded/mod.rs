@@ -71,7 +71,7 @@ impl EmbeddedStore {
     /// Reads off the threads that serve the network.
     async fn read<T: Send + 'static>(
         &self,
-        read: impl Fn(&File) -> Result<T, StoreError> + Send + 'static,
+        read: impl FnOnce(&File) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, StoreError> {
         let file = Arc::clone(&self.file);
         let read = tokio::task::spawn_blocking(move || file.read(read));

@@ -8,10 +8,7 @@ use std::time::{Duration, Instant};
 
 use parking_lot::{RwLock, RwLockReadGuard};
 use prost::Message;
-use redb::{
-    Database, ReadOnlyTable, ReadableDatabase, ReadableTable, StorageError, TableDefinition,
-    TableError,
-};
+use redb::{Database, ReadableDatabase, ReadableTable, StorageError, TableDefinition, TableError};
 use tracing::error;
 use uuid::Uuid;
 
@@ -63,15 +60,12 @@ impl File {
         })
     }
 
-    /// Reads. If the database panics, as it does where pages are damaged, only this read fails. What
-    /// panics beside a deletion is read again: it is there, or it has gone.
+    /// Reads. If the database panics, as it does where pages are damaged, only this read fails.
     pub(super) fn read<T>(
         &self,
-        read: impl Fn(&Self) -> Result<T, StoreError>,
+        read: impl FnOnce(&Self) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        let first = quiet::catch(|| read(self));
-        let again = first.or_else(|_| quiet::catch(|| read(self)));
-        again.unwrap_or_else(|panic| {
+        quiet::catch(|| read(self)).unwrap_or_else(|panic| {
             error!(panic, "the database panicked while it was read");
             let works = quiet::catch(|| self.made("").is_ok()).unwrap_or(false);
             if !works && let Err(error) = self.reopen() {
@@ -174,10 +168,12 @@ impl File {
         Ok((!made.is_forgotten()).then_some(made))
     }
 
+    /// A table as it is now. Its pages are not used again as long as it lives. What `ReadOnlyTable`
+    /// itself returns may outlive it and does not keep them: what the trait returns may not.
     fn table<K: redb::Key + 'static>(
         &self,
         table: TableDefinition<K, &'static [u8]>,
-    ) -> Result<ReadOnlyTable<K, &'static [u8]>, StoreError> {
+    ) -> Result<impl ReadableTable<K, &'static [u8]> + use<K>, StoreError> {
         let database = self.database();
         let database = database.as_ref().ok_or_else(closed)?;
         Ok(database.begin_read()?.open_table(table)?)
@@ -189,7 +185,8 @@ impl File {
         id: Uuid,
         decode: impl FnOnce(&[u8]) -> Result<T, StoreError>,
     ) -> Result<Option<T>, StoreError> {
-        let value = self.table(table)?.get(id.as_u128())?;
+        let table = self.table(table)?;
+        let value = table.get(id.as_u128())?;
         value.map(|bytes| decode(bytes.value())).transpose()
     }
 }
@@ -240,5 +237,43 @@ impl From<redb::TransactionError> for StoreError {
 impl From<redb::CommitError> for StoreError {
     fn from(error: redb::CommitError) -> Self {
         redb::Error::from(error).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use redb::Table;
+
+    use super::*;
+
+    type Results<'a> = Table<'a, u128, &'static [u8]>;
+
+    #[test]
+    fn what_is_being_decoded_can_be_deleted() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = File::open(directory.path(), "jobs").unwrap();
+        let write = |change: &dyn Fn(&mut Results<'_>)| {
+            let database = file.database();
+            let transaction = database.as_ref().unwrap().begin_write().unwrap();
+            change(&mut transaction.open_table(RESULTS).unwrap());
+            transaction.commit().unwrap();
+        };
+        for length in [200, 3800, 100_000] {
+            let (id, bytes) = (Uuid::from_u128(length), vec![7; length as usize]);
+            let insert = |table: &mut Results<'_>, id| {
+                table.insert(id, bytes.as_slice()).unwrap();
+            };
+            write(&|table| insert(table, length));
+            let read = file.get(RESULTS, id, |read| {
+                write(&|table| drop(table.remove(length).unwrap()));
+                // Later commits use the pages of the removed value again, unless they are read.
+                for other in 1..6 {
+                    write(&|table| insert(table, length + other));
+                }
+                Ok(read.to_vec())
+            });
+            assert_eq!(read.unwrap(), Some(bytes));
+            assert_eq!(file.get(RESULTS, id, |_| Ok(())).unwrap(), None);
+        }
     }
 }
