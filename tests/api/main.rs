@@ -45,6 +45,7 @@ mod methods;
 mod metrics;
 mod milestones;
 mod nets;
+mod one_answer;
 mod openapi;
 mod peers;
 mod plain_words;

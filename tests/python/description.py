@@ -168,9 +168,8 @@ def geometry(server: Server, description: Description) -> None:
         for query in LEVELS:
             description.check("Iteration", server.json(f"{links['self']}/iterations/last{query}"), query)
             result = server.json(links["result"] + query)
-            description.check("ResultAnswer", result, query)
-            if "view" not in query:
-                description.check("FitResult", result, query)
+            # Other views of a result are those of its iteration.
+            description.check("Iteration" if "view" in query else "FitResult", result, query)
         if job["method"]["kind"] == "local":
             description.check("Limit", server.json(links["limit"]))
     description.check("JobPage", server.json("/v1/jobs?limit=3"))

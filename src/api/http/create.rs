@@ -35,7 +35,23 @@ const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
 
 /// `POST /v1/jobs`
 pub async fn job(State(app): State<App>, request: Request) -> Result<Response, Problem> {
-    let mut posted = Posted::read(&app, request).await?;
+    post_job(app, request, negotiate::answer).await
+}
+
+/// `POST /v1/jobs/stream`: the same, answered with the events of the job.
+pub async fn job_stream(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+    post_job(app, request, events_only).await
+}
+
+/// Chooses an answer by the headers of a request.
+type Choice = fn(&HeaderMap) -> Result<Answer, Problem>;
+
+fn events_only(headers: &HeaderMap) -> Result<Answer, Problem> {
+    negotiate::framing(headers).map(Answer::Events)
+}
+
+async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response, Problem> {
+    let mut posted = Posted::read(&app, request, choice).await?;
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
@@ -64,7 +80,25 @@ pub async fn edit(
     Named(id): Named<String>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let mut posted = Posted::read(&app, request).await?;
+    post_edit(app, id, request, negotiate::answer).await
+}
+
+/// `POST /v1/jobs/{id}/edits/stream`: the same, answered with the events of the new job.
+pub async fn edit_stream(
+    State(app): State<App>,
+    Named(id): Named<String>,
+    request: Request,
+) -> Result<Response, Problem> {
+    post_edit(app, id, request, events_only).await
+}
+
+async fn post_edit(
+    app: App,
+    id: String,
+    request: Request,
+    choice: Choice,
+) -> Result<Response, Problem> {
+    let mut posted = Posted::read(&app, request, choice).await?;
     // Also when the parent is gone by now.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
@@ -106,15 +140,17 @@ struct Posted {
 }
 
 impl Posted {
-    async fn read(app: &App, request: Request) -> Result<Self, Problem> {
+    async fn read(app: &App, request: Request, choice: Choice) -> Result<Self, Problem> {
         order::check_open(app)?;
         let parameters: StreamParameters = negotiate::query(request.uri())?;
         let headers = request.headers();
-        let answer = negotiate::answer(headers)?;
+        let answer = choice(headers)?;
         let wait = negotiate::wait(headers)?;
         check_parameters(answer, &parameters)?;
         let name = idempotency_key(headers)?;
-        let path = request.uri().path().to_owned();
+        // A job is the same whether its events were asked for or not, and so is its key.
+        let path = request.uri().path();
+        let path = path.strip_suffix("/stream").unwrap_or(path).to_owned();
         let (language, body) = body::read(app, request).await?;
         let key = match name {
             None => None,

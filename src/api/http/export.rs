@@ -32,11 +32,6 @@ const LINES: usize = 4096;
 /// Writing a number takes about as long as so many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 100;
 
-/// The formats by name: those of levels, and files.
-pub const FORMAT_NAMES: [&str; 8] = [
-    "json", "protobuf", "step", "iges", "obj", "gltf", "svg", "csv",
-];
-
 /// How a level is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Representation {

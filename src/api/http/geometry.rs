@@ -22,7 +22,7 @@ use crate::api::stream::encode;
 use crate::api::stream::options::form::{Digits, Encoding, Form};
 use crate::api::stream::options::{StreamParameters, ViewParameters};
 use crate::api::whole::plain_number;
-use crate::export::Format;
+use crate::export::{Format, UnknownFormat};
 use crate::fit::iteration::Iteration;
 use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 use crate::fit::points::Grid;
@@ -37,19 +37,33 @@ pub async fn iteration(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
-    let k = match k.as_str() {
+    show_iteration(&job, &k, wanted).await
+}
+
+/// `GET /v1/jobs/{id}/iterations/{k}/{format}`
+pub async fn iteration_file(
+    State(app): State<App>,
+    Named((id, k, format)): Named<(String, String, String)>,
+    uri: Uri,
+) -> Result<Response, Problem> {
+    let (job, file) = job_and_file(&app, &id, &format, &uri).await?;
+    show_iteration(&job, &k, file).await
+}
+
+async fn show_iteration(job: &Arc<Job>, k: &str, wanted: Wanted) -> Result<Response, Problem> {
+    let k = match k {
         "last" => None,
         k => Some(level_number(k)?),
     };
-    let frame = levels::frame(&job, k).await?;
+    let frame = levels::frame(job, k).await?;
     match wanted {
         Wanted::Form(form) => {
-            let content = encode::frame(&job, &frame, &form).await?;
-            Ok(answer(&job, content, media_type(&form)))
+            let content = encode::frame(job, &frame, &form).await?;
+            Ok(answer(job, content, media_type(&form)))
         }
         Wanted::File(format, samples) => {
             let (level, points) = (frame.level.iteration, Arc::clone(&frame.control_points));
-            let file = export::file(&job, level, points, format, samples).await?;
+            let file = export::file(job, level, points, format, samples).await?;
             Ok(named(file, job.outline(), Some(level), format))
         }
     }
@@ -75,18 +89,32 @@ pub async fn result(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
+    show_result(&job, wanted).await
+}
+
+/// `GET /v1/jobs/{id}/result/{format}`
+pub async fn result_file(
+    State(app): State<App>,
+    Named((id, format)): Named<(String, String)>,
+    uri: Uri,
+) -> Result<Response, Problem> {
+    let (job, file) = job_and_file(&app, &id, &format, &uri).await?;
+    show_result(&job, file).await
+}
+
+async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Response, Problem> {
     match wanted {
         Wanted::Form(form) if form.digits == Digits::Auto => {
             let detail = "a result has all digits; rounded ones are for iterations";
             Err(Problem::at_parameter("digits", detail))
         }
         Wanted::Form(form) => {
-            let content = levels::result_content(&job, form.clone()).await?;
-            Ok(answer(&job, content, media_type(&form)))
+            let content = levels::result_content(job, form.clone()).await?;
+            Ok(answer(job, content, media_type(&form)))
         }
         Wanted::File(format, samples) => {
-            let (_, level, points) = levels::end(&job).await?;
-            let file = export::file(&job, level.iteration, points, format, samples).await?;
+            let (_, level, points) = levels::end(job).await?;
+            let file = export::file(job, level.iteration, points, format, samples).await?;
             Ok(named(file, job.outline(), None, format))
         }
     }
@@ -153,6 +181,27 @@ async fn job_and_wanted(
         parameters.check_range(None, &problem)?;
     }
     Ok((job, Wanted::Form(form)))
+}
+
+/// The job and the file that a path names.
+async fn job_and_file(
+    app: &App,
+    id: &str,
+    format: &str,
+    uri: &Uri,
+) -> Result<(Arc<Job>, Wanted), Problem> {
+    let format: Format = format.parse().map_err(|_: UnknownFormat| {
+        let detail = format!("there are no files of the format {}", quoted(format));
+        Problem::new(Kind::NotFound, detail)
+    })?;
+    let parameters: ViewParameters = negotiate::query(uri)?;
+    if parameters.format.is_some() {
+        let detail = "the path names the format";
+        return Err(Problem::at_parameter("format", detail));
+    }
+    let job = jobs::find(app, id).await?;
+    let samples = parameters.samples_of_file(job.outline().surface)?;
+    Ok((job, Wanted::File(format, samples)))
 }
 
 fn level_number(text: &str) -> Result<usize, Problem> {

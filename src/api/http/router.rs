@@ -87,11 +87,21 @@ fn resources() -> Resources {
             of_server::capabilities(),
         )
         .post("/v1/jobs", create::job, of_jobs::create())
+        .post(
+            "/v1/jobs/stream",
+            create::job_stream,
+            of_jobs::create_stream(),
+        )
         .get("/v1/jobs", jobs::list, of_jobs::list())
         .get("/v1/jobs/{id}", jobs::get, of_jobs::get())
         .delete("/v1/jobs/{id}", jobs::delete, of_jobs::delete())
         .post("/v1/jobs/{id}/cancel", jobs::cancel, of_jobs::cancel())
         .post("/v1/jobs/{id}/edits", create::edit, of_jobs::edit())
+        .post(
+            "/v1/jobs/{id}/edits/stream",
+            create::edit_stream,
+            of_jobs::edit_stream(),
+        )
         .get("/v1/jobs/{id}/events", events::get, of_jobs::watch())
         .get("/v1/jobs/{id}/input", geometry::input, of_jobs::input())
         .get(
@@ -103,6 +113,16 @@ fn resources() -> Resources {
             "/v1/jobs/{id}/result",
             geometry::result,
             of_geometry::result(),
+        )
+        .get(
+            "/v1/jobs/{id}/iterations/{k}/{format}",
+            geometry::iteration_file,
+            of_geometry::iteration_file(),
+        )
+        .get(
+            "/v1/jobs/{id}/result/{format}",
+            geometry::result_file,
+            of_geometry::result_file(),
         )
         .get("/v1/jobs/{id}/limit", geometry::limit, of_geometry::limit())
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use crate::api::language::{JSON, PROTOBUF};
+use crate::api::language::JSON;
 use crate::api::problem::Kind;
 
 /// Where in a description operations stand together.
@@ -77,14 +77,10 @@ impl Operation {
         self
     }
 
-    /// The body: JSON with this schema and these examples, or a protobuf message.
-    pub fn body(mut self, schema: &str, message: &str, examples: Value) -> Self {
+    /// The body: JSON with this schema and these examples.
+    pub fn body(mut self, schema: &str, examples: Value) -> Self {
         let json = json!({"schema": reference("schemas", schema), "examples": examples});
-        let body = json!({
-            "description": format!("JSON, or a `piad.v1.{message}` message."),
-            "required": true,
-            "content": {JSON: json, PROTOBUF: message_content(message)},
-        });
+        let body = json!({"description": "JSON.", "required": true, "content": {JSON: json}});
         self.object.insert("requestBody".to_owned(), body);
         self
     }
@@ -155,18 +151,6 @@ pub fn reference(section: &str, name: &str) -> Value {
 /// JSON of this schema as the content of an answer.
 pub fn json_of(schema: &str) -> (&'static str, Value) {
     (JSON, json!({"schema": reference("schemas", schema)}))
-}
-
-/// A message as the content of an answer.
-pub fn message_of(message: &str) -> (&'static str, Value) {
-    (PROTOBUF, message_content(message))
-}
-
-fn message_content(message: &str) -> Value {
-    json!({"schema": {
-        "description": format!("A message `piad.v1.{message}` of proto/piad/v1/fitting.proto."),
-        "contentMediaType": PROTOBUF,
-    }})
 }
 
 /// All problems with the same status.

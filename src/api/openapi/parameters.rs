@@ -4,13 +4,13 @@ use serde_json::{Map, Value, json};
 
 use super::operation::reference;
 use super::page;
-use crate::api::http::export::FORMAT_NAMES;
 use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
 use crate::api::order::LONGEST_KEY;
 use crate::api::stream::options::MOST_MILESTONES;
 use crate::api::stream::options::form::SAMPLE_GRID;
 use crate::api::whole::LARGEST;
+use crate::export::Format;
 
 /// The parameters, by the names of their components.
 pub(super) fn parameters() -> Map<String, Value> {
@@ -71,6 +71,13 @@ fn paths() -> Vec<Value> {
         ),
         parameter(
             "path",
+            "format",
+            "The file format.",
+            json!({"type": "string", "enum": Format::ALL.map(Format::name)}),
+            json!("svg"),
+        ),
+        parameter(
+            "path",
             "slug",
             "The last part of the `type` of a problem.",
             json!({"type": "string", "pattern": "^[a-z-]+$"}),
@@ -112,12 +119,6 @@ fn lists() -> Vec<Value> {
 /// Of single iterations, results and streams.
 fn views() -> Vec<Value> {
     vec![
-        query(
-            "format",
-            "The file format, or `json` or `protobuf`. It wins over the Accept header.",
-            json!({"type": "string", "enum": FORMAT_NAMES}),
-            json!("svg"),
-        ),
         query(
             "view",
             "What is shown: control points, samples, or the errors alone.",
@@ -183,12 +184,6 @@ fn streams() -> Vec<Value> {
             reference("schemas", "OnDisconnect"),
             json!("cancel"),
         ),
-        query(
-            "last_event_id",
-            "As Last-Event-ID, for clients that cannot set headers. The header wins.",
-            event_id(),
-            json!("7"),
-        ),
     ]
 }
 
@@ -211,7 +206,7 @@ fn request_headers() -> Vec<Value> {
         header(
             "Prefer",
             &format!(
-                "`wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to {LONGEST_WAIT}, as it then stands. `stream`, with Accept: application/x-protobuf: the answer is the event stream."
+                "`wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to {LONGEST_WAIT}, as it then stands."
             ),
             json!({"type": "string"}),
             json!("wait=10"),

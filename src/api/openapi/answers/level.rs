@@ -10,7 +10,6 @@ pub(super) fn schemas() -> Vec<Named> {
     vec![
         ("Iteration", iteration()),
         ("FitResult", result()),
-        ("ResultAnswer", result_answer()),
         ("BadWeight", bad_weight()),
         ("Net", net()),
         ("NetWeights", net_weights()),
@@ -172,14 +171,6 @@ fn result() -> Value {
             "control_points": [[0, 0], [0, 0], [1, 2.4], [3.1, 0.6], [4, 3], [4, 3]],
         }),
     )
-}
-
-fn result_answer() -> Value {
-    json!({
-        "description": "The final geometry: control points with all that belongs to them, or another view of the last iteration.",
-        "anyOf": [reference("schemas", "FitResult"), reference("schemas", "Iteration")],
-        "examples": [{"iteration": 23, "error": error_example(), "moved": 4}],
-    })
 }
 
 fn bad_weight() -> Value {

@@ -1,15 +1,15 @@
 //! Single iterations, results, and the limits of local fits.
 
 use super::{Content, OF_A_JOB};
-use crate::api::openapi::operation::{Operation, Tag, json_of, message_of};
+use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use crate::export::Format;
 use serde_json::json;
 
-/// A level as JSON, as a message or as a file.
-fn level(schema: &str, message: &str) -> Vec<Content> {
-    let files = Format::ALL.map(|format| {
-        let schema = match format {
+/// The files of a level. For generated clients all of them are bytes.
+fn files() -> [Content; Format::ALL.len()] {
+    Format::ALL.map(|format| {
+        let description = match format {
             Format::Step => {
                 "ISO 10303-21 with the schema of AP214: the exact B-spline curve or surface."
             }
@@ -23,11 +23,9 @@ fn level(schema: &str, message: &str) -> Vec<Content> {
             }
             Format::Csv => "Samples with their parameters.",
         };
-        let schema = json!({"description": schema, "contentMediaType": format.media_type()});
+        let schema = json!({"type": "string", "format": "binary", "description": description});
         (format.media_type(), json!({"schema": schema}))
-    });
-    let levels = [json_of(schema), message_of(message)];
-    levels.into_iter().chain(files).collect()
+    })
 }
 
 /// `GET /v1/jobs/{id}/iterations/{k}`
@@ -36,15 +34,24 @@ pub fn iteration() -> Operation {
         Tag::Geometry,
         "getIteration",
         "Show an iteration",
-        "The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for. Parameters that do not belong to the format are answered with 400.",
+        "The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for. With `?format=` or an Accept header also as a file.",
     )
-    .parameters(&["id", "k", "format", "view", "samples", "encoding", "digits"])
-    .answer(
-        200,
-        "The iteration, in the format of the query or of the Accept header.",
-        &level("Iteration", "Iteration"),
-        &["Content-Disposition"],
+    .parameters(&["id", "k", "view", "samples", "encoding", "digits"])
+    .json(200, "The iteration.", "Iteration")
+    .problems(&OF_A_JOB)
+    .problems(&[Kind::NoSuchIteration, Kind::NoExport])
+}
+
+/// `GET /v1/jobs/{id}/iterations/{k}/{format}`
+pub fn iteration_file() -> Operation {
+    Operation::new(
+        Tag::Geometry,
+        "getIterationFile",
+        "Show an iteration as a file",
+        "The curve or surface of an iteration in a file format.",
     )
+    .parameters(&["id", "k", "format", "samples"])
+    .answer(200, "The file.", &files(), &["Content-Disposition"])
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoSuchIteration, Kind::NoExport])
 }
@@ -55,15 +62,24 @@ pub fn result() -> Operation {
         Tag::Geometry,
         "getResult",
         "Show the result",
-        "The final curve or surface, with all digits: digits=auto is answered with 400, as are parameters that do not belong to the format.",
+        "The final curve or surface, with all digits. With `?format=` or an Accept header also as a file. Other views of it are those of the iteration `last`.",
     )
-    .parameters(&["id", "format", "view", "samples", "encoding", "digits"])
-    .answer(
-        200,
-        "The result, in the format of the query or of the Accept header.",
-        &level("ResultAnswer", "FitResult"),
-        &["Content-Disposition"],
+    .parameters(&["id", "encoding"])
+    .json(200, "The result.", "FitResult")
+    .problems(&OF_A_JOB)
+    .problems(&[Kind::NoResult, Kind::NoExport])
+}
+
+/// `GET /v1/jobs/{id}/result/{format}`
+pub fn result_file() -> Operation {
+    Operation::new(
+        Tag::Geometry,
+        "getResultFile",
+        "Show the result as a file",
+        "The final curve or surface in a file format.",
     )
+    .parameters(&["id", "format", "samples"])
+    .answer(200, "The file.", &files(), &["Content-Disposition"])
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoResult, Kind::NoExport])
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{NEGOTIATION, NEW_JOB, OF_A_JOB, WITH_A_JOB, events, job};
-use crate::api::openapi::operation::{Operation, Tag, json_of, message_of};
+use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::openapi::parameters::READER_ON_DISCONNECT;
 use crate::api::problem::Kind;
 
@@ -21,21 +21,9 @@ const STREAM: [&str; 9] = [
     "on_disconnect",
 ];
 
-/// The parameters of posting a job.
-fn posting(path: &[&'static str]) -> Vec<&'static str> {
-    let headers = ["Prefer", "Idempotency-Key"];
-    [path, &headers, &STREAM].concat()
-}
-
-/// The answers to a new job.
-fn created(operation: Operation) -> Operation {
+/// The operation answers with the new job.
+fn answered_with_job(operation: Operation) -> Operation {
     operation
-        .answer(
-            200,
-            "With an Accept header that asks for events: the event stream of the new job, of which the schemas describe one event. It ends with the job.",
-            &events(),
-            &["Location", "Idempotency-Replayed"],
-        )
         .answer(
             201,
             "The new job as it stands, or with `Prefer: wait` when it has ended. Also if it was made before, for the same key.",
@@ -46,19 +34,42 @@ fn created(operation: Operation) -> Operation {
         .problems(&NEW_JOB)
 }
 
+/// The operation answers with the events of the new job.
+fn answered_with_events(operation: Operation) -> Operation {
+    operation
+        .answer(
+            200,
+            "The event stream of the new job. It ends with the job.",
+            &events(),
+            &["Location", "Idempotency-Replayed"],
+        )
+        .problems(&NEW_JOB)
+}
+
 /// `POST /v1/jobs`
 pub fn create() -> Operation {
     let operation = Operation::new(
         Tag::Jobs,
         "createJob",
         "Fit a curve or a surface",
-        "Makes a job. It runs whether anybody looks or not. With `Accept: text/event-stream`, or `application/x-ndjson`, the answer is the event stream of the job, and query parameters say what it is like; without, they are refused.",
-    );
-    let operation =
-        operation
-            .parameters(&posting(&[]))
-            .body("JobRequest", "JobInput", job_examples());
-    created(operation)
+        "Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters.",
+    )
+    .parameters(&["Prefer", "Idempotency-Key"])
+    .body("JobRequest", job_examples());
+    answered_with_job(operation)
+}
+
+/// `POST /v1/jobs/stream`
+pub fn create_stream() -> Operation {
+    let operation = Operation::new(
+        Tag::Events,
+        "createJobStream",
+        "Fit a curve or a surface, and follow the fit",
+        "Makes a job as `/v1/jobs` does; the answer is its event stream. Some choices of parameters rule others out; that is answered with 400.",
+    )
+    .parameters(&[&["Idempotency-Key"], &STREAM[..]].concat())
+    .body("JobRequest", job_examples());
+    answered_with_events(operation)
 }
 
 fn job_examples() -> Value {
@@ -118,9 +129,28 @@ pub fn edit() -> Operation {
         Tag::Jobs,
         "editJob",
         "Change a fit and go on from there",
-        "Makes a new job that starts from the control points of another one, which may still be running. Parameters and knots stay those of the parent, so that a moved point moves no other. Everything that is not given stays as it is.",
-    );
-    let examples = json!({
+        "Makes a new job that starts from the control points of another one, which may still be running. Parameters and knots stay those of the parent, so that a moved point moves no other. Everything that is not given stays as it is. An Accept header that asks for events has the answer of `/v1/jobs/{id}/edits/stream`, with its parameters.",
+    )
+    .parameters(&["id", "Prefer", "Idempotency-Key"])
+    .body("EditRequest", edit_examples());
+    answered_with_job(operation).problems(&[Kind::UnknownJob, Kind::NotFound])
+}
+
+/// `POST /v1/jobs/{id}/edits/stream`
+pub fn edit_stream() -> Operation {
+    let operation = Operation::new(
+        Tag::Events,
+        "editJobStream",
+        "Change a fit, and follow the new one",
+        "Makes a new job as `/v1/jobs/{id}/edits` does; the answer is its event stream.",
+    )
+    .parameters(&[&["id", "Idempotency-Key"], &STREAM[..]].concat())
+    .body("EditRequest", edit_examples());
+    answered_with_events(operation).problems(&[Kind::UnknownJob, Kind::NotFound])
+}
+
+fn edit_examples() -> Value {
+    json!({
         "move": {
             "summary": "Move a point, and fit what is around it again",
             "value": {
@@ -137,11 +167,7 @@ pub fn edit() -> Operation {
                 "stop": {"relative_tolerance": 1e-12},
             },
         },
-    });
-    let operation = operation
-        .parameters(&posting(&["id"]))
-        .body("EditRequest", "Edit", examples);
-    created(operation).problems(&[Kind::UnknownJob, Kind::NotFound])
+    })
 }
 
 /// `GET /v1/jobs`
@@ -153,12 +179,7 @@ pub fn list() -> Operation {
         "The jobs that the server has, the newest first.",
     )
     .parameters(&["state", "limit", "cursor"])
-    .answer(
-        200,
-        "A page of the list.",
-        &[json_of("JobPage"), message_of("ListJobsResponse")],
-        &[],
-    )
+    .answer(200, "A page of the list.", &[json_of("JobPage")], &[])
     .problems(&NEGOTIATION)
 }
 
@@ -208,18 +229,18 @@ pub fn watch() -> Operation {
         Tag::Events,
         "watchJob",
         "Follow a job",
-        "Its events: the job, every iteration from 0 on in order and without gaps, the end. The stream runs at the pace of its reader and goes on after the last event that the client names. Some choices rule others out; that is answered with 400.",
+        "Its events: the job, every iteration from 0 on in order and without gaps, the end. The stream runs at the pace of its reader and goes on after the last event that the client names (`?last_event_id=7` is for clients that cannot set headers). Some choices rule others out; that is answered with 400.",
     )
     .parameters(
         &[
-            &["id", "Last-Event-ID", "last_event_id", READER_ON_DISCONNECT],
+            &["id", "Last-Event-ID", READER_ON_DISCONNECT],
             &STREAM[..STREAM.len() - 1],
         ]
         .concat(),
     )
     .answer(
         200,
-        "The event stream, of which the schemas describe one event. It ends with the job.",
+        "The event stream. It ends with the job.",
         &events(),
         &["Piad-Resumed-After"],
     )
@@ -239,7 +260,7 @@ pub fn input() -> Operation {
     .answer(
         200,
         "The job as it was accepted.",
-        &[json_of("JobRequest"), message_of("JobInput")],
+        &[json_of("JobRequest")],
         &[],
     )
     .problems(&OF_A_JOB)

@@ -4,33 +4,31 @@ pub mod geometry;
 pub mod jobs;
 pub mod server;
 
-use super::operation::{json_of, message_of};
-use crate::api::language::{NDJSON, PROTOBUF, SSE};
+use super::operation::{json_of, reference};
+use crate::api::language::{NDJSON, SSE};
 use crate::api::problem::Kind;
 use serde_json::{Value, json};
 
 /// A media type and what is in it.
 type Content = (&'static str, Value);
 
-/// A job, as JSON or as a message.
-fn job() -> [Content; 2] {
-    [json_of("Job"), message_of("Job")]
+/// A job.
+fn job() -> [Content; 1] {
+    [json_of("Job")]
 }
 
-/// An event stream in its three framings. The schemas are those of single events, as in later
-/// versions of OpenAPI, for this one has no word for streams.
-fn events() -> [Content; 3] {
-    let reference = |name: &str| json!({"schema": super::operation::reference("schemas", name)});
+/// An event stream in its two framings of text. For generated clients both are strings; the schema of
+/// single events stands where OpenAPI 3.2 will have it, for this version has no word for streams.
+fn events() -> [Content; 2] {
+    let stream = |description: &str, event: &str| {
+        json!({
+            "schema": {"type": "string", "description": description},
+            "x-itemSchema": reference("schemas", event),
+        })
+    };
     [
-        (SSE, reference("ServerSentEvent")),
-        (NDJSON, reference("EventLine")),
-        (
-            PROTOBUF,
-            json!({"schema": {
-                "description": "Messages `piad.v1.WatchJobResponse`, each after its length as a varint.",
-                "contentMediaType": PROTOBUF,
-            }}),
-        ),
+        (SSE, stream("Server-sent events.", "ServerSentEvent")),
+        (NDJSON, stream("An event a line, as JSON.", "EventLine")),
     ]
 }
 
