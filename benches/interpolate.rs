@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for _ in 0..options.runs.max(1) {
         let points = points.clone();
         let begin = Instant::now();
-        let iteration = fit(points, method, options.tolerance)?;
+        let iteration = fit(points, method.clone(), options.tolerance)?;
         runs.push(begin.elapsed().as_secs_f64());
         last = Some(iteration);
     }

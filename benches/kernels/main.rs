@@ -27,7 +27,6 @@ use piad::fit::iteration::Iteration;
 use piad::fit::method::Method;
 use piad::fit::sweep::{LEVELS, Plan, Sweep};
 use piad::fit::system::System;
-use piad::fit::update;
 use timing::{Candidate, medians};
 use traffic::Traffic;
 
@@ -84,7 +83,7 @@ fn line(name: &str, system: &Arc<System>, time: Duration) {
     let problem = system.problem();
     let points = problem.grid().count();
     let is_curve = problem.v().is_none();
-    let start = || update::start(system);
+    let start = || system.start();
     let usual = Plan::of(system);
     let sweep = |levels| {
         let plan = Plan { levels, ..usual };

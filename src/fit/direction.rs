@@ -3,44 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::basis::{
-    Basis, MAX_DEGREE, Polynomial,
-    knots::{self, Knots},
-};
+use super::basis::Basis;
 use super::invalid::{Axis, Invalid};
-use super::missing::Missing;
-use super::norms::normalizing_scale;
-use super::parameters::{Parametrization, Parametrized, parameters, rescale};
-use super::points::{Grid, Points};
+use super::scaling::normalizing_scale;
 
-/// The basis asked for in one direction.
-#[derive(Clone, Debug, PartialEq)]
-pub enum BasisChoice {
-    /// Polynomials of degree control points − 1.
-    Polynomial(Polynomial),
-    /// B-splines.
-    BSpline {
-        /// The degree p ≥ 1.
-        degree: usize,
-        /// How the knots are chosen.
-        knots: Knots,
-    },
-}
-
-/// What is asked for in one direction of the parameter domain.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DirectionChoice {
-    /// The basis.
-    pub basis: BasisChoice,
-    /// The parameters of the data points.
-    pub parameters: Parametrization,
-    /// The last point is followed by the first.
-    pub closed: bool,
-    /// The number of control points of a least-squares fit; otherwise one for each data point.
-    pub control_points: Option<usize>,
-    /// Fixed weights: one for each control point, end copies included, or one for each data point.
-    pub weights: Option<Vec<f64>>,
-}
+pub use super::choice::{BasisChoice, DirectionChoice};
 
 /// One direction of a validated problem.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,51 +33,43 @@ enum Ends {
 }
 
 impl Direction {
-    /// Computes parameters and knots and checks them.
-    pub fn new(
-        choice: DirectionChoice,
-        points: &Points,
-        grid: Grid,
-        missing: Option<&Missing>,
-        axis: Axis,
-    ) -> Result<Self, Invalid> {
-        let count = grid.along(axis);
-        let free = choice.control_points.unwrap_or(count);
-        let fewer = choice.control_points.is_some();
-        if free < 2 || free > count {
-            return Err(Invalid::ControlPointCount { axis, free, count });
+    /// An open direction without weights: the first control point is repeated `front_copies` times in
+    /// front, and the last one as often behind as there are functions left.
+    pub(super) fn open(
+        basis: Basis,
+        parameters: Arc<Vec<f64>>,
+        free: usize,
+        front_copies: usize,
+    ) -> Self {
+        Self {
+            basis,
+            parameters,
+            free,
+            ends: Ends::Open { front_copies },
+            weights: None,
         }
-        let given = matches!(choice.parameters, Parametrization::Explicit(_));
-        let placed = parameters(
-            choice.parameters,
-            points,
-            grid,
-            missing,
-            axis,
-            choice.closed,
-        )?;
-        check_range(&placed.values, axis)?;
-        let mut direction = match choice.basis {
-            BasisChoice::Polynomial(_) if choice.closed => {
-                return Err(Invalid::ClosedPolynomial { axis });
-            }
-            BasisChoice::Polynomial(kind) => polynomial(kind, placed.values, free, axis)?,
-            BasisChoice::BSpline { degree, knots } => {
-                check_degree(degree, true, axis)?;
-                if choice.closed {
-                    periodic(degree, &knots, placed, free, axis)?
-                } else if fewer {
-                    least_squares(degree, knots, placed.values, free, given, axis)?
-                } else {
-                    clamped(degree, knots, placed.values, given, axis)?
-                }
-            }
-        };
-        direction.weights = choice
-            .weights
-            .map(|weights| direction.complete_weights(weights, axis))
-            .transpose()?;
-        Ok(direction)
+    }
+
+    /// A closed direction without weights, whose parameters repeat after `period`.
+    pub(super) fn closed(
+        basis: Basis,
+        parameters: Arc<Vec<f64>>,
+        free: usize,
+        period: f64,
+    ) -> Self {
+        Self {
+            basis,
+            parameters,
+            free,
+            ends: Ends::Closed { period },
+            weights: None,
+        }
+    }
+
+    /// The same with fixed weights: one for each free control point, or for each basis function.
+    pub(super) fn with_weights(mut self, weights: Vec<f64>, axis: Axis) -> Result<Self, Invalid> {
+        self.weights = Some(self.complete_weights(weights, axis)?);
+        Ok(self)
     }
 
     /// The parameters as they would be given: on closed curves with the end of the period.
@@ -257,185 +216,5 @@ impl Direction {
                 functions,
             })
         }
-    }
-
-    fn open(basis: Basis, parameters: Arc<Vec<f64>>, free: usize, front_copies: usize) -> Self {
-        Self {
-            basis,
-            parameters,
-            free,
-            ends: Ends::Open { front_copies },
-            weights: None,
-        }
-    }
-}
-
-fn polynomial(
-    kind: Polynomial,
-    mut t: Arc<Vec<f64>>,
-    free: usize,
-    axis: Axis,
-) -> Result<Direction, Invalid> {
-    let degree = free - 1;
-    check_degree(degree, false, axis)?;
-    rescale(Arc::make_mut(&mut t).as_mut_slice(), 0.0, 1.0, axis)?;
-    Ok(Direction::open(
-        Basis::Polynomial { kind, degree },
-        t,
-        free,
-        0,
-    ))
-}
-
-fn clamped(
-    degree: usize,
-    choice: Knots,
-    mut t: Arc<Vec<f64>>,
-    parameters_given: bool,
-    axis: Axis,
-) -> Result<Direction, Invalid> {
-    let free = t.len();
-    let mut front_copies = 0;
-    let knots = match choice {
-        Knots::Usual | Knots::Data => {
-            // ⌈(p−1)/2⌉ copies of the first control point in front, ⌊(p−1)/2⌋ of the last behind.
-            front_copies = degree / 2;
-            Arc::new(knots::at_data(&t, degree))
-        }
-        Knots::Averaged => {
-            check_enough(degree, free, axis)?;
-            Arc::new(knots::averaged(&t, degree))
-        }
-        Knots::Explicit(knots) => {
-            explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
-            knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
-            knots
-        }
-    };
-    let basis = Basis::BSpline { degree, knots };
-    Ok(Direction::open(basis, t, free, front_copies))
-}
-
-/// Fewer control points than data: knots by PT97 (9.68)–(9.69), unless they are given.
-fn least_squares(
-    degree: usize,
-    choice: Knots,
-    mut t: Arc<Vec<f64>>,
-    free: usize,
-    parameters_given: bool,
-    axis: Axis,
-) -> Result<Direction, Invalid> {
-    if degree >= free {
-        return Err(Invalid::TooFewControlPoints { axis, free, degree });
-    }
-    let knots = match choice {
-        Knots::Usual => Arc::new(knots::least_squares(&t, degree, free)),
-        Knots::Data | Knots::Averaged => return Err(Invalid::LeastSquaresKnots { axis }),
-        Knots::Explicit(knots) => {
-            explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
-            knots
-        }
-    };
-    let (low, high) = (knots[0], knots[knots.len() - 1]);
-    if let Some(index) = t.iter().position(|t| !(low..=high).contains(t)) {
-        return Err(Invalid::ParameterOutside {
-            axis,
-            index,
-            value: t[index],
-            low,
-            high,
-        });
-    }
-    Ok(Direction::open(
-        Basis::BSpline { degree, knots },
-        t,
-        free,
-        0,
-    ))
-}
-
-fn periodic(
-    degree: usize,
-    choice: &Knots,
-    placed: Parametrized,
-    free: usize,
-    axis: Axis,
-) -> Result<Direction, Invalid> {
-    match choice {
-        Knots::Usual => {}
-        Knots::Data if free == placed.values.len() => {}
-        Knots::Data => return Err(Invalid::LeastSquaresKnots { axis }),
-        Knots::Averaged | Knots::Explicit(_) => return Err(Invalid::ClosedKnots { axis }),
-    }
-    if degree >= free {
-        return Err(Invalid::ClosedDegree {
-            axis,
-            degree,
-            count: free,
-        });
-    }
-    let knots = knots::periodic(&placed.values, placed.period, degree, free);
-    Ok(Direction {
-        basis: Basis::BSpline {
-            degree,
-            knots: Arc::new(knots),
-        },
-        parameters: placed.values,
-        free,
-        ends: Ends::Closed {
-            period: placed.period,
-        },
-        weights: None,
-    })
-}
-
-/// Checks given knots, and scales parameters to their range unless these are given, too.
-fn explicit(
-    knots: &[f64],
-    degree: usize,
-    t: &mut Arc<Vec<f64>>,
-    free: usize,
-    parameters_given: bool,
-    axis: Axis,
-) -> Result<(), Invalid> {
-    knots::check(knots, degree, free, axis)?;
-    if !parameters_given {
-        let (low, high) = (knots[0], knots[knots.len() - 1]);
-        rescale(Arc::make_mut(t).as_mut_slice(), low, high, axis)?;
-    }
-    Ok(())
-}
-
-fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
-    if degree >= count {
-        return Err(Invalid::DegreeTooHigh {
-            axis,
-            degree,
-            count,
-        });
-    }
-    Ok(())
-}
-
-fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> {
-    let limit = MAX_DEGREE;
-    match degree {
-        0 => Err(Invalid::DegreeTooLow { axis, degree }),
-        _ if degree > limit => Err(Invalid::DegreeAboveLimit {
-            axis,
-            degree,
-            limit,
-            chosen,
-        }),
-        _ => Ok(()),
-    }
-}
-
-fn check_range(values: &[f64], axis: Axis) -> Result<(), Invalid> {
-    let ends = [values[0], values[values.len() - 1]];
-    if ends.iter().all(|x| x.abs() <= knots::LARGEST) {
-        Ok(())
-    } else {
-        Err(Invalid::ParameterRange { axis })
     }
 }

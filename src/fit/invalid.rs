@@ -324,6 +324,15 @@ pub enum Invalid {
 }
 
 impl Invalid {
+    /// Refuses a setting that is not a finite number greater than 0.
+    pub(super) fn unless_positive(name: &'static str, value: f64) -> Result<(), Self> {
+        if value > 0.0 && value.is_finite() {
+            Ok(())
+        } else {
+            Err(Self::NotPositive { name, value })
+        }
+    }
+
     /// The part of the problem that is wrong.
     pub fn place(&self) -> Place {
         match *self {

@@ -4,24 +4,16 @@ use std::sync::Arc;
 
 use super::decay::Decay;
 use super::direction::Direction;
-use super::method::Method;
+use super::forecast::Foreseen;
+use super::method::Progress;
+use super::method::update::Update;
 use super::norms::FitError;
 use super::plain::Plain;
 use super::points::Points;
-use super::rehearsal::{self, Foreseen};
 use super::sweep::{Measured, Sweep};
 use super::system::System;
-use super::update::{self, Stall, Update};
 
-/// A least-squares fit whose residual shrinks by less than this part in one iteration has converged.
-const STATIONARY: f64 = 1e-6;
-
-/// Solving once more refines a direct fit, until its residual shrinks by no more than this part: what
-/// is left is rounding.
-const REFINED: f64 = 0.5;
-
-/// Chebyshev steps that have made the residual grow by this factor will not make it fall any more.
-const HOPELESS: f64 = 1e4;
+pub use super::outcome::Outcome;
 
 /// Fits of more control points are long.
 const LONG: usize = 100_000;
@@ -41,21 +33,6 @@ pub struct Level {
     pub bad_weight: Option<(usize, f64)>,
     /// The level at which the fit will end, by what is known here.
     pub predicted: Option<usize>,
-}
-
-/// Why an iteration ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// The largest distance is within the tolerance.
-    Converged,
-    /// A least-squares fit is at its minimum.
-    Stationary,
-    /// The last allowed level is reached, and the tolerance is not.
-    Exhausted,
-    /// The method cannot go on.
-    Stalled(Stall),
-    /// The distances are not finite numbers any more.
-    Overflow,
 }
 
 /// The iteration of one problem at some level.
@@ -79,15 +56,9 @@ enum Engine {
 }
 
 impl Iteration {
-    /// Level 0: of most methods, the data are the control points.
-    pub fn start(system: Arc<System>) -> Self {
-        system.foresee(rehearsal::end);
-        Self::start_unforeseen(system)
-    }
-
-    /// The same, although nobody may know yet where the fit will end.
+    /// Level 0, although nobody may know yet where the fit will end.
     pub(super) fn start_unforeseen(system: Arc<System>) -> Self {
-        let control_points = update::start(&system);
+        let control_points = system.start();
         match Sweep::start(&system, control_points) {
             Ok(begun) => Self::with_sweep(system, begun),
             Err(control_points) => Self::with_plain(system, control_points),
@@ -96,12 +67,13 @@ impl Iteration {
 
     /// Level 0 of the plain loop, which sweeps are measured by.
     pub fn start_plain(system: Arc<System>) -> Self {
-        let control_points = update::start(&system);
+        let control_points = system.start();
         Self::with_plain(system, control_points)
     }
 
     fn with_plain(system: Arc<System>, control_points: Arc<Points>) -> Self {
-        let (plain, error) = Plain::start(&system, control_points);
+        let method = system.problem().method().scheme();
+        let (plain, error) = method.plain(system.equations(), control_points);
         let length = plain.residual_length();
         Self::begin(system, Engine::Plain(Box::new(plain)), error, length)
     }
@@ -199,7 +171,7 @@ impl Iteration {
         let system = &self.system;
         let (moved, (error, length)) = match &mut self.engine {
             Engine::Plain(plain) => {
-                let (moved, error) = plain.step(system);
+                let (moved, error) = plain.step(system.equations());
                 (moved, (error, plain.residual_length()))
             }
             Engine::Sweep(sweep) => {
@@ -314,16 +286,15 @@ impl Iteration {
     /// The level at which the errors will be within the tolerance if they go on falling as they do.
     pub(super) fn end_of_decay(&self) -> Option<usize> {
         let problem = self.system.problem();
-        // Least-squares fits end at the minimum, wherever that is, and nothing falls to zero.
-        if matches!(problem.method(), Method::LeastSquares(_)) || problem.tolerance() <= 0.0 {
+        let method = problem.method().scheme();
+        if !method.decays() || problem.tolerance() <= 0.0 {
             return None;
         }
         let Level {
             iteration, error, ..
         } = self.level;
         let slowest = self.system.forecast().rate;
-        let adaptive = matches!(problem.method(), Method::Adaptive { .. });
-        let slowest = slowest.filter(|_| !adaptive);
+        let slowest = slowest.filter(|_| method.rate_is_sharp());
         self.decay
             .end(iteration, error.max, problem.tolerance(), slowest)
     }
@@ -353,7 +324,7 @@ impl Iteration {
         let problem = self.system.problem();
         let points = self.control_points();
         let given = problem.is_homogeneous() || problem.directions().any(Direction::is_rational);
-        let solved = matches!(problem.method(), Method::Extended { .. } | Method::Direct);
+        let solved = problem.method().scheme().solves();
         // Long fits without weights are not looked at again: that would take as long as a step.
         if !given && points.len() > if solved { LONG } else { 0 } {
             return true;
@@ -375,28 +346,32 @@ impl Iteration {
         let Level {
             iteration, error, ..
         } = self.level;
-        let updated_least_squares =
-            matches!(problem.method(), Method::LeastSquares(_)) && iteration > 0;
-        let hopeless = matches!(problem.method(), Method::Chebyshev)
-            && self.length > HOPELESS * self.first_length;
-        let refined = matches!(problem.method(), Method::Direct) && iteration > 0;
         // Homogeneous distances can be infinite where a weight is not positive; residuals cannot.
         if !self.length.is_finite() {
             Some(Outcome::Overflow)
         } else if error.max <= problem.tolerance() {
             Some(self.success(Outcome::Converged))
-        } else if updated_least_squares && self.decrease.abs() < STATIONARY {
-            Some(self.success(Outcome::Stationary))
-        } else if (updated_least_squares && self.decrease < 0.0) || hopeless {
-            Some(Outcome::Stalled(Stall::Diverging))
-        } else if refined && self.decrease <= REFINED {
-            Some(Outcome::Stalled(Stall::Rounding))
+        } else if let Some(outcome) = problem.method().scheme().stop(&self.progress()) {
+            match outcome {
+                Outcome::Stationary => Some(self.success(outcome)),
+                _ => Some(outcome),
+            }
         } else if let Some(stall) = self.update().and_then(Update::stalled) {
             Some(Outcome::Stalled(stall))
         } else if iteration >= problem.max_iterations() {
             Some(Outcome::Exhausted)
         } else {
             None
+        }
+    }
+
+    /// What the stop rule of the method goes by.
+    fn progress(&self) -> Progress {
+        Progress {
+            iteration: self.level.iteration,
+            first_length: self.first_length,
+            length: self.length,
+            decrease: self.decrease,
         }
     }
 }

@@ -1,11 +1,9 @@
 //! The limit of a local fit, in closed form.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::iteration::Iteration;
-use super::method::Method;
 use super::points::Points;
-use super::tensor::Tensor;
 
 /// The most adjusted points for which the limit is computed: it takes O(n³).
 pub const MOST_ADJUSTED: usize = 1000;
@@ -39,15 +37,9 @@ pub enum NoLimit {
 pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let system = start.system();
     let problem = system.problem();
-    if !matches!(problem.method(), Method::Local { .. }) {
-        return Err(NoLimit::NotLocal);
-    }
+    let adjusted = problem.method().scheme().adjusted(problem.setup());
+    let adjusted = adjusted.ok_or(NoLimit::NotLocal)?;
     let count = problem.grid().count();
-    let mut adjusted: Vec<usize> = match problem.selected() {
-        Some(indices) => indices.to_vec(),
-        None => (0..count).collect(),
-    };
-    adjusted.sort_unstable();
     if adjusted.len() > MOST_ADJUSTED {
         return Err(NoLimit::TooMany(adjusted.len()));
     }
@@ -59,8 +51,7 @@ pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let Some(residual) = start.residual() else {
         return Err(NoLimit::NotLocal);
     };
-    let columns = problem.grid().columns;
-    let lu = principal_matrix(system.collocation(), columns, &adjusted, &place).lu();
+    let lu = system.collocation().principal_block(&adjusted, &place).lu();
 
     // The adjusted points move by δ = B_II⁻¹ Δ_I in all; the others stay.
     let mut differences = Points::zeros(residual.dimension(), fixed.len());
@@ -79,22 +70,4 @@ pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
         }
     }
     Ok(LocalLimit { fixed, differences })
-}
-
-/// `B_II` of points with these places in it.
-pub fn principal_matrix(
-    collocation: &Tensor,
-    columns: usize,
-    adjusted: &[usize],
-    place: &[Option<usize>],
-) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(adjusted.len(), adjusted.len());
-    for (k, &index) in adjusted.iter().enumerate() {
-        collocation.columns().visit(index, columns, |row, value| {
-            if let Some(row) = place[row] {
-                matrix[(row, k)] = value;
-            }
-        });
-    }
-    matrix
 }

@@ -21,18 +21,18 @@
 //! - [`parameters`]: where on the curve each data point lies;
 //! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
 //! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
-//! - [`method`]: what is asked for of U;
 //! - [`missing`]: grids with holes;
-//! - [`problem`]: a validated fitting problem; [`invalid`]: everything that can be wrong with one;
-//! - [`collocation`]: `B` as banded or dense operator, and tensor products, over [`linear`];
+//! - [`collocation`] and [`tensor`]: `B` as banded or dense operator, and tensor products, over [`linear`];
 //! - [`spectrum`]: eigenvalues and rates;
-//! - [`system`]: the collocation matrix with its transform `U`;
-//! - [`mod@update`]: the steps of the methods;
+//! - [`method`]: the methods, each with its settings, level 0, transform U, stop rule and forecast;
+//! - [`problem`]: a validated fitting problem, a [`setup`] with a method; [`invalid`]: everything that can
+//!   be wrong with one;
+//! - [`system`]: a problem with its collocation matrix and its transform, ready to be iterated;
 //! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules; [`decay`]: when it will end;
-//! - [`plain`], [`sweep`]: the loop as it is written down, and at the speed of the memory;
+//! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
 //! - [`limit`]: where local fits end, in closed form;
-//! - [`warning`]: what is doubtful about a fit, with [`rehearsal`] of those that rounding may spoil.
+//! - [`warning`]: what is doubtful about a fit.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
 //! Comput. Math. Appl. 50 (2005) — **LBW05**; Lin, Wang, Dong, *Constructing iterative non-uniform
@@ -42,13 +42,19 @@
 //! blending curves and patches*, CAGD 27 (2010) — **Lin10**; Deng, Guan, Wang, Deng, *An extension of
 //! a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
+pub mod about;
 mod bands;
 pub mod basis;
 pub mod blocks;
+mod choice;
 pub mod collocation;
+mod construction;
 pub mod decay;
 pub mod direction;
+mod equations;
 pub mod extent;
+mod forecast;
+mod foresight;
 pub mod geometry;
 pub mod invalid;
 pub mod iteration;
@@ -59,18 +65,21 @@ pub mod method;
 pub mod missing;
 pub mod norms;
 pub mod order;
+pub mod outcome;
 pub mod parameters;
-pub mod plain;
+mod plain;
 pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
-pub mod rehearsal;
+mod request;
 pub mod samples;
+mod scaling;
+pub mod setup;
 pub mod spectrum;
 pub mod sweep;
 pub mod system;
 pub mod tensor;
-pub mod update;
+mod transform;
 pub mod warning;
 pub mod weights;

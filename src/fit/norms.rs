@@ -5,7 +5,8 @@
 use super::blocks::{BLOCK, Block, Blocks};
 use super::lane::Lane;
 use super::points::{self, Points};
-use super::problem::Problem;
+use super::scaling::normalizing_scale;
+use super::setup::Setup;
 
 /// Distances of the curve from the data, in data units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,13 +56,13 @@ pub struct Norms {
 }
 
 impl Norms {
-    /// Of the data of a problem; `counted` says which points count.
-    pub fn new(problem: &Problem, counted: Option<Vec<bool>>) -> Self {
-        let (data, homogeneous) = (problem.data(), problem.is_homogeneous());
+    /// Of the data of a fit; `counted` says which points count.
+    pub fn new(setup: &Setup, counted: Option<Vec<bool>>) -> Self {
+        let (data, homogeneous) = (setup.data(), setup.is_homogeneous());
         let count = counted.as_ref().map_or(data.len(), |counted| {
             counted.iter().filter(|counted| **counted).count()
         });
-        let extents = problem.extents();
+        let extents = setup.extents();
         let largest = points::magnitude(extents);
         // Equal points leave rounding errors of their magnitude.
         let noise = f64::EPSILON
@@ -70,9 +71,9 @@ impl Norms {
                 false => largest,
             };
         let homogeneous_length = points::diagonal(extents).max(largest * f64::EPSILON);
-        let layout = Blocks::new(problem.grid());
+        let layout = Blocks::new(setup.grid());
         Self {
-            scale: normalizing_scale(problem.diagonal().max(noise)),
+            scale: normalizing_scale(setup.diagonal().max(noise)),
             homogeneous_scale: normalizing_scale(homogeneous_length),
             homogeneous,
             counted,
@@ -235,13 +236,4 @@ fn projected_magnitude(data: &Points) -> f64 {
     };
     let coordinates = lanes.iter().flat_map(|lane| lane.iter().zip(weights));
     coordinates.fold(0.0, |largest, (q, weight)| (q / weight).abs().max(largest))
-}
-
-/// A power of two near `1 / length`: squares of lengths like this neither over- nor underflow.
-pub fn normalizing_scale(length: f64) -> f64 {
-    if length > 0.0 {
-        (-length.log2().floor()).clamp(-1022.0, 1022.0).exp2()
-    } else {
-        1.0
-    }
 }

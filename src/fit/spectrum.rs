@@ -4,17 +4,14 @@
 //! (LBW05, Theorem 2.1): global PIA contracts by `1 − λ_min`. The least eigenvalue of a tensor
 //! product is the product of the least ones.
 
-use nalgebra::{DMatrix, DVector, Schur};
+use nalgebra::{Complex, DVector, Schur};
 
 use super::basis::{Basis, Polynomial};
 use super::collocation::{Collocation, LONG};
 use super::direction::Direction;
 use super::invalid::Invalid;
-use super::limit::principal_matrix;
 use super::linear::LineMap;
-use super::method::Method;
-use super::points::Grid;
-use super::problem::Problem;
+use super::setup::Setup;
 use super::tensor::Tensor;
 
 /// Bases that are not totally positive are checked up to this number of points, in O(n³).
@@ -124,14 +121,14 @@ fn extremes(over: &[f64], under: &[f64]) -> (f64, f64) {
 
 /// The least eigenvalue of the block of a matrix that belongs to some points: submatrices of totally
 /// positive matrices are totally positive.
-pub fn least_eigenvalue_of_block(matrix: &Tensor, grid: Grid, points: &[usize]) -> Option<f64> {
+pub(super) fn least_eigenvalue_of_block(matrix: &Tensor, points: &[usize]) -> Option<f64> {
     let mut points = points.to_vec();
     points.sort_unstable();
-    let mut place = vec![None; grid.count()];
+    let mut place = vec![None; matrix.data_grid().count()];
     for (k, &index) in points.iter().enumerate() {
         place[index] = Some(k);
     }
-    let lu = principal_matrix(matrix, grid.columns, &points, &place).lu();
+    let lu = matrix.principal_block(&points, &place).lu();
     let mut x = DVector::from_fn(points.len(), |i, _| alternating(i));
     let mut largest = 0.0;
     for _ in 0..BLOCK_STEPS {
@@ -215,10 +212,51 @@ fn length(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Refuses methods that move all control points and cannot converge. Only the Wang–Ball basis is in doubt: the others are
-/// totally positive, or periodic with a positive diagonal that dominates.
-pub fn check_convergence(problem: &Problem) -> Result<(), Invalid> {
-    let doubtful = |direction: &Direction| {
+/// Refuses relaxations `U = ω I` that diverge: some eigenvalue of `I − ω B` is larger than one. `method`
+/// is the name that the error gives.
+pub(super) fn check_relaxation(
+    setup: &Setup,
+    method: &'static str,
+    omega: f64,
+) -> Result<(), Invalid> {
+    if !is_doubtful(setup) {
+        return Ok(());
+    }
+    // Of extreme weights nothing is known.
+    let Some(values) = eigenvalues(setup) else {
+        return Ok(());
+    };
+    check_rate(&values, method, omega)
+}
+
+/// Refuses methods that choose their steps by λ_min, unless all eigenvalues are real and positive.
+pub(super) fn check_real(setup: &Setup, method: &'static str) -> Result<(), Invalid> {
+    if !is_doubtful(setup) {
+        return Ok(());
+    }
+    let values = eigenvalues(setup).ok_or(Invalid::ComplexSpectrum { method })?;
+    if values.iter().any(|z| z.im.abs() > REAL || z.re <= 0.0) {
+        return Err(Invalid::ComplexSpectrum { method });
+    }
+    check_rate(&values, method, 1.0)
+}
+
+fn check_rate(values: &[Complex<f64>], method: &'static str, omega: f64) -> Result<(), Invalid> {
+    let rate = values
+        .iter()
+        .map(|z| (Complex::new(1.0, 0.0) - z * omega).norm())
+        .fold(0.0, f64::max);
+    if rate > 1.0 + REAL {
+        return Err(Invalid::Diverges { method, rate });
+    }
+    Ok(())
+}
+
+/// Whether the eigenvalues of the collocation matrix have to be looked at: only those of the Wang–Ball
+/// basis are in doubt. The other bases are totally positive, or periodic with a positive diagonal that
+/// dominates.
+fn is_doubtful(setup: &Setup) -> bool {
+    let wang_ball = |direction: &Direction| {
         matches!(
             direction.basis,
             Basis::Polynomial {
@@ -227,57 +265,34 @@ pub fn check_convergence(problem: &Problem) -> Result<(), Invalid> {
             }
         )
     };
-    let small = problem
+    let small = setup
         .directions()
         .all(|direction| direction.free() <= CHECKED);
-    if !small || !problem.directions().any(doubtful) {
-        return Ok(());
-    }
-    let (method, omega, real_only) = match problem.method() {
-        Method::Global => ("global", 1.0, false),
-        Method::Weighted { omega: Some(omega) } => ("weighted", omega, false),
-        Method::Weighted { omega: None } => ("weighted", 1.0, true),
-        Method::Chebyshev => ("chebyshev", 1.0, true),
-        _ => return Ok(()),
-    };
-    let mut products = vec![nalgebra::Complex::new(1.0, 0.0)];
-    for direction in problem.directions() {
-        let matrix = Collocation::new(direction);
-        let n = matrix.columns();
-        let identity = DMatrix::<f64>::identity(n, n);
-        let mut lines = vec![0.0; n * n];
-        matrix.apply_to_lines(identity.as_slice(), &mut lines);
-        let matrix = DMatrix::from_column_slice(n, n, &lines);
-        let Some(schur) = Schur::try_new(matrix, f64::EPSILON, MOST_QR_STEPS * n) else {
-            // Extreme weights: nothing is known of the eigenvalues.
-            return match real_only {
-                true => Err(Invalid::ComplexSpectrum { method }),
-                false => Ok(()),
-            };
-        };
+    small && setup.directions().any(wang_ball)
+}
+
+/// All eigenvalues of the collocation matrix: of a surface the products of those of both directions.
+/// `None` if the QR algorithm does not end.
+fn eigenvalues(setup: &Setup) -> Option<Vec<Complex<f64>>> {
+    let mut products = vec![Complex::new(1.0, 0.0)];
+    for direction in setup.directions() {
+        let matrix = Collocation::new(direction).to_dense();
+        let steps = MOST_QR_STEPS * matrix.nrows();
+        let schur = Schur::try_new(matrix, f64::EPSILON, steps)?;
         let values = schur.complex_eigenvalues();
         products = products
             .iter()
             .flat_map(|a| values.iter().map(move |b| a * b))
             .collect();
     }
-    if real_only && products.iter().any(|z| z.im.abs() > REAL || z.re <= 0.0) {
-        return Err(Invalid::ComplexSpectrum { method });
-    }
-    let rate = products
-        .iter()
-        .map(|z| (nalgebra::Complex::new(1.0, 0.0) - z * omega).norm())
-        .fold(0.0, f64::max);
-    if rate > 1.0 + REAL {
-        return Err(Invalid::Diverges { method, rate });
-    }
-    Ok(())
+    Some(products)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use nalgebra::DMatrix;
 
+    use super::*;
     use crate::fit::basis::knots::Knots;
     use crate::fit::direction::{BasisChoice, DirectionChoice};
     use crate::fit::invalid::Axis;

@@ -5,10 +5,12 @@
 
 use std::sync::{Arc, OnceLock};
 
+use nalgebra::DMatrix;
+
 use super::collocation::Collocation;
 use super::linear::columns::Columns;
 use super::points::Grid;
-use super::problem::Problem;
+use super::setup::Setup;
 
 /// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
 #[derive(Clone, Debug)]
@@ -53,13 +55,13 @@ impl TensorColumns {
 }
 
 impl Tensor {
-    /// The collocation matrices of both directions of a problem.
-    pub fn new(problem: &Problem) -> Self {
+    /// The collocation matrices of both directions of a setup.
+    pub fn new(setup: &Setup) -> Self {
         Self {
-            data: problem.grid(),
-            control: problem.control_grid(),
-            u: Collocation::new(problem.u()),
-            v: problem.v().map(Collocation::new),
+            data: setup.grid(),
+            control: setup.control_grid(),
+            u: Collocation::new(setup.u()),
+            v: setup.v().map(Collocation::new),
             columns: OnceLock::new(),
         }
     }
@@ -74,9 +76,33 @@ impl Tensor {
         })
     }
 
+    /// The arrangement of the data points.
+    pub(super) fn data_grid(&self) -> Grid {
+        self.data
+    }
+
     /// One direction or both.
     pub fn directions(&self) -> impl Iterator<Item = &Collocation> + Clone {
         std::iter::once(&self.u).chain(&self.v)
+    }
+
+    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are their
+    /// indices, and `place` says for each index of the grid where in `points` it stands.
+    pub(super) fn principal_block(
+        &self,
+        points: &[usize],
+        place: &[Option<usize>],
+    ) -> DMatrix<f64> {
+        let mut block = DMatrix::zeros(points.len(), points.len());
+        for (k, &index) in points.iter().enumerate() {
+            self.columns()
+                .visit(index, self.data.columns, |row, value| {
+                    if let Some(row) = place[row] {
+                        block[(row, k)] = value;
+                    }
+                });
+        }
+        block
     }
 
     /// Numbers of scratch space that the maps of this matrix need.

@@ -3,12 +3,10 @@
 //! Some of it is known from the problem, some only once its matrix has been looked at.
 
 use super::basis::knots::Knots;
-use super::direction::{BasisChoice, Direction, DirectionChoice};
+use super::choice::{BasisChoice, DirectionChoice};
+use super::direction::Direction;
+use super::forecast::Forecast;
 use super::invalid::{Axis, Place};
-use super::iteration::Level;
-use super::method::Method;
-use super::problem::Problem;
-use super::system::Forecast;
 
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,50 +59,44 @@ pub enum Warning {
 const UNCHANGED: f64 = 0.99;
 
 impl Warning {
-    /// What is doubtful about a problem as it is asked for.
-    pub fn of_problem(problem: &Problem) -> Vec<Self> {
-        let request = problem.request();
-        let u = of_direction(&request.u, problem.u(), Axis::U);
-        let v = request.v.as_ref().zip(problem.v());
-        let v = v.map(|(choice, direction)| of_direction(choice, direction, Axis::V));
-        u.into_iter().chain(v.into_iter().flatten()).collect()
+    /// What is doubtful about a direction as it is asked for.
+    pub(super) fn of_direction(
+        choice: &DirectionChoice,
+        direction: &Direction,
+        axis: Axis,
+    ) -> Vec<Self> {
+        let BasisChoice::BSpline { degree, knots } = &choice.basis else {
+            return Vec::new();
+        };
+        let at_data =
+            matches!(knots, Knots::Usual | Knots::Data) && choice.control_points.is_none();
+        if !at_data || direction.is_closed() {
+            return Vec::new();
+        }
+        let (degree, count) = (*degree, direction.parameters.len());
+        let few = (degree >= count).then_some(Self::FewPoints {
+            axis,
+            degree,
+            count,
+        });
+        let even = (degree % 2 == 0).then_some(Self::EvenDegree { axis, degree });
+        few.into_iter().chain(even).collect()
     }
 
-    /// What is doubtful by what was found out before the first step: of a fit with this level 0, that
-    /// is computed up to level `iterations`.
-    pub fn of_forecast(
+    /// Whether the slowest part of the error will hardly have changed at level `iterations`, the last
+    /// one, although the fit does not end before, at level `predicted`.
+    pub(super) fn of_rate(
         forecast: &Forecast,
-        first: &Level,
-        method: Method,
+        predicted: Option<usize>,
         iterations: usize,
-    ) -> Vec<Self> {
-        let most = iterations;
-        let rounding = forecast.rounding.zip(forecast.exact_after);
-        let rounding = rounding.filter(|_| matches!(method, Method::Extended { .. }));
-        let rounding = rounding.map(|(left, iterations)| Self::Rounding { left, iterations });
+    ) -> Option<Self> {
         let least = forecast.lambda_min.unwrap_or(0.0);
-        let begin = forecast.interval;
-        let interval = begin.map(|begin| Self::ShorterInterval { least, begin });
-        let gets_there = first.predicted.is_some_and(|level| level <= most);
+        let gets_there = predicted.is_some_and(|level| level <= iterations);
         let slow = forecast
             .rate
-            .is_some_and(|rate| rate.powf(most as f64) > UNCHANGED);
-        let moves_all = matches!(
-            method,
-            Method::Global | Method::Weighted { .. } | Method::Chebyshev
-        );
-        let ill = (moves_all && slow && !gets_there && most > 0).then_some(Self::IllConditioned {
-            least,
-            iterations: most,
-        });
-        let count = forecast.without_data;
-        let lost = (count > 0).then_some(Self::WithoutData { count });
-        rounding
-            .into_iter()
-            .chain(interval)
-            .chain(ill)
-            .chain(lost)
-            .collect()
+            .is_some_and(|rate| rate.powf(iterations as f64) > UNCHANGED);
+        (slow && !gets_there && iterations > 0)
+            .then_some(Self::IllConditioned { least, iterations })
     }
 
     /// All names on the wire.
@@ -171,22 +163,4 @@ impl Warning {
             ),
         }
     }
-}
-
-fn of_direction(choice: &DirectionChoice, direction: &Direction, axis: Axis) -> Vec<Warning> {
-    let BasisChoice::BSpline { degree, knots } = &choice.basis else {
-        return Vec::new();
-    };
-    let at_data = matches!(knots, Knots::Usual | Knots::Data) && choice.control_points.is_none();
-    if !at_data || direction.is_closed() {
-        return Vec::new();
-    }
-    let (degree, count) = (*degree, direction.parameters.len());
-    let few = (degree >= count).then_some(Warning::FewPoints {
-        axis,
-        degree,
-        count,
-    });
-    let even = (degree % 2 == 0).then_some(Warning::EvenDegree { axis, degree });
-    few.into_iter().chain(even).collect()
 }

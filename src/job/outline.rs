@@ -75,13 +75,13 @@ impl Outline {
             created: Timestamp::now(),
             surface: problem.v().is_some(),
             grid: problem.grid(),
-            method: problem.method(),
-            adjusted: matches!(problem.method(), Method::Local { .. }).then(adjusted),
+            method: problem.method().clone(),
+            adjusted: matches!(problem.method(), Method::Local(_)).then(adjusted),
             tolerance: problem.tolerance(),
             max_iterations: problem.max_iterations(),
             memory: problem.memory(),
             step_cost: problem.step_cost(),
-            warnings: Warning::of_problem(problem),
+            warnings: problem.warnings(),
             bases_differ: problem.bases_differ(),
         }
     }
@@ -92,7 +92,8 @@ impl Outline {
             let Levels {
                 forecast, first, ..
             } = levels;
-            Warning::of_forecast(forecast, first, self.method, self.max_iterations)
+            self.method
+                .warnings(forecast, first.predicted, self.max_iterations)
         });
         self.warnings
             .clone()

@@ -7,8 +7,8 @@ use jiff::Timestamp;
 
 use super::outline::Outline;
 use crate::fit::iteration::Level;
+use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
-use crate::fit::update::Stall;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

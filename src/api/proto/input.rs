@@ -26,7 +26,7 @@ pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
             Some(v) => Geometry::Surface(surface(request, v)),
         }),
         rational: rational(request).into(),
-        method: Some(method(request.method, indices, None)),
+        method: Some(method(&request.method, indices, None)),
         stop: Some(pb::StopRules {
             rule: Some(match request.tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),

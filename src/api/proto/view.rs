@@ -14,7 +14,9 @@ use crate::api::problem as api;
 use crate::api::stream::options::object::StreamObject;
 use crate::fit::direction::Direction;
 use crate::fit::iteration::Level;
-use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::method::{
+    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
 use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
@@ -47,12 +49,12 @@ pub fn job(job: &Job) -> pb::Job {
         reason: names::reason(status.reason).into(),
         rows: count(outline.grid.rows),
         columns: count(outline.grid.columns),
-        method: Some(method(outline.method, Vec::new(), forecast)),
+        method: Some(method(&outline.method, Vec::new(), forecast)),
         computed: Some(computed(outline, forecast)),
         stop: Some(stop(outline)),
         stream: stream_options(outline),
         iteration: level.map(|level| level.iteration as u64),
-        error: level.map(|level| distances(&level.error, outline.method)),
+        error: level.map(|level| distances(&level.error, &outline.method)),
         progress: status.progress(outline),
         created_at: Some(time(outline.created)),
         started_at: status.started.map(time),
@@ -93,19 +95,19 @@ pub fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
 }
 
 /// The method with its settings, and the ω that was computed for it.
-pub fn method(method: Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
+pub fn method(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
     use pb::method as m;
-    let kind = match method {
+    let kind = match *method {
         Method::Global => Kind::Global(m::Global {}),
-        Method::Weighted { omega } => Kind::Weighted(m::Weighted {
+        Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {
             omega: forecast.and_then(|it| it.omega).or(omega),
         }),
-        Method::Local { row_by_row } => Kind::Local(m::Local {
+        Method::Local(Local { row_by_row }) => Kind::Local(m::Local {
             indices,
             row_by_row,
         }),
-        Method::Adaptive { threshold } => Kind::Adaptive(m::Adaptive { threshold }),
-        Method::Extended { start } => Kind::Extended(m::Extended {
+        Method::Adaptive(Adaptive { threshold }) => Kind::Adaptive(m::Adaptive { threshold }),
+        Method::Extended(Extended { start }) => Kind::Extended(m::Extended {
             start: match start {
                 Start::Transformed => m::Start::Transformed,
                 Start::Data => m::Start::Data,
@@ -160,8 +162,8 @@ fn stop(outline: &Outline) -> pb::StopRules {
 }
 
 /// The distances of a level from the data.
-pub fn distances(error: &FitError, method: Method) -> pb::Distances {
-    let local = matches!(method, Method::Local { .. });
+pub fn distances(error: &FitError, method: &Method) -> pb::Distances {
+    let local = matches!(method, Method::Local(_));
     pb::Distances {
         max: error.max,
         rms: error.rms,
@@ -223,7 +225,7 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
         u: Some(direction(problem.u(), true)),
         v: problem.v().map(|v| direction(v, true)),
         rational: names::rational(problem).into(),
-        method: Some(method(outline.method, Vec::new(), forecast)),
+        method: Some(method(&outline.method, Vec::new(), forecast)),
         computed: Some(computed(outline, forecast)),
         predicted: Some(prediction(forecast, first)),
         stop: Some(stop(outline)),
@@ -240,7 +242,7 @@ pub fn end(job: &Job, status: &Status) -> Content {
         state: names::state(status.state).into(),
         reason: names::reason(status.reason).into(),
         iterations: level.map_or(0, |level| level.iteration as u64),
-        error: level.map(|level| distances(&level.error, job.outline().method)),
+        error: level.map(|level| distances(&level.error, &job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
         detail: status.detail(job.outline().tolerance).unwrap_or_default(),

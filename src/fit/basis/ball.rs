@@ -1,5 +1,23 @@
 //! The generalized Ball bases: polynomials that are cheaper to evaluate than Bernstein's.
 
+use crate::fit::about::About;
+
+/// The entry of the Said–Ball basis in the table of bases.
+pub(super) const SAID_BALL: About = About {
+    name: "said_ball",
+    title: "Said–Ball basis",
+    summary: "A generalized Ball basis of degree control points − 1, totally positive and cheaper to evaluate than Bernstein polynomials.",
+    source: "DP07, Definition 7",
+};
+
+/// The entry of the Wang–Ball basis in the table of bases.
+pub(super) const WANG_BALL: About = About {
+    name: "wang_ball",
+    title: "Wang–Ball basis",
+    summary: "A generalized Ball basis of degree control points − 1, not totally positive from degree 4 on, for the extended method.",
+    source: "Deng13, example 2",
+};
+
 /// Writes the Said–Ball basis of degree m at `t` into `values` (m + 1 numbers); 0 ≤ t ≤ 1.
 ///
 /// With f = ⌊m/2⌋ (DP07, Definition 7): `C(f+i, i) t^i (1−t)^(f+1)` for i ≤ ⌊(m−1)/2⌋, the mirror

@@ -1,5 +1,15 @@
 //! Bernstein polynomials, stable for high degrees.
 
+use crate::fit::about::About;
+
+/// The entry in the table of bases.
+pub(super) const ABOUT: About = About {
+    name: "bernstein",
+    title: "Bernstein polynomials",
+    summary: "The basis of Bézier curves, of degree control points − 1: the fastest of its space.",
+    source: "DP07, Theorem 4",
+};
+
 /// Writes `B_i(t) = C(m, i) t^i (1−t)^(m−i)`, i = 0 … m, into `values` (m + 1 numbers); 0 ≤ t ≤ 1.
 ///
 /// The product form over- and underflows at m ≈ 1000. Here the largest value, at `i ≈ (m+1) t`, is

@@ -1,5 +1,15 @@
 //! B-splines by the Cox–de Boor recurrence.
 
+use crate::fit::about::About;
+
+/// The entry in the table of bases.
+pub(super) const ABOUT: About = About {
+    name: "bspline",
+    title: "B-splines",
+    summary: "Piecewise polynomials of a degree of one's choice with local support, open or closed.",
+    source: "LBW05 (3.1)–(3.2), LWD04 (1)–(2)",
+};
+
 /// The knot span that holds `t`: `knots[span] ≤ t < knots[span + 1]`, at the right end of the
 /// domain the last span that is not empty (PT97, algorithm A2.1).
 pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {

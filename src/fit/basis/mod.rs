@@ -8,6 +8,16 @@ pub mod knots;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::about::About;
+
+/// All bases, in the order in which they are listed.
+pub const BASES: [&About; 4] = [
+    &bspline::ABOUT,
+    &bernstein::ABOUT,
+    &ball::SAID_BALL,
+    &ball::WANG_BALL,
+];
+
 /// The highest degree that is accepted: up to here the evaluation is checked to full accuracy.
 pub const MAX_DEGREE: usize = 1000;
 
@@ -44,23 +54,33 @@ pub enum Polynomial {
 }
 
 impl Polynomial {
+    /// What it is called, and where it comes from.
+    pub fn about(self) -> &'static About {
+        match self {
+            Self::Bernstein => &bernstein::ABOUT,
+            Self::SaidBall => &ball::SAID_BALL,
+            Self::WangBall => &ball::WANG_BALL,
+        }
+    }
+
     /// The name of the kind of basis.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Bernstein => "bernstein",
-            Self::SaidBall => "said_ball",
-            Self::WangBall => "wang_ball",
-        }
+        self.about().name
     }
 }
 
 impl Basis {
+    /// What it is called, and where it comes from.
+    pub fn about(&self) -> &'static About {
+        match self {
+            Self::Polynomial { kind, .. } => kind.about(),
+            Self::BSpline { .. } => &bspline::ABOUT,
+        }
+    }
+
     /// The name of the kind of basis.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Polynomial { kind, .. } => kind.name(),
-            Self::BSpline { .. } => "bspline",
-        }
+        self.about().name
     }
 
     /// The polynomial degree.

@@ -14,7 +14,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::banded::Banded;
-use super::{Inverse, LineMap};
+use super::dense::DenseLu;
+use super::map::LineMap;
 use crate::fit::order;
 
 /// Lines that are solved side by side.
@@ -44,7 +45,7 @@ struct Elimination<const H: usize> {
     front: Half<H, false>,
     back: Half<H, true>,
     /// The last H rows of both halves, the unknowns in the order of the matrix.
-    middle: Option<Inverse>,
+    middle: Option<DenseLu>,
 }
 
 /// `L U` of consecutive rows from one end on, in the order in which they are eliminated; the diagonal
@@ -115,7 +116,7 @@ impl<const H: usize> Elimination<H> {
         } else {
             (front(), back())
         };
-        let middle = meets.then(|| Inverse::of_dense(&Self::middle(&front, &back)));
+        let middle = meets.then(|| DenseLu::new(&Self::middle(&front, &back)));
         Self {
             front,
             back,

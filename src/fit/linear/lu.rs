@@ -1,8 +1,8 @@
 //! LU decomposition of banded matrices with partial pivoting.
 
-use super::LineMap;
 use super::band::{Band, unfolded};
 use super::banded::Banded;
+use super::map::LineMap;
 
 /// `P L U = B`: solves in O(n · bandwidth).
 #[derive(Debug)]

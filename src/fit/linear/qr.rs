@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 
-use super::LineMap;
 use super::band::{Band, unfolded};
 use super::banded::Banded;
+use super::map::LineMap;
 
 /// `H Qᵀ` of one direction (Deng13 (9)). It does not depend on the signs that a QR decomposition
 /// chooses. `I − U B` is strictly upper triangular.

@@ -1,12 +1,13 @@
 //! One level of a curve in one pass.
 
+use super::buffers::Vectors;
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
-use super::{Pass, Vectors, Way};
+use super::pass::{Pass, Way};
 use crate::fit::blocks::{BLOCK, Block, Squares};
 
 /// For each block: `Δ = P − B X`, its norms, and the next level.
-pub fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
+pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
     let Vectors { x, step } = pass.source;
     let [room] = part.rooms else { return };
     let first = part.lines.start;

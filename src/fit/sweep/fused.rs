@@ -9,16 +9,16 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::relaxation::{Coefficients, Step};
 use super::vectors::{VectorSums, at, shifted, vectors_of, vectors_of_mut};
 use crate::fit::blocks::{LANES, Sums};
 use crate::fit::linear::banded::Banded;
+use crate::fit::method::relaxation::{Coefficients, Step};
 
 /// Fewer rows of a stretch are computed one by one.
 const SHORT: usize = 2 * LANES;
 
 /// What is read and written of D coordinates: arrays with a number for each row, but for `x`.
-pub struct Rows<'a, const D: usize> {
+pub(super) struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
     pub x: [&'a [f64]; D],
     /// The first column that is there.
@@ -39,7 +39,7 @@ pub struct Rows<'a, const D: usize> {
 
 /// What the rows are multiplied with, and what is done then.
 #[derive(Clone, Copy)]
-pub struct Update<'a> {
+pub(super) struct Update<'a> {
     /// B.
     pub matrix: &'a Banded,
     /// What becomes of the residual.
@@ -50,14 +50,19 @@ pub struct Update<'a> {
 
 impl Update<'_> {
     /// Computes the rows of a block; returns what their squares add up to.
-    pub fn apply<const D: usize>(self, rows: Range<usize>, given: &mut Rows<'_, D>) -> Sums {
+    pub(super) fn apply<const D: usize>(self, rows: Range<usize>, given: &mut Rows<'_, D>) -> Sums {
         let mut sums = Sums::default();
         self.add(rows, given, &mut sums);
         sums
     }
 
     /// Computes rows of a block, and adds their squares to others.
-    pub fn add<const D: usize>(self, rows: Range<usize>, given: &mut Rows<'_, D>, sums: &mut Sums) {
+    pub(super) fn add<const D: usize>(
+        self,
+        rows: Range<usize>,
+        given: &mut Rows<'_, D>,
+        sums: &mut Sums,
+    ) {
         for (offset, span) in self.matrix.spans(rows.clone()) {
             let columns = given.x[0].len();
             let whole = self

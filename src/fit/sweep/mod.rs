@@ -10,38 +10,38 @@
 //! included, so that levels do not depend on the path, on the number of threads, or on how many
 //! levels were computed at once. No product is fused with a sum, with whatever instructions.
 //!
-//! - [`relaxation`]: what global, weighted, Chebyshev-accelerated, direct and transpose PIA do with Δ;
-//! - [`parts`]: what a thread writes;
-//! - [`fused`]: the innermost loop, of all coordinates;
-//! - [`vectors`]: what it runs over;
+//! - [`buffers`]: the control points of two levels, and [`pass`]: what all threads of a pass share;
+//! - [`parts`]: what a thread writes, and [`room`]: where it works;
+//! - [`fused`]: the innermost loop, of all coordinates, over [`vectors`];
 //! - [`curve`] and [`surface`]: a level in one pass;
 //! - [`tiles`]: several levels of a curve in one pass.
 
-pub mod curve;
-pub mod fused;
-pub mod parts;
-pub mod relaxation;
-pub mod surface;
+mod buffers;
+mod curve;
+mod fused;
+mod parts;
+mod pass;
+mod room;
+mod surface;
 #[cfg(test)]
 mod tests;
-pub mod tiles;
-pub mod vectors;
+mod tiles;
+mod vectors;
 
 use std::sync::Arc;
 
 use super::blocks::{BLOCK, Block, Blocks};
 use super::collocation::Collocation;
-use super::linear::banded::Banded;
+use super::method::relaxation::{Relaxation, Step};
 use super::norms::{FitError, Norms};
 use super::points::Points;
 use super::system::System;
-use fused::Update;
+use buffers::{Returned, Vectors};
 use parts::{LANES, Part};
-use relaxation::{Relaxation, Step};
-use tiles::Room;
+use pass::{Pass, Way};
+use room::Room;
 
-/// Levels that are computed in one pass, at most: more would not be limited by memory any more.
-pub const LEVELS: usize = 8;
+pub use pass::LEVELS;
 
 /// Below so many points more threads cost more than they save.
 const PARALLEL: usize = 100_000;
@@ -75,55 +75,6 @@ impl Plan {
     }
 }
 
-/// What an iteration carries from level to level.
-#[derive(Debug)]
-pub struct Vectors {
-    /// The control points, which readers may share.
-    pub x: Arc<Points>,
-    /// The last step, of methods with momentum.
-    pub step: Option<Points>,
-}
-
-impl Vectors {
-    /// Control points that nobody else sees, to be overwritten, and the steps: if there are readers of
-    /// these points, they keep them, and those that were given back are taken, or new ones.
-    fn writable(&mut self, returned: &mut Returned) -> (&mut Points, Option<&mut Points>) {
-        if Arc::get_mut(&mut self.x).is_none() {
-            let new = || Points::zeros(self.x.dimension(), self.x.len());
-            self.x = Arc::new(returned.take().unwrap_or_else(new));
-        }
-        (Arc::make_mut(&mut self.x), self.step.as_mut())
-    }
-}
-
-/// Points of earlier levels, to be overwritten: memory that has been used before is quicker than what
-/// comes from the system. Some may still be on their way to readers.
-#[derive(Debug, Default)]
-pub struct Returned(Vec<Arc<Points>>);
-
-impl Returned {
-    /// As many as slow readers are likely to have.
-    const MOST: usize = 4;
-
-    fn add(&mut self, points: Arc<Points>) {
-        if self.0.len() < Self::MOST {
-            self.0.push(points);
-        }
-    }
-
-    /// Points that nobody else has any more. If there are several, only one is kept.
-    fn take(&mut self) -> Option<Points> {
-        let mut free = None;
-        for points in std::mem::take(&mut self.0) {
-            match Arc::try_unwrap(points) {
-                Ok(points) => free = Some(points),
-                Err(points) => self.0.push(points),
-            }
-        }
-        free
-    }
-}
-
 /// The error of a level, and the length of its residual.
 pub type Measured = (FitError, f64);
 
@@ -147,40 +98,6 @@ pub struct Sweep {
     plan: Plan,
 }
 
-/// How far a pass goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// The level is measured, and nothing written.
-    Measure,
-    /// To the next level, or to the residual.
-    Level,
-    /// Through several levels, tile by tile.
-    Tiles,
-}
-
-/// What all parts of a pass share.
-#[derive(Clone, Copy)]
-pub struct Pass<'a> {
-    /// The collocation matrix of a curve, or of direction u.
-    pub u: &'a Banded,
-    /// Of direction v.
-    pub v: Option<&'a Banded>,
-    /// P.
-    pub data: &'a Points,
-    /// The level that the pass starts from.
-    pub source: &'a Vectors,
-    /// From each level to the next.
-    pub steps: &'a [Step],
-    /// What residuals are multiplied with before they are squared.
-    pub scale: f64,
-    /// The blocks of the errors.
-    pub layout: Blocks,
-    /// Points of a tile.
-    pub tile: usize,
-    /// How far it goes.
-    pub way: Way,
-}
-
 impl Sweep {
     /// Level 0, from given control points, and its error, if there are sweeps for this problem.
     pub fn start(
@@ -197,7 +114,7 @@ impl Sweep {
         plan: Plan,
     ) -> Result<(Self, Measured), Arc<Points>> {
         let problem = system.problem();
-        let relaxation = Relaxation::new(system);
+        let relaxation = problem.method().scheme().relaxation(system.equations());
         let (Some(relaxation), true) = (relaxation, is_plain(system)) else {
             return Err(control_points);
         };
@@ -207,7 +124,11 @@ impl Sweep {
         let layout = Blocks::new(grid);
         let (lines, _) = layout.unit();
         let transformed = relaxation.is_transformed();
-        let scratch = if transformed { system.scratch() } else { 0 };
+        let scratch = if transformed {
+            system.equations().scratch()
+        } else {
+            0
+        };
         let mut sweep = Self {
             relaxation,
             spare: Vectors {
@@ -261,7 +182,9 @@ impl Sweep {
         }
         if self.relaxation.is_transformed() {
             let residual = Arc::make_mut(&mut self.spare.x);
-            system.transform_onto(residual, &self.current.x, &mut self.scratch);
+            system
+                .equations()
+                .transform_onto(residual, &self.current.x, &mut self.scratch);
         }
         std::mem::swap(&mut self.current, &mut self.spare);
         self.relaxation.advance();
@@ -341,30 +264,19 @@ impl Sweep {
             &mut self.rooms,
         );
         part.divide(&|part: Part| match pass.data.dimension() {
-            1 => pass.sweep::<1>(part),
-            2 => pass.sweep::<2>(part),
-            _ => pass.sweep::<LANES>(part),
+            1 => sweep::<1>(&pass, part),
+            2 => sweep::<2>(&pass, part),
+            _ => sweep::<LANES>(&pass, part),
         });
     }
 }
 
-impl<'a> Pass<'a> {
-    /// The work of one thread, in D dimensions.
-    fn sweep<const D: usize>(&self, part: Part<'_>) {
-        match self.v {
-            Some(v) => surface::sweep::<D>(self, v, part),
-            None if self.way == Way::Tiles => tiles::sweep::<D>(self, part),
-            None => curve::sweep::<D>(self, part),
-        }
-    }
-
-    /// The update of a level, with the matrix along a line; behind the last level nothing moves.
-    fn update(&self, matrix: &'a Banded, level: usize) -> Update<'a> {
-        Update {
-            matrix,
-            step: self.steps.get(level).copied().unwrap_or_default(),
-            scale: self.scale,
-        }
+/// The work of one thread, in D dimensions.
+fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
+    match pass.v {
+        Some(v) => surface::sweep::<D>(pass, v, part),
+        None if pass.way == Way::Tiles => tiles::sweep::<D>(pass, part),
+        None => curve::sweep::<D>(pass, part),
     }
 }
 

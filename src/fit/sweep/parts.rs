@@ -2,15 +2,17 @@
 
 use std::ops::Range;
 
-use super::{LEVELS, Pass, Returned, Room, Vectors, Way};
+use super::buffers::{Returned, Vectors};
+use super::pass::{LEVELS, Pass, Way};
+use super::room::Room;
 use crate::fit::blocks::Block;
 use crate::fit::points::Points;
 
 /// The most coordinates of a point.
-pub const LANES: usize = 3;
+pub(super) const LANES: usize = 3;
 
 /// Consecutive lines of the next level, and the norms of their points; without points, the norms alone.
-pub struct Part<'a> {
+pub(super) struct Part<'a> {
     /// The lines: of a curve, its points.
     pub lines: Range<usize>,
     /// The control points of the next level.
@@ -28,7 +30,7 @@ pub struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// Everything.
-    pub fn whole(
+    pub(super) fn whole(
         pass: &Pass<'_>,
         (target, returned): (&'a mut Vectors, &mut Returned),
         blocks: &'a mut [Vec<Block>],
@@ -55,7 +57,7 @@ impl<'a> Part<'a> {
     }
 
     /// Does the work of all parts, one for each room, on as many threads as there are.
-    pub fn divide(self, work: &(impl Fn(Part<'_>) + Sync)) {
+    pub(super) fn divide(self, work: &(impl Fn(Part<'_>) + Sync)) {
         if self.rooms.len() <= 1 {
             return work(self);
         }
@@ -94,12 +96,12 @@ impl<'a> Part<'a> {
 }
 
 /// Some points of each lane.
-pub fn columns<const D: usize>(points: &Points, range: Range<usize>) -> [&[f64]; D] {
+pub(super) fn columns<const D: usize>(points: &Points, range: Range<usize>) -> [&[f64]; D] {
     std::array::from_fn(|c| &points.lane(c)[range.clone()])
 }
 
 /// Some points of each lane, to be written; none of empty ones.
-pub fn ranges<const D: usize>(
+pub(super) fn ranges<const D: usize>(
     lanes: &mut [impl AsMut<[f64]>],
     range: Range<usize>,
 ) -> [&mut [f64]; D] {

@@ -10,19 +10,14 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
-use super::tiles::pieces;
-use super::{Pass, Way};
-use crate::fit::blocks::{BLOCK, Block, Squares, Sums};
+use super::pass::{Pass, Way};
+use super::room::pieces;
+use crate::fit::blocks::{Block, Squares, Sums};
 use crate::fit::linear::banded::Banded;
 use crate::fit::points::Points;
 
-/// Room for a part of a line of `B_u X`: a block, and what its rows of `B_v` reach.
-pub fn room(v: &Banded) -> usize {
-    BLOCK + 2 * v.reach()
-}
-
 /// Strip by strip, for each line: its part of `B_u X`, then `Δ`, its norms, and the next level.
-pub fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<'_>) {
+pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<'_>) {
     let (lines, strips) = pass.layout.unit();
     let units = part.blocks[0].len() / strips;
     let first_unit = part.lines.start / lines;

@@ -10,12 +10,11 @@ use crate::fit::blocks::BLOCK;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::iteration::{Iteration, Level};
 use crate::fit::lane::Lane;
-use crate::fit::method::Method;
+use crate::fit::method::{Method, Weighted};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
 use crate::fit::system::System;
-use crate::fit::update;
 
 fn direction() -> impl Strategy<Value = DirectionChoice> {
     let knots = prop_oneof![Just(Knots::Data), Just(Knots::Averaged)];
@@ -44,8 +43,8 @@ fn method() -> impl Strategy<Value = Method> {
         Just(Method::Chebyshev),
         Just(Method::Direct),
         Just(Method::Transpose),
-        Just(Method::Weighted { omega: None }),
-        (0.1..1.9).prop_map(|omega| Method::Weighted { omega: Some(omega) }),
+        Just(Method::Weighted(Weighted { omega: None })),
+        (0.1..1.9).prop_map(|omega| Method::Weighted(Weighted { omega: Some(omega) })),
     ]
 }
 
@@ -111,7 +110,7 @@ proptest! {
     fn steps_are_those_of_the_plain_loop(request in request(), parts in 1..5_usize) {
         let Some(system) = system(request) else { return Ok(()) };
         let plan = Plan { parts, levels: 1, tile: BLOCK };
-        let started = Sweep::with_plan(&system, update::start(&system), plan);
+        let started = Sweep::with_plan(&system, system.start(), plan);
         let mut sweep = Iteration::with_sweep(Arc::clone(&system), started.unwrap());
         let mut plain = Iteration::start_plain(system);
         for _ in 0..5 {
@@ -135,7 +134,7 @@ proptest! {
         let Some(system) = system(request) else { return Ok(()) };
         let is_curve = system.problem().v().is_none();
         let plan = Plan { parts, levels: if is_curve { levels } else { 1 }, tile: BLOCK * tiles };
-        let started = Sweep::with_plan(&system, update::start(&system), plan);
+        let started = Sweep::with_plan(&system, system.start(), plan);
         let mut sweep = Iteration::with_sweep(Arc::clone(&system), started.unwrap());
         let mut plain = Iteration::start_plain(system);
         for count in counts {

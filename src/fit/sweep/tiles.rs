@@ -8,60 +8,12 @@
 
 use std::ops::Range;
 
+use super::buffers::Vectors;
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
-use super::{Pass, Vectors, Way};
-use crate::fit::blocks::{BLOCK, Block, LANES, Squares, Sums};
-use crate::fit::points::Points;
-
-/// Working space of a part.
-#[derive(Debug)]
-pub struct Room {
-    /// Of tiles: a level. Of surfaces: a part of a line of `B_u X`.
-    pub front: Points,
-    /// The next level. If it is to be forgotten: of a block.
-    pub back: Points,
-    /// Steps of methods with momentum.
-    pub step: Points,
-}
-
-impl Default for Room {
-    fn default() -> Self {
-        let none = || Points::new(0);
-        Self {
-            front: none(),
-            back: none(),
-            step: none(),
-        }
-    }
-}
-
-impl Room {
-    /// Makes room for a kind of pass, once.
-    pub fn prepare(&mut self, pass: &Pass<'_>, levels: usize) {
-        let tile = pass.tile + 2 * margin(pass, levels);
-        let tile = if pass.way == Way::Tiles { tile } else { 0 };
-        let back = if pass.way == Way::Measure {
-            BLOCK
-        } else {
-            tile
-        };
-        let step = pass.source.step.as_ref().map_or(0, |_| tile);
-        let make = |points: &mut Points, count: usize| {
-            if points.len() < count {
-                *points = Points::zeros(pass.data.dimension(), count);
-            }
-        };
-        make(&mut self.front, pass.v.map_or(tile, super::surface::room));
-        make(&mut self.back, back);
-        make(&mut self.step, step);
-    }
-}
-
-/// Points on either side of a tile: a whole number of cache lines, so that the tile starts at one.
-fn margin(pass: &Pass<'_>, levels: usize) -> usize {
-    ((levels + 1) * pass.u.reach()).next_multiple_of(LANES)
-}
+use super::pass::Pass;
+use super::room::{Room, margin, pieces};
+use crate::fit::blocks::{BLOCK, Block, Squares, Sums};
 
 /// A tile on its way through the levels.
 struct Tile<'a, 'b> {
@@ -77,7 +29,7 @@ struct Tile<'a, 'b> {
 }
 
 /// All levels of a part.
-pub fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
+pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     let Part {
         lines,
         mut x,
@@ -233,25 +185,4 @@ impl Tile<'_, '_> {
             *block = Block::new(start as usize, squares, &sums);
         }
     }
-}
-
-/// Cuts a range of points at the multiples of the period and of the length of blocks: each piece and
-/// its first point within the period.
-pub fn pieces(
-    range: Range<i64>,
-    period: i64,
-    length: i64,
-) -> impl Iterator<Item = (Range<i64>, usize)> {
-    let mut start = range.start;
-    std::iter::from_fn(move || {
-        if start >= range.end {
-            return None;
-        }
-        let first = start.rem_euclid(period);
-        let turn = start + period - first;
-        let block = start.saturating_add(length - start.rem_euclid(length));
-        let piece = start..range.end.min(turn).min(block);
-        start = piece.end;
-        Some((piece, first as usize))
-    })
 }

@@ -11,7 +11,7 @@ use crate::fit::blocks::{LANES, Sums};
 
 /// So many vectors of arrays, from a place on.
 #[inline(always)]
-pub fn vectors_of<S: Simd, const N: usize>(
+pub(super) fn vectors_of<S: Simd, const N: usize>(
     arrays: [&[f64]; N],
     from: usize,
     n: usize,
@@ -21,7 +21,7 @@ pub fn vectors_of<S: Simd, const N: usize>(
 
 /// The same, to be written.
 #[inline(always)]
-pub fn vectors_of_mut<'a, S: Simd, const N: usize>(
+pub(super) fn vectors_of_mut<'a, S: Simd, const N: usize>(
     arrays: &'a mut [&mut [f64]; N],
     from: usize,
     n: usize,
@@ -32,7 +32,7 @@ pub fn vectors_of_mut<'a, S: Simd, const N: usize>(
 
 /// Vectors of arrays from a place on, from the next one on, and so on.
 #[inline(always)]
-pub fn shifted<S: Simd, const D: usize, const W: usize>(
+pub(super) fn shifted<S: Simd, const D: usize, const W: usize>(
     arrays: [&[f64]; D],
     from: usize,
     n: usize,
@@ -42,12 +42,12 @@ pub fn shifted<S: Simd, const D: usize, const W: usize>(
 
 /// What stands in arrays at a place.
 #[inline(always)]
-pub fn at<V: Copy, const N: usize>(arrays: &[&[V]; N], i: usize) -> [V; N] {
+pub(super) fn at<V: Copy, const N: usize>(arrays: &[&[V]; N], i: usize) -> [V; N] {
     arrays.map(|array| array[i])
 }
 
 /// [`Sums`] on their way, as vectors: as many as fill the lanes.
-pub struct VectorSums<S: Simd> {
+pub(super) struct VectorSums<S: Simd> {
     max: [S::f64s; LANES],
     squares: [S::f64s; LANES],
     roots: [S::f64s; LANES],
@@ -56,7 +56,7 @@ pub struct VectorSums<S: Simd> {
 impl<S: Simd> VectorSums<S> {
     /// Sums that go on.
     #[inline(always)]
-    pub fn new(sums: &Sums) -> Self {
+    pub(super) fn new(sums: &Sums) -> Self {
         let vectors = |lanes: &[f64; LANES]| {
             let vectors = S::as_simd_f64s(lanes).0;
             from_fn(|k| vectors[k % vectors.len()])
@@ -70,7 +70,7 @@ impl<S: Simd> VectorSums<S> {
 
     /// Adds squares to the lanes of a vector.
     #[inline(always)]
-    pub fn add(&mut self, simd: S, vector: usize, square: S::f64s) {
+    pub(super) fn add(&mut self, simd: S, vector: usize, square: S::f64s) {
         let max = self.max[vector];
         // Not a number is never the largest.
         self.max[vector] = simd.select_f64s(simd.greater_than_f64s(square, max), square, max);
@@ -80,7 +80,7 @@ impl<S: Simd> VectorSums<S> {
 
     /// The sums again.
     #[inline(always)]
-    pub fn store(self, sums: &mut Sums) {
+    pub(super) fn store(self, sums: &mut Sums) {
         let store = |vectors: [S::f64s; LANES], lanes: &mut [f64; LANES]| {
             let places = S::as_mut_simd_f64s(lanes).0.iter_mut();
             places

@@ -1,5 +1,7 @@
 //! The JSON of a method, and its settings.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::de::SeqAccess;
 
@@ -9,7 +11,9 @@ use crate::api::json::read::values::{Count, Element, Number};
 use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading, names, object};
 use crate::api::problem::Problem;
 use crate::api::short::quoted;
-use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::method::{
+    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
 use crate::fit::points::Grid;
 
 /// How the control points move from iteration to iteration.
@@ -118,7 +122,7 @@ names!(VariantRequest, "variant of the method least_squares", [
 ]);
 
 /// A method, and the points that it selects, if it does.
-pub(super) type Chosen = (Method, Option<Vec<usize>>);
+pub(super) type Chosen = (Method, Option<Arc<[usize]>>);
 
 impl MethodRequest {
     /// A method without settings.
@@ -147,15 +151,15 @@ impl MethodRequest {
         let selected = self.selected(grid, surface)?;
         let method = match self.kind {
             Kind::Global => Method::Global,
-            Kind::Weighted => Method::Weighted {
+            Kind::Weighted => Method::Weighted(Weighted {
                 omega: match self.omega {
                     None | Some(Omega::Auto) => None,
                     Some(Omega::Given(omega)) => Some(omega),
                 },
-            },
+            }),
             Kind::Local => self.local(selected.is_some())?,
             Kind::Adaptive => match self.threshold {
-                Some(Number(threshold)) => Method::Adaptive { threshold },
+                Some(Number(threshold)) => Method::Adaptive(Adaptive { threshold }),
                 None => {
                     return Err(invalid(
                         "/method",
@@ -163,12 +167,12 @@ impl MethodRequest {
                     ));
                 }
             },
-            Kind::Extended => Method::Extended {
+            Kind::Extended => Method::Extended(Extended {
                 start: match self.start {
                     None | Some(StartRequest::Transformed) => Start::Transformed,
                     Some(StartRequest::Data) => Start::Data,
                 },
-            },
+            }),
             Kind::Transpose => Method::Transpose,
             Kind::Convex => Method::Convex,
             Kind::Chebyshev => Method::Chebyshev,
@@ -233,10 +237,10 @@ impl MethodRequest {
             let detail = "local needs the indices of the points to adjust, or row_by_row";
             return Err(invalid("/method", detail));
         }
-        Ok(Method::Local { row_by_row })
+        Ok(Method::Local(Local { row_by_row }))
     }
 
-    fn selected(&self, grid: Grid, surface: bool) -> Result<Option<Vec<usize>>, Problem> {
+    fn selected(&self, grid: Grid, surface: bool) -> Result<Option<Arc<[usize]>>, Problem> {
         let Some(given) = &self.indices else {
             return Ok(None);
         };
@@ -246,7 +250,7 @@ impl MethodRequest {
             let pointer = || format!("/method/indices/{k}");
             indices.push(index.map_err(|detail| invalid(&pointer(), detail))?);
         }
-        Ok(Some(indices))
+        Ok(Some(indices.into()))
     }
 
     fn least_squares(&self, surface: bool) -> Result<LeastSquares, Problem> {

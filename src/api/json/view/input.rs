@@ -8,7 +8,9 @@ use serde_json::{Map, Value, json};
 use super::{point_index, to_bytes};
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::method::{
+    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
@@ -192,9 +194,11 @@ fn method(problem: &Problem) -> Value {
     let mut set = |name: &str, setting: Value| {
         value.insert(name.to_owned(), setting);
     };
-    match method {
-        Method::Weighted { omega } => set("omega", omega.map_or(json!("auto"), Value::from)),
-        Method::Local { row_by_row } => {
+    match *method {
+        Method::Weighted(Weighted { omega }) => {
+            set("omega", omega.map_or(json!("auto"), Value::from))
+        }
+        Method::Local(Local { row_by_row }) => {
             if let Some(selected) = problem.selected() {
                 let indices = selected
                     .iter()
@@ -203,8 +207,8 @@ fn method(problem: &Problem) -> Value {
             }
             set("row_by_row", json!(row_by_row));
         }
-        Method::Adaptive { threshold } => set("threshold", json!(threshold)),
-        Method::Extended { start } => set(
+        Method::Adaptive(Adaptive { threshold }) => set("threshold", json!(threshold)),
+        Method::Extended(Extended { start }) => set(
             "start",
             json!(match start {
                 Start::Transformed => "transformed",

@@ -30,7 +30,7 @@ pub use input::input;
 use crate::api::problem as api;
 use crate::fit::direction::Direction;
 use crate::fit::limit::LocalLimit;
-use crate::fit::method::{Method, Start, Variant};
+use crate::fit::method::{Adaptive, Extended, Local, Method, Start, Variant, Weighted};
 use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
@@ -62,7 +62,7 @@ impl From<&Problem> for Arrangement {
     fn from(problem: &Problem) -> Self {
         Self {
             columns: problem.v().map(|_| problem.grid().columns),
-            local: matches!(problem.method(), Method::Local { .. }),
+            local: matches!(problem.method(), Method::Local(_)),
         }
     }
 }
@@ -71,7 +71,7 @@ impl From<&Outline> for Arrangement {
     fn from(outline: &Outline) -> Self {
         Self {
             columns: outline.surface.then_some(outline.grid.columns),
-            local: matches!(outline.method, Method::Local { .. }),
+            local: matches!(outline.method, Method::Local(_)),
         }
     }
 }
@@ -184,18 +184,18 @@ fn kind(outline: &Outline) -> &'static str {
 
 /// The method with its settings, and with the numbers that were computed for it.
 fn method(outline: &Outline, forecast: Option<Forecast>) -> Value {
-    let method = outline.method;
+    let method = &outline.method;
     let mut value = json!({"kind": method.name()});
-    match method {
-        Method::Weighted { omega } => {
+    match *method {
+        Method::Weighted(Weighted { omega }) => {
             value["omega"] = json!(forecast.and_then(|it| it.omega).or(omega));
         }
-        Method::Local { row_by_row } => {
+        Method::Local(Local { row_by_row }) => {
             value["adjusted"] = json!(outline.adjusted);
             value["row_by_row"] = json!(row_by_row);
         }
-        Method::Adaptive { threshold } => value["threshold"] = json!(threshold),
-        Method::Extended { start } => {
+        Method::Adaptive(Adaptive { threshold }) => value["threshold"] = json!(threshold),
+        Method::Extended(Extended { start }) => {
             value["start"] = json!(match start {
                 Start::Transformed => "transformed",
                 Start::Data => "data",

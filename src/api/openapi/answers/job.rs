@@ -6,7 +6,7 @@ use super::{
     Named, a, count, flag, list, number, object, or_null, path, per_direction, text, time,
 };
 use crate::fit::invalid::Axis;
-use crate::fit::update::Stall;
+use crate::fit::outcome::Stall;
 use crate::fit::warning::Warning;
 use crate::job::state::{Reason, State};
 

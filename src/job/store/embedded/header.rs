@@ -12,9 +12,9 @@ use super::tables::damaged;
 use super::warning::WarningMessage;
 use crate::fit::iteration::Level;
 use crate::fit::norms::FitError;
+use crate::fit::outcome::Stall;
 use crate::fit::points::Grid;
 use crate::fit::system::Forecast;
-use crate::fit::update::Stall;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::state::{Failure, Levels, Reason, State, Status};
 
@@ -252,7 +252,7 @@ impl Header {
             surface: outline.surface,
             rows: outline.grid.rows as u64,
             columns: outline.grid.columns as u64,
-            method: Some(outline.method.into()),
+            method: Some((&outline.method).into()),
             adjusted: outline.adjusted.map(|count| count as u64),
             tolerance: outline.tolerance,
             max_iterations: outline.max_iterations as u64,

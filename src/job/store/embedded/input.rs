@@ -11,7 +11,9 @@ use super::header::number;
 use super::tables::damaged;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::method::{LeastSquares, Method, Start, Variant};
+use crate::fit::method::{
+    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
@@ -200,7 +202,7 @@ impl Input {
             v: request.v.as_ref().map(DirectionMessage::from),
             weights: weights as i32,
             weight_values,
-            method: Some(request.method.into()),
+            method: Some((&request.method).into()),
             selects: request.selected.is_some(),
             selected: wide(request.selected.as_deref().unwrap_or_default()),
             start: request.start.as_deref().map(PointsMessage::new),
@@ -235,7 +237,7 @@ impl Input {
                 .method
                 .ok_or_else(|| damaged("no method"))?
                 .try_into()?,
-            selected,
+            selected: selected.map(Arc::from),
             start: start.map(Arc::new),
             tolerance: match self.relative {
                 true => Tolerance::Relative(self.tolerance),
@@ -348,14 +350,14 @@ impl TryFrom<DirectionMessage> for DirectionChoice {
     }
 }
 
-impl From<Method> for MethodMessage {
-    fn from(method: Method) -> Self {
-        let case = match method {
+impl From<&Method> for MethodMessage {
+    fn from(method: &Method) -> Self {
+        let case = match *method {
             Method::Global => MethodCase::Global(Nothing {}),
-            Method::Weighted { omega: value } => MethodCase::Weighted(Number { value }),
-            Method::Local { row_by_row } => MethodCase::Local(row_by_row),
-            Method::Adaptive { threshold } => MethodCase::Adaptive(threshold),
-            Method::Extended { start } => MethodCase::Extended(start == Start::Data),
+            Method::Weighted(Weighted { omega: value }) => MethodCase::Weighted(Number { value }),
+            Method::Local(Local { row_by_row }) => MethodCase::Local(row_by_row),
+            Method::Adaptive(Adaptive { threshold }) => MethodCase::Adaptive(threshold),
+            Method::Extended(Extended { start }) => MethodCase::Extended(start == Start::Data),
             Method::Transpose => MethodCase::Transpose(Nothing {}),
             Method::Convex => MethodCase::Convex(Nothing {}),
             Method::Chebyshev => MethodCase::Chebyshev(Nothing {}),
@@ -384,13 +386,13 @@ impl TryFrom<MethodMessage> for Method {
     fn try_from(message: MethodMessage) -> Result<Self, StoreError> {
         Ok(match message.case.ok_or_else(|| damaged("no method"))? {
             MethodCase::Global(_) => Self::Global,
-            MethodCase::Weighted(Number { value: omega }) => Self::Weighted { omega },
-            MethodCase::Local(row_by_row) => Self::Local { row_by_row },
-            MethodCase::Adaptive(threshold) => Self::Adaptive { threshold },
-            MethodCase::Extended(true) => Self::Extended { start: Start::Data },
-            MethodCase::Extended(false) => Self::Extended {
+            MethodCase::Weighted(Number { value: omega }) => Self::Weighted(Weighted { omega }),
+            MethodCase::Local(row_by_row) => Self::Local(Local { row_by_row }),
+            MethodCase::Adaptive(threshold) => Self::Adaptive(Adaptive { threshold }),
+            MethodCase::Extended(true) => Self::Extended(Extended { start: Start::Data }),
+            MethodCase::Extended(false) => Self::Extended(Extended {
                 start: Start::Transformed,
-            },
+            }),
             MethodCase::Transpose(_) => Self::Transpose,
             MethodCase::Convex(_) => Self::Convex,
             MethodCase::Chebyshev(_) => Self::Chebyshev,

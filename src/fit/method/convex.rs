@@ -1,10 +1,32 @@
-//! Planar curves whose control polygons keep the turns of the data (LWD04, Algorithm 1).
+//! Planar curves whose control polygons keep the turns of the data.
+//!
+//! ```text
+//! X⁰ = P,   X ← X + ε_k (P − B X),   U = ε_k I,   0 < ε_k ≤ 1
+//! ```
+//!
+//! (LWD04, Algorithm 1). A plain step, ε = 1, is taken if the turning angles of the control polygon keep
+//! their signs; else bisection finds the longest step that keeps them, but for [`NEARNESS`]. The signs of
+//! data that are no convex polygon are kept as they are. Where the control polygon of the interpolant
+//! turns otherwise, steps become shorter and shorter, and the fit stalls with a positive error. A level
+//! costs one application of B, and O(n) for each bisection.
 
-use super::{Change, Stall, State, Update};
-use crate::fit::norms::normalizing_scale;
+use super::scheme::{Demand, Scheme, Scope};
+use super::update::{Change, State, Update};
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::invalid::Invalid;
+use crate::fit::outcome::Stall;
 use crate::fit::points::Points;
-use crate::fit::problem::Problem;
-use crate::fit::system::System;
+use crate::fit::scaling::normalizing_scale;
+use crate::fit::setup::Setup;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "convex",
+    title: "Convexity-preserving PIA",
+    summary: "Steps are as long as the control polygon of a planar curve keeps the turns of the data.",
+    source: "LWD04, Algorithm 1",
+};
 
 /// Most halvings of each search; taken literally, both could go on for ever in floating point.
 const HALVINGS: usize = 60;
@@ -18,9 +40,50 @@ const PROGRESS: f64 = 1e-9;
 /// Steps without progress after which the fit has stalled.
 const PATIENCE: usize = 3;
 
+/// The method, which has no settings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Convex;
+
+impl Scheme for Convex {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        let found = if scope.is_surface {
+            "this is a surface"
+        } else if scope.dimension != 2 {
+            "the points have not two coordinates"
+        } else if scope.is_homogeneous {
+            "the weights are homogeneous"
+        } else {
+            return Ok(());
+        };
+        Err(Invalid::NotPlanar {
+            method: ABOUT.name,
+            found,
+        })
+    }
+
+    fn demand(&self) -> Demand {
+        Demand {
+            vectors: 1,
+            matrices: 1,
+        }
+    }
+
+    fn update(&self, equations: &Equations) -> Box<dyn Update> {
+        Box::new(Steps::new(&equations.setup))
+    }
+
+    fn ends_by_itself(&self) -> bool {
+        true
+    }
+}
+
 /// Plain steps where they keep the turns, else the part of a step that does.
 #[derive(Debug)]
-pub struct Convex {
+struct Steps {
     closed: bool,
     /// A power of two that keeps products of lengths within the range of numbers.
     scale: f64,
@@ -30,13 +93,13 @@ pub struct Convex {
     idle: usize,
 }
 
-impl Convex {
+impl Steps {
     /// Before the first update.
-    pub fn new(problem: &Problem) -> Self {
-        let data = problem.data();
+    fn new(setup: &Setup) -> Self {
+        let data = setup.data();
         Self {
-            closed: problem.u().is_closed(),
-            scale: normalizing_scale(problem.diagonal()),
+            closed: setup.u().is_closed(),
+            scale: normalizing_scale(setup.diagonal()),
             before: Points::zeros(data.dimension(), data.len()),
             step: Points::zeros(data.dimension(), data.len()),
             turns: Vec::with_capacity(data.len()),
@@ -94,8 +157,8 @@ impl Convex {
     }
 }
 
-impl Update for Convex {
-    fn update(&mut self, _system: &System, state: &mut State) -> Change {
+impl Update for Steps {
+    fn update(&mut self, _equations: &Equations, state: &mut State) -> Change {
         let State {
             control_points,
             residual,

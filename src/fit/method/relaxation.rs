@@ -1,13 +1,11 @@
-//! What methods do with the adjusting vectors: move every control point by its own, or transform all of
-//! them together.
+//! What a sweep does with the adjusting vectors of a level: it moves every control point by its own, or
+//! leaves all of them to a transform.
 
-use crate::fit::method::Method;
-use crate::fit::system::{System, Transform};
-use crate::fit::update::chebyshev::Recurrence;
+use super::recurrence::Recurrence;
 
 /// `d ← momentum d + gain Δ`, `X ← X + d`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Coefficients {
+pub(in crate::fit) struct Coefficients {
     /// How much of the last step is repeated.
     pub momentum: f64,
     /// The factor of the residual.
@@ -16,7 +14,7 @@ pub struct Coefficients {
 
 /// What a pass does with the residual of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Step {
+pub(in crate::fit) enum Step {
     /// Nothing: the control points stay.
     #[default]
     Keep,
@@ -28,7 +26,7 @@ pub enum Step {
 
 /// The coefficients of each level.
 #[derive(Clone, Copy, Debug)]
-pub enum Relaxation {
+pub(in crate::fit) enum Relaxation {
     /// Global and weighted: the same factor at every level.
     Scale(f64),
     /// Chebyshev: the recurrence at its first level, and how many levels have passed.
@@ -48,43 +46,32 @@ pub enum Relaxation {
 }
 
 impl Relaxation {
-    /// At level 0, for the methods that are steps of this kind.
-    pub fn new(system: &System) -> Option<Self> {
-        match (system.problem().method(), system.transform()) {
-            (Method::Global | Method::Weighted { .. }, Transform::Scale(omega)) => {
-                Some(Self::Scale(*omega))
-            }
-            (Method::Chebyshev, _) => {
-                let first = Recurrence::new(system);
-                Some(Self::Chebyshev {
-                    first,
-                    now: first,
-                    level: 0,
-                })
-            }
-            (Method::Direct, _) => Some(Self::Transformed { once: true }),
-            (Method::Transpose, _) => Some(Self::Transformed { once: false }),
-            _ => None,
+    /// Chebyshev steps at level 0.
+    pub(super) fn chebyshev(first: Recurrence) -> Self {
+        Self::Chebyshev {
+            first,
+            now: first,
+            level: 0,
         }
     }
 
     /// Whether all adjusting vectors are transformed together.
-    pub fn is_transformed(&self) -> bool {
+    pub(in crate::fit) fn is_transformed(&self) -> bool {
         matches!(self, Self::Transformed { .. })
     }
 
     /// Whether the residual of a level is seldom needed for another one.
-    pub fn is_done_at_once(&self) -> bool {
+    pub(in crate::fit) fn is_done_at_once(&self) -> bool {
         matches!(self, Self::Transformed { once: true })
     }
 
     /// Whether the last step matters.
-    pub fn has_momentum(&self) -> bool {
+    pub(in crate::fit) fn has_momentum(&self) -> bool {
         matches!(self, Self::Chebyshev { .. })
     }
 
     /// From the current level to the next.
-    pub fn step(&self) -> Step {
+    pub(in crate::fit) fn step(&self) -> Step {
         match self {
             Self::Scale(gain) => Step::Move(Coefficients {
                 momentum: 0.0,
@@ -100,7 +87,7 @@ impl Relaxation {
     }
 
     /// Moves on to the next level.
-    pub fn advance(&mut self) {
+    pub(in crate::fit) fn advance(&mut self) {
         if let Self::Chebyshev { now, level, .. } = self {
             now.advance();
             *level += 1;
@@ -108,7 +95,7 @@ impl Relaxation {
     }
 
     /// Moves back by some levels: forward from the first, as rounding cannot be undone.
-    pub fn go_back(&mut self, levels: usize) {
+    pub(in crate::fit) fn go_back(&mut self, levels: usize) {
         if let Self::Chebyshev { first, now, level } = self {
             *now = *first;
             *level -= levels;

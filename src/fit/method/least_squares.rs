@@ -1,22 +1,151 @@
-//! Least squares: fewer control points than data (Deng, Lin 2014; Lin, Cao, Zhang 2018).
+//! Least squares: fewer control points than data points.
 //!
-//! `X ← X + D Aᵀ (P − A X)`, where A is the rectangular collocation matrix. Control points without
-//! data (a zero column of A) stay where they are.
+//! ```text
+//! X ← X + D Aᵀ (P − A X),   A[i][j] = B_j(t_i)
+//! ```
+//!
+//! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are the first
+//! data point, the last, and between them data point `⌊(m+1) i / n⌋` (Deng, Lin 2014); on closed curves
+//! `⌊(m+1) i / (n+1)⌋`. Three choices of D:
+//!
+//! - [`Variant::Diagonal`]: D = diag(1 / column sums of A) (Lin, Cao, Zhang 2018);
+//! - [`Variant::Lspia`]: D = μ I with 0 < μ < 2/λ_max(AᵀA) (Deng, Lin 2014), by default 1 over the largest
+//!   column sum, as their 2 is on the edge of stability;
+//! - [`Variant::ConjugateGradients`]: CGLS for each coordinate, preconditioned with the diagonal D.
+//!
+//! Control points without data (a zero column of A) stay where they are. The fit ends at its minimum, when
+//! the length of the residual has stopped falling, which is hardly ever within the tolerance. A level
+//! costs one application of A and one of Aᵀ.
 
-use super::{Change, State, Update};
+use std::sync::Arc;
+
+use super::scheme::{Demand, Progress, Scheme, Scope};
+use super::update::{Change, State, Update};
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::invalid::Invalid;
 use crate::fit::lane::Lane;
-use crate::fit::method::Variant;
-use crate::fit::norms::normalizing_scale;
+use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
-use crate::fit::problem::Problem;
-use crate::fit::system::System;
+use crate::fit::scaling::normalizing_scale;
+use crate::fit::setup::Setup;
+use crate::fit::warning::Warning;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "least_squares",
+    title: "Least-squares PIA (LSPIA)",
+    summary: "Fewer control points than data points approach the least-squares approximation.",
+    source: "Deng, Lin, CAD 47 (2014); Lin, Cao, Zhang, CAGD 64 (2018)",
+};
+
+/// A least-squares fit whose residual shrinks by less than this part in one iteration has converged.
+const STATIONARY: f64 = 1e-6;
 
 /// Column sums below this part of the largest belong to control points without data.
 const NO_DATA: f64 = 1e-12;
 
+/// A least-squares fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastSquares {
+    /// The number of control points of a curve, or in the u direction.
+    pub u: usize,
+    /// The number of control points in the v direction of a surface.
+    pub v: usize,
+    /// How the control points move.
+    pub variant: Variant,
+}
+
+/// The variants of the least-squares update.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Variant {
+    /// `X ← X + D Aᵀ Δ` with D = diag(1 / column sums of A).
+    Diagonal,
+    /// `X ← X + μ Aᵀ Δ`; without μ it is 1 / (largest column sum of A).
+    Lspia {
+        /// The given μ > 0.
+        mu: Option<f64>,
+    },
+    /// Conjugate gradients (CGLS), preconditioned with the same D.
+    ConjugateGradients,
+}
+
+impl Scheme for LeastSquares {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
+        match self.variant {
+            Variant::Lspia { mu: Some(mu) } => Invalid::unless_positive("mu", mu),
+            _ => Ok(()),
+        }
+    }
+
+    fn control_points(&self) -> Option<(usize, usize)> {
+        Some((self.u, self.v))
+    }
+
+    fn fits_holes(&self) -> bool {
+        true
+    }
+
+    fn demand(&self) -> Demand {
+        Demand {
+            vectors: 3,
+            matrices: 4,
+        }
+    }
+
+    fn complete(&self, equations: &mut Equations) {
+        equations.forecast.without_data = Steps::new(equations, self.variant).fixed();
+    }
+
+    fn start(&self, equations: &Equations) -> Arc<Points> {
+        Arc::new(start(&equations.setup))
+    }
+
+    fn update(&self, equations: &Equations) -> Box<dyn Update> {
+        Box::new(Steps::new(equations, self.variant))
+    }
+
+    /// They end at the minimum, wherever that is, and nothing falls to zero.
+    fn decays(&self) -> bool {
+        false
+    }
+
+    fn ends_by_itself(&self) -> bool {
+        true
+    }
+
+    fn stop(&self, progress: &Progress) -> Option<Outcome> {
+        if progress.iteration == 0 {
+            None
+        } else if progress.decrease.abs() < STATIONARY {
+            Some(Outcome::Stationary)
+        } else if progress.decrease < 0.0 {
+            Some(Outcome::Stalled(Stall::Diverging))
+        } else {
+            None
+        }
+    }
+
+    fn warnings(
+        &self,
+        forecast: &Forecast,
+        _predicted: Option<usize>,
+        _iterations: usize,
+    ) -> Vec<Warning> {
+        let count = forecast.without_data;
+        let lost = (count > 0).then_some(Warning::WithoutData { count });
+        lost.into_iter().collect()
+    }
+}
+
 /// The update of the three variants.
 #[derive(Debug)]
-pub struct LeastSquaresUpdate {
+struct Steps {
     /// The diagonal of D.
     scale: Vec<f64>,
     /// Powers of two that bring each coordinate to the order of one, so that squares neither over-
@@ -40,20 +169,20 @@ struct Conjugate {
     begun: bool,
 }
 
-impl LeastSquaresUpdate {
+impl Steps {
     /// Before the first update.
-    pub fn new(system: &System, variant: Variant) -> Self {
-        let problem = system.problem();
-        let count = problem.control_grid().count();
-        let dimension = problem.data().dimension();
-        let mut scratch = vec![0.0; system.collocation().scratch()];
-        let mut ones = vec![1.0; problem.grid().count()];
-        if let Some(missing) = problem.missing() {
+    fn new(equations: &Equations, variant: Variant) -> Self {
+        let setup = &equations.setup;
+        let count = setup.control_grid().count();
+        let dimension = setup.data().dimension();
+        let mut scratch = vec![0.0; equations.collocation.scratch()];
+        let mut ones = vec![1.0; setup.grid().count()];
+        if let Some(missing) = setup.missing() {
             missing.clear(&mut ones);
         }
         let mut sums = vec![0.0; count];
-        system
-            .collocation()
+        equations
+            .collocation
             .apply_transposed(&ones, &mut sums, &mut scratch);
         let largest = sums.iter().copied().fold(0.0, f64::max);
         let factor = |sum: f64| match variant {
@@ -63,13 +192,13 @@ impl LeastSquaresUpdate {
         };
         let conjugate = (variant == Variant::ConjugateGradients).then(|| Conjugate {
             direction: Points::zeros(dimension, count),
-            image: vec![0.0; problem.grid().count()],
+            image: vec![0.0; setup.grid().count()],
             gamma: vec![0.0; dimension],
             begun: false,
         });
         Self {
             scale: sums.into_iter().map(factor).collect(),
-            units: problem
+            units: setup
                 .data()
                 .lanes()
                 .iter()
@@ -81,20 +210,18 @@ impl LeastSquaresUpdate {
             conjugate,
         }
     }
-}
 
-impl LeastSquaresUpdate {
     /// How many control points stay where they are, for want of data.
-    pub fn fixed(&self) -> usize {
+    fn fixed(&self) -> usize {
         self.scale.iter().filter(|&&factor| factor == 0.0).count()
     }
 }
 
-impl Update for LeastSquaresUpdate {
-    fn update(&mut self, system: &System, state: &mut State) -> Change {
+impl Update for Steps {
+    fn update(&mut self, equations: &Equations, state: &mut State) -> Change {
         let moved = self.scale.iter().filter(|&&factor| factor > 0.0).count();
         if let Some(conjugate) = &mut self.conjugate {
-            conjugate.update(system, state, &self.gradient, &self.scale, &self.units);
+            conjugate.update(equations, state, &self.gradient, &self.scale, &self.units);
             return Change::Residual { moved };
         }
         let lanes = state.control_points.lanes_mut().iter_mut();
@@ -106,13 +233,13 @@ impl Update for LeastSquaresUpdate {
         Change::All { moved }
     }
 
-    fn measured(&mut self, system: &System, state: &mut State) {
+    fn measured(&mut self, equations: &Equations, state: &mut State) {
         self.square = 0.0;
         let unit = self.units.iter().copied().fold(f64::INFINITY, f64::min);
         let lanes = self.gradient.lanes_mut().iter_mut();
         for (gradient, residual) in lanes.zip(state.residual.lanes()) {
-            system
-                .collocation()
+            equations
+                .collocation
                 .apply_transposed(residual, gradient, &mut state.scratch);
             self.square += gradient
                 .iter()
@@ -136,7 +263,7 @@ impl Conjugate {
     /// CGLS, preconditioned with D, for each coordinate by itself.
     fn update(
         &mut self,
-        system: &System,
+        equations: &Equations,
         state: &mut State,
         gradient: &Points,
         scale: &[f64],
@@ -155,10 +282,10 @@ impl Conjugate {
             for ((direction, g), d) in direction.iter_mut().zip(gradient).zip(scale) {
                 *direction = d * g + beta * *direction;
             }
-            system
-                .collocation()
+            equations
+                .collocation
                 .apply(direction, &mut self.image, &mut state.scratch);
-            if let Some(missing) = system.problem().missing() {
+            if let Some(missing) = equations.setup.missing() {
                 missing.clear(&mut self.image);
             }
             let curvature: f64 = self.image.iter().map(|q| (q * unit) * (q * unit)).sum();
@@ -183,10 +310,10 @@ impl Conjugate {
 
 /// Level 0: the first and the last data point, and between them point `⌊(m+1) i / n⌋` (Deng, Lin
 /// 2014); on closed curves `⌊(m+1) i / (n+1)⌋`.
-pub fn start(problem: &Problem) -> Points {
-    let (data, grid) = (problem.data(), problem.grid());
-    let rows = samples(grid.rows, problem.u().free(), problem.u().is_closed());
-    let columns = problem
+fn start(setup: &Setup) -> Points {
+    let (data, grid) = (setup.data(), setup.grid());
+    let rows = samples(grid.rows, setup.u().free(), setup.u().is_closed());
+    let columns = setup
         .v()
         .map_or(vec![0], |v| samples(grid.columns, v.free(), v.is_closed()));
     let pick = |lane: &Lane| {

@@ -1,0 +1,15 @@
+//! What the methods and bases are called, and where they come from.
+
+/// An entry of a table of methods or bases, in the terms of the field. Names, schemas and
+/// descriptions elsewhere derive from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct About {
+    /// The name: lower case, with underscores between words.
+    pub name: &'static str,
+    /// The term that the literature uses.
+    pub title: &'static str,
+    /// What it does, in one sentence.
+    pub summary: &'static str,
+    /// The publication and equation that it follows.
+    pub source: &'static str,
+}

@@ -1,0 +1,42 @@
+//! The equations `B X = P` of a fit, and what a method makes of them.
+
+use std::sync::Arc;
+
+use super::forecast::Forecast;
+use super::points::Points;
+use super::setup::Setup;
+use super::tensor::Tensor;
+use super::transform::Transform;
+
+/// What does not change from level to level: data P, collocation matrix B, transform U, and what is
+/// known of the convergence.
+#[derive(Debug)]
+pub(super) struct Equations {
+    /// The data and the bases.
+    pub setup: Arc<Setup>,
+    /// The collocation matrix B.
+    pub collocation: Arc<Tensor>,
+    /// The transform U.
+    pub transform: Transform,
+    /// What is known of the convergence.
+    pub forecast: Forecast,
+}
+
+impl Equations {
+    /// Numbers of scratch space that the transform and the maps of the matrix need.
+    pub(super) fn scratch(&self) -> usize {
+        let count = self.setup.data().len();
+        self.transform.scratch(&self.collocation, count)
+    }
+
+    /// Applies the transform in place: `points ← U points`.
+    pub(super) fn transform(&self, points: &mut Points, scratch: &mut [f64]) {
+        self.transform.apply(&self.collocation, points, scratch);
+    }
+
+    /// Applies the transform in place and adds other points: `points ← U points + others`.
+    pub(super) fn transform_onto(&self, points: &mut Points, others: &Points, scratch: &mut [f64]) {
+        self.transform
+            .apply_onto(&self.collocation, points, others, scratch);
+    }
+}

@@ -1,0 +1,52 @@
+//! Where a fit will end, found out by trying its beginning.
+
+use std::sync::Arc;
+
+use super::forecast::Foreseen;
+use super::iteration::Iteration;
+use super::outcome::Outcome;
+use super::system::System;
+
+/// Most multiplications of looking for the end of a fit: a millisecond or two.
+const LOOK: usize = 2_000_000;
+
+/// Fewer steps would say little.
+const LEAST_STEPS: usize = 8;
+
+impl Iteration {
+    /// Level 0 of a fit, of which it is found out before where it will end, unless that is known.
+    pub fn start(system: Arc<System>) -> Self {
+        system.foresee(end);
+        Self::start_unforeseen(system)
+    }
+}
+
+/// Where a fit will end. Short ones are tried; of longer ones the beginning, if that says it.
+fn end(system: &Arc<System>) -> Option<Foreseen> {
+    let problem = system.problem();
+    let method = problem.method().scheme();
+    let exact = system.forecast().exact_after;
+    if method.ends_when_exact() {
+        return exact.map(Foreseen::End);
+    }
+    // Of the other exact methods nothing better is known on the way.
+    let exact = exact.map(|end| Foreseen::About { end, seen: end });
+    let steps = LOOK / problem.step_cost().max(1);
+    // Errors do not fall to zero: fits without a tolerance go on as long as they may.
+    let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
+    if endless || steps < LEAST_STEPS {
+        return exact;
+    }
+    let mut iteration = Iteration::start_unforeseen(Arc::clone(system));
+    for _ in 0..steps {
+        match iteration.outcome() {
+            None => iteration.step(),
+            Some(Outcome::Exhausted) => break,
+            Some(Outcome::Overflow) => return None,
+            Some(_) => return Some(Foreseen::End(iteration.level().iteration)),
+        };
+    }
+    let seen = iteration.level().iteration;
+    let end = iteration.end_of_decay();
+    exact.or(end.map(|end| Foreseen::About { end, seen }))
+}

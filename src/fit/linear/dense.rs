@@ -1,0 +1,34 @@
+//! LU decomposition of dense matrices with partial pivoting.
+
+use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
+
+use super::map::LineMap;
+
+/// `P L U = B`: O(n³) to make, O(n²) to solve a line.
+#[derive(Debug)]
+pub struct DenseLu {
+    lu: nalgebra::LU<f64, Dyn, Dyn>,
+    /// The number of rows.
+    n: usize,
+}
+
+impl DenseLu {
+    /// Factorizes a square matrix.
+    pub(super) fn new(matrix: &DMatrix<f64>) -> Self {
+        Self {
+            lu: matrix.clone().lu(),
+            n: matrix.nrows(),
+        }
+    }
+}
+
+impl LineMap for DenseLu {
+    fn apply(&self, lines: &mut [f64]) {
+        let Self { lu, n } = self;
+        let mut view = DMatrixViewMut::from_slice(lines, *n, lines.len() / n);
+        if !lu.solve_mut(&mut view) {
+            // Singular to working precision: the iteration ends with an overflow.
+            view.fill(f64::INFINITY);
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Adaptive PIA: only the control points of data points that are far away move.
+//!
+//! ```text
+//! X⁰ = P,   X ← X + Sᵏ (P − B X),   Sᵏ = diag(1 where ‖Δ_i‖ > threshold, else 0)
+//! ```
+//!
+//! (Lin10, section 6). The points are chosen anew at every level: points that were near enough can move
+//! away again, and freezing them for ever does not converge. A level costs as much as the supports of
+//! the points that move, fewer and fewer of them. The rate of classical PIA, `1 − λ_min`, is an upper
+//! bound. The fit ends when no point is further away than the threshold, even if the tolerance is less.
+
+use super::eigenvalues;
+use super::scheme::{Scheme, Scope};
+use super::selection::{Choice, Selection, all_points};
+use super::update::{State, Update};
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::invalid::Invalid;
+use crate::fit::norms::Norms;
+use crate::fit::setup::Setup;
+use crate::fit::tensor::Tensor;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "adaptive",
+    title: "Adaptive PIA",
+    summary: "Only control points move whose data points are further away than a threshold, chosen anew at every level.",
+    source: "Lin10, section 6",
+};
+
+/// Adaptive PIA with its threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adaptive {
+    /// In data units, greater than 0: points that are no further away stay.
+    pub threshold: f64,
+}
+
+impl Scheme for Adaptive {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
+        Invalid::unless_positive("threshold", self.threshold)
+    }
+
+    /// Points that are nearer than the threshold are left alone.
+    fn tolerance(&self, asked: f64) -> f64 {
+        asked.max(self.threshold)
+    }
+
+    fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
+        eigenvalues::classical(setup, collocation)
+    }
+
+    fn update(&self, equations: &Equations) -> Box<dyn Update> {
+        let far = Far {
+            threshold: self.threshold,
+            norms: all_points(equations),
+        };
+        Box::new(Selection::new(equations, far, Vec::new()))
+    }
+
+    fn rate_is_sharp(&self) -> bool {
+        false
+    }
+}
+
+/// The points whose data point is further away than the threshold.
+#[derive(Debug)]
+struct Far {
+    threshold: f64,
+    norms: Norms,
+}
+
+impl Choice for Far {
+    const VARIES: bool = true;
+
+    fn begin(&mut self, state: &mut State) {
+        state.changed.extend(0..state.residual.len());
+    }
+
+    fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>) {
+        let data = equations.setup.data();
+        let distance = |index: usize| self.norms.distance(data, &state.residual, index);
+        // A point whose residual has not changed is as near as it was.
+        let far = |index: &usize| distance(*index) > self.threshold;
+        active.clear();
+        active.extend(state.changed.iter().copied().filter(far));
+    }
+}

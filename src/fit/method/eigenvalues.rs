@@ -1,0 +1,38 @@
+//! The least eigenvalue of the collocation matrix, as the methods that converge by it need it.
+
+use crate::fit::forecast::Forecast;
+use crate::fit::setup::Setup;
+use crate::fit::spectrum;
+use crate::fit::tensor::Tensor;
+
+/// Up to this number of points in a direction λ_min is computed for the forecast alone; methods
+/// that need it always have it.
+const FORECAST: usize = 100_000;
+
+/// Whether λ_min is computed for the forecast alone.
+pub(super) fn is_small(setup: &Setup) -> bool {
+    let grid = setup.grid();
+    grid.rows.max(grid.columns) <= FORECAST
+}
+
+/// λ_min of the collocation matrix, if it is not known yet: of a surface the product of those of both
+/// directions.
+pub(super) fn least(setup: &Setup, collocation: &Tensor) -> f64 {
+    let directions = collocation.directions();
+    let compute = || directions.map(spectrum::least_eigenvalue).product();
+    setup.lambda_min().unwrap_or_else(compute)
+}
+
+/// The forecast of classical PIA, whose error shrinks by `1 − λ_min` in the long run (LBW05, Theorem
+/// 2.1), unless there are many points.
+pub(super) fn classical(setup: &Setup, collocation: &Tensor) -> Forecast {
+    if !is_small(setup) {
+        return Forecast::default();
+    }
+    let lambda = least(setup, collocation);
+    Forecast {
+        lambda_min: Some(lambda),
+        rate: Some(1.0 - lambda),
+        ..Forecast::default()
+    }
+}

@@ -1,0 +1,119 @@
+//! Extended PIA: the transform of a QR decomposition makes the fit exact after finitely many levels.
+//!
+//! ```text
+//! B = Q R,   H = diag(1 / r_ii),   U = H Qᵀ
+//! X⁰ = U P or P,   X ← X + U (P − B X)
+//! ```
+//!
+//! (Deng13 (9)). `I − U B = I − H R` is strictly upper triangular, so that its power n + 1 vanishes,
+//! whatever the basis and the parameters: the error is zero after n + 1 levels from P, or n from `U P`,
+//! with n the highest index of a control point. On surfaces `U = U_u ⊗ U_v`, and it takes m + n + 1 levels
+//! with highest indices m and n, not (m + 1)(n + 1). The error is not monotone: it can grow by many
+//! orders of magnitude before it vanishes, and rounding of that is what is left; a rehearsal finds out
+//! how much. For B-splines R is banded: O(n p²) to prepare, O(n p) for each level.
+
+use std::sync::Arc;
+
+use super::linear::Linear;
+use super::rehearsal;
+use super::scheme::Scheme;
+use super::update::Update;
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::points::Points;
+use crate::fit::setup::Setup;
+use crate::fit::tensor::Tensor;
+use crate::fit::transform::Transform;
+use crate::fit::warning::Warning;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "extended",
+    title: "Extended PIA",
+    summary: "A QR decomposition of the collocation matrix gives a transform with which the fit is exact after finitely many levels.",
+    source: "Deng13 (9)",
+};
+
+/// Extended PIA with its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extended {
+    /// The control points of level 0.
+    pub start: Start,
+}
+
+/// Level 0 of the extended method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// `X⁰ = U P`.
+    Transformed,
+    /// `X⁰ = P`.
+    Data,
+}
+
+impl Extended {
+    /// The number of levels after which the error is zero. The start `U P` is one ahead of all others.
+    fn nilpotency(self, setup: &Setup) -> usize {
+        let highest: usize = setup
+            .directions()
+            .map(|direction| direction.free() - 1)
+            .sum();
+        match self.start {
+            Start::Transformed if setup.start().is_none() => highest,
+            _ => highest + 1,
+        }
+    }
+}
+
+impl Scheme for Extended {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn forecast(&self, setup: &Setup, _collocation: &Tensor) -> Forecast {
+        Forecast {
+            exact_after: Some(self.nilpotency(setup)),
+            ..Forecast::default()
+        }
+    }
+
+    fn transform(&self, collocation: &Tensor, _forecast: &Forecast) -> Transform {
+        let (u, v) = (&collocation.u, collocation.v.as_ref());
+        Transform::Orthogonal(u.orthogonal(), v.map(|v| v.orthogonal()))
+    }
+
+    fn complete(&self, equations: &mut Equations) {
+        equations.forecast.rounding = rehearsal::left_by_rounding(self, equations);
+    }
+
+    fn start(&self, equations: &Equations) -> Arc<Points> {
+        let data = equations.setup.data();
+        match self.start {
+            Start::Data => Arc::clone(data),
+            Start::Transformed => {
+                let mut control_points = Points::clone(data);
+                equations.transform(&mut control_points, &mut vec![0.0; equations.scratch()]);
+                Arc::new(control_points)
+            }
+        }
+    }
+
+    fn update(&self, equations: &Equations) -> Box<dyn Update> {
+        Box::new(Linear::nilpotent_after(equations.forecast.exact_after))
+    }
+
+    fn solves(&self) -> bool {
+        true
+    }
+
+    fn warnings(
+        &self,
+        forecast: &Forecast,
+        _predicted: Option<usize>,
+        _iterations: usize,
+    ) -> Vec<Warning> {
+        let rounding = forecast.rounding.zip(forecast.exact_after);
+        let rounding = rounding.map(|(left, iterations)| Warning::Rounding { left, iterations });
+        rounding.into_iter().collect()
+    }
+}

@@ -1,0 +1,169 @@
+//! Local PIA: only the control points of selected data points move.
+//!
+//! ```text
+//! X⁰ = P,   X ← X + S (P − B X),   U = S = diag(0 or 1)
+//! ```
+//!
+//! (Lin10, sections 2–5). The difference vectors of the selected points I fall to zero, those of the
+//! others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::fit::limit`]). Errors and the stop
+//! rule are those of the selected points; the largest difference vector of the others is told apart.
+//! The rate is `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger
+//! eigenvalues than the matrix; for one point l it is `1 − B_l(t_l)`. A level costs as much as the
+//! supports of the selected points.
+//!
+//! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9): a row until it is within the
+//! tolerance, then the next one. One pass is not enough, as later rows disturb earlier ones, so that
+//! the sweeps are repeated until all rows are.
+
+use super::eigenvalues;
+use super::scheme::{Scheme, Scope};
+use super::selection::{Choice, Selection, all_points};
+use super::update::{State, Update};
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::invalid::Invalid;
+use crate::fit::norms::Norms;
+use crate::fit::setup::Setup;
+use crate::fit::spectrum;
+use crate::fit::tensor::Tensor;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "local",
+    title: "Local PIA (LPIA)",
+    summary: "Only the control points of selected data points move, and all others stay where they are.",
+    source: "Lin10, sections 2–5",
+};
+
+/// Up to this number of adjusted points the least eigenvalue of their block is computed, in O(n³).
+const BLOCK: usize = 200;
+
+/// Local PIA. Which points are selected is a part of the request, as there can be many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Local {
+    /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
+    pub row_by_row: bool,
+}
+
+impl Scheme for Local {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        if self.row_by_row && !scope.is_surface {
+            return Err(Invalid::RowsOfCurve);
+        }
+        match scope.selected {
+            None => Ok(()),
+            Some(indices) => check_indices(indices, scope.grid.count()),
+        }
+    }
+
+    fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
+        let few = setup.selected().filter(|points| points.len() <= BLOCK);
+        let Some(adjusted) = few else {
+            return eigenvalues::classical(setup, collocation);
+        };
+        let block = spectrum::least_eigenvalue_of_block(collocation, adjusted);
+        Forecast {
+            lambda_min: setup.lambda_min(),
+            rate: block.map(|least| 1.0 - least),
+            block,
+            ..Forecast::default()
+        }
+    }
+
+    fn update(&self, equations: &Equations) -> Box<dyn Update> {
+        let setup = &equations.setup;
+        let adjusted = adjusted(setup);
+        if !self.row_by_row {
+            return Box::new(Selection::new(equations, Fixed, adjusted));
+        }
+        let columns = setup.grid().columns;
+        let rows = adjusted
+            .chunk_by(|a, b| a / columns == b / columns)
+            .map(<[usize]>::to_vec)
+            .collect();
+        let sweep = RowSweep {
+            rows,
+            current: 0,
+            norms: all_points(equations),
+        };
+        Box::new(Selection::new(equations, sweep, Vec::new()))
+    }
+
+    fn adjusted(&self, setup: &Setup) -> Option<Vec<usize>> {
+        Some(adjusted(setup))
+    }
+}
+
+/// The selected points, increasing; all of them if none were selected.
+fn adjusted(setup: &Setup) -> Vec<usize> {
+    let mut indices = match setup.selected() {
+        Some(indices) => indices.to_vec(),
+        None => (0..setup.grid().count()).collect(),
+    };
+    indices.sort_unstable();
+    indices
+}
+
+fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
+    if indices.is_empty() {
+        return Err(Invalid::NoIndices);
+    }
+    let mut seen = vec![false; count];
+    for (index, &value) in indices.iter().enumerate() {
+        match seen.get_mut(value) {
+            None => {
+                return Err(Invalid::IndexOutside {
+                    index,
+                    value,
+                    count,
+                });
+            }
+            Some(true) => return Err(Invalid::IndexRepeated { index }),
+            Some(seen) => *seen = true,
+        }
+    }
+    Ok(())
+}
+
+/// Always the same points.
+#[derive(Debug)]
+struct Fixed;
+
+impl Choice for Fixed {
+    const VARIES: bool = false;
+
+    fn choose(&mut self, _equations: &Equations, _state: &State, _active: &mut Vec<usize>) {}
+}
+
+/// The points of one row, until they are within the tolerance; then those of the next row.
+#[derive(Debug)]
+struct RowSweep {
+    /// The rows with something to adjust.
+    rows: Vec<Vec<usize>>,
+    current: usize,
+    norms: Norms,
+}
+
+impl Choice for RowSweep {
+    const VARIES: bool = true;
+
+    fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>) {
+        let setup = &equations.setup;
+        let (data, tolerance) = (setup.data(), setup.tolerance());
+        let distance = |index: usize| self.norms.distance(data, &state.residual, index);
+        let done = |row: &[usize]| row.iter().all(|&index| distance(index) <= tolerance);
+        // At most once around: if all are done, the fit has converged.
+        for _ in 0..self.rows.len() {
+            if !done(&self.rows[self.current]) {
+                break;
+            }
+            self.current = (self.current + 1) % self.rows.len();
+        }
+        active.clone_from(&self.rows[self.current]);
+    }
+}

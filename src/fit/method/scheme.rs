@@ -1,0 +1,205 @@
+//! What a method is: everything that the rest of `fit` asks of one.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::relaxation::Relaxation;
+use super::update::Update;
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::invalid::Invalid;
+use crate::fit::missing::Missing;
+use crate::fit::norms::FitError;
+use crate::fit::outcome::Outcome;
+use crate::fit::plain::Plain;
+use crate::fit::points::{Grid, Points};
+use crate::fit::setup::Setup;
+use crate::fit::tensor::Tensor;
+use crate::fit::transform::Transform;
+use crate::fit::warning::Warning;
+
+/// What the settings of a method are checked against, before anything has been computed.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fit) struct Scope<'a> {
+    /// The arrangement of the data points.
+    pub grid: Grid,
+    /// Whether there is a second direction.
+    pub is_surface: bool,
+    /// The number of coordinates of the data points.
+    pub dimension: usize,
+    /// Whether the fit is made in homogeneous coordinates.
+    pub is_homogeneous: bool,
+    /// The indices of the control points that may move, if they were given.
+    pub selected: Option<&'a [usize]>,
+}
+
+/// What a method needs of memory besides data, control points and residual.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fit) struct Demand {
+    /// Vectors with as many points as the data.
+    pub vectors: usize,
+    /// Matrices as large as the collocation matrix, that one included.
+    pub matrices: usize,
+}
+
+/// The errors so far, for the stop rule of a method.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::fit) struct Progress {
+    /// The number of updates.
+    pub iteration: usize,
+    /// The length of the residual at level 0, up to a factor.
+    pub first_length: f64,
+    /// The length of the residual at the current level, up to the same factor.
+    pub length: f64,
+    /// The relative decrease of that length in the last update.
+    pub decrease: f64,
+}
+
+/// A method: how the control points of level 0 are chosen, how they move (the transform U of
+/// `X ← X + U (P − B X)`), when to stop, and what is known beforehand. Functions are called once for
+/// each fit, or for each level; the loops over points are in [`Update`] and the sweeps.
+pub(in crate::fit) trait Scheme: Debug {
+    /// Its entry in the table of methods.
+    fn about(&self) -> &'static About;
+
+    /// Refuses settings that are out of their range, or not for a fit like this.
+    fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
+        Ok(())
+    }
+
+    /// Refuses fits that cannot converge, `ρ(I − U B) ≥ 1`, as far as that is known.
+    fn check_convergence(&self, _setup: &Setup) -> Result<(), Invalid> {
+        Ok(())
+    }
+
+    /// The numbers of control points in both directions, if there are fewer of them than data points.
+    fn control_points(&self) -> Option<(usize, usize)> {
+        None
+    }
+
+    /// Whether data points of the grid may be missing.
+    fn fits_holes(&self) -> bool {
+        false
+    }
+
+    /// The tolerance of the fit, in data units, if this one is asked for.
+    fn tolerance(&self, asked: f64) -> f64 {
+        asked
+    }
+
+    /// What it needs of memory.
+    fn demand(&self) -> Demand {
+        Demand {
+            vectors: 1,
+            matrices: 4,
+        }
+    }
+
+    /// What is known of the convergence before the first step.
+    fn forecast(&self, _setup: &Setup, _collocation: &Tensor) -> Forecast {
+        Forecast::default()
+    }
+
+    /// The transform U, as far as it is a fixed linear map.
+    fn transform(&self, _collocation: &Tensor, _forecast: &Forecast) -> Transform {
+        Transform::Scale(1.0)
+    }
+
+    /// Completes the forecast by what only the transform, or a trial, can tell.
+    fn complete(&self, _equations: &mut Equations) {}
+
+    /// The control points of level 0, unless they were given: those of most methods are the data.
+    fn start(&self, equations: &Equations) -> Arc<Points> {
+        Arc::clone(equations.setup.data())
+    }
+
+    /// How the plain loop moves the control points.
+    fn update(&self, equations: &Equations) -> Box<dyn Update>;
+
+    /// How a sweep moves them, if it can.
+    fn relaxation(&self, _equations: &Equations) -> Option<Relaxation> {
+        None
+    }
+
+    /// The indices of the control points that may move, increasing, if others never do.
+    fn adjusted(&self, _setup: &Setup) -> Option<Vec<usize>> {
+        None
+    }
+
+    /// Whether a level within the range of numbers has to be looked at for control points that are not:
+    /// methods that solve for them have large ones where basis functions nearly vanish.
+    fn solves(&self) -> bool {
+        false
+    }
+
+    /// Whether errors fall towards zero, so that their decay tells the end.
+    fn decays(&self) -> bool {
+        true
+    }
+
+    /// Whether fits end although errors never reach a tolerance of zero.
+    fn ends_by_itself(&self) -> bool {
+        false
+    }
+
+    /// Whether the rate of the forecast is that of the long run, rather than a bound.
+    fn rate_is_sharp(&self) -> bool {
+        true
+    }
+
+    /// Whether the level `exact_after` of the forecast is where the fit ends, but for rounding.
+    fn ends_when_exact(&self) -> bool {
+        false
+    }
+
+    /// Whether the fit ends for a reason of the method's own: it is neither within the tolerance nor at
+    /// the last allowed level.
+    fn stop(&self, _progress: &Progress) -> Option<Outcome> {
+        None
+    }
+
+    /// What is doubtful by the forecast, where the fit will end at level `predicted`, as far as is
+    /// known at level 0, and at level `iterations` at the latest.
+    fn warnings(
+        &self,
+        _forecast: &Forecast,
+        _predicted: Option<usize>,
+        _iterations: usize,
+    ) -> Vec<Warning> {
+        Vec::new()
+    }
+}
+
+impl dyn Scheme + '_ {
+    /// The control points of level 0: given ones, or those of the method.
+    pub(in crate::fit) fn level_zero(&self, equations: &Equations) -> Arc<Points> {
+        match equations.setup.start() {
+            Some(start) => Arc::clone(start),
+            None => self.start(equations),
+        }
+    }
+
+    /// Level 0 of the plain loop from these control points, and its error.
+    pub(in crate::fit) fn plain(
+        &self,
+        equations: &Equations,
+        control_points: Arc<Points>,
+    ) -> (Plain, FitError) {
+        let counted = self.counted(&equations.setup);
+        Plain::start(equations, self.update(equations), control_points, counted)
+    }
+
+    /// Which data points count for the error of a fit: the adjusted ones if others never move, else
+    /// all that there are.
+    fn counted(&self, setup: &Setup) -> Option<Vec<bool>> {
+        let Some(adjusted) = self.adjusted(setup) else {
+            return setup.missing().map(Missing::present);
+        };
+        let mut counted = vec![false; setup.grid().count()];
+        for index in adjusted {
+            counted[index] = true;
+        }
+        Some(counted)
+    }
+}

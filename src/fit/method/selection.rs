@@ -1,0 +1,150 @@
+//! Fits that move only some control points, shared by the local and the adaptive method.
+//!
+//! Moving control point i by δ changes the residual only in the support of its basis function:
+//! `Δ ← Δ − B e_i δ`. So an update costs as much as the supports of the moved points, about
+//! `|I| (p + 1)` multiplications for each coordinate of a curve of degree p and `|I| (p + 1)²` of a
+//! surface, whatever the number of data. Where that is more than computing the whole residual anew,
+//! the whole residual is computed anew.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::update::{Change, State, Update};
+use crate::fit::equations::Equations;
+use crate::fit::linear::columns::Columns;
+use crate::fit::norms::Norms;
+use crate::fit::tensor::TensorColumns;
+
+/// How the moved control points are chosen.
+pub(super) trait Choice: Debug + Send {
+    /// Whether each update has its own, rather than all of them the same.
+    const VARIES: bool;
+
+    /// Prepares the choice at level 0.
+    fn begin(&mut self, _state: &mut State) {}
+
+    /// Chooses the control points that the next update moves, increasing, now that the residual is
+    /// known.
+    fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>);
+}
+
+/// Moves the chosen control points by their adjusting vectors.
+#[derive(Debug)]
+pub(super) struct Selection<C> {
+    choice: C,
+    /// The control points that the next update moves, increasing.
+    active: Vec<usize>,
+    /// Those that the last one moved, where each update has its own.
+    moved: Vec<usize>,
+    /// Their adjusting vectors, one coordinate.
+    deltas: Vec<f64>,
+    matrix: Arc<TensorColumns>,
+    /// The update that last changed the residual of each point.
+    stamps: Vec<u32>,
+    stamp: u32,
+    /// Multiplications of computing the whole residual anew, and of an update by one point.
+    whole_cost: usize,
+    point_cost: usize,
+}
+
+/// The distances of all points, whether they move or not.
+pub(super) fn all_points(equations: &Equations) -> Norms {
+    Norms::new(&equations.setup, None)
+}
+
+impl<C: Choice> Selection<C> {
+    /// Before the first update, which moves `active` (increasing) unless the choice varies.
+    pub(super) fn new(equations: &Equations, choice: C, active: Vec<usize>) -> Self {
+        let grid = equations.setup.grid();
+        let matrix = Arc::clone(equations.collocation.columns());
+        let width_u = matrix.u.longest();
+        let width_v = matrix.v.as_ref().map(Columns::longest);
+        let point_cost = width_u * width_v.unwrap_or(1);
+        let whole = width_u + width_v.unwrap_or(0);
+        Self {
+            choice,
+            active,
+            moved: Vec::new(),
+            deltas: Vec::new(),
+            matrix,
+            stamps: vec![0; grid.count()],
+            stamp: 0,
+            whole_cost: whole * grid.count(),
+            point_cost,
+        }
+    }
+
+    /// `Δ ← Δ − B δ` for the moved points; notes which points have changed.
+    fn update_residual(&mut self, columns: usize, state: &mut State) {
+        let mut deltas = std::mem::take(&mut self.deltas);
+        for (x, residual) in state
+            .control_points
+            .lanes_mut()
+            .iter_mut()
+            .zip(state.residual.lanes_mut())
+        {
+            deltas.clear();
+            deltas.extend(self.active.iter().map(|&index| residual[index]));
+            for (&index, delta) in self.active.iter().zip(&deltas) {
+                x[index] += delta;
+                self.matrix.visit(index, columns, |row, value| {
+                    residual[row] -= value * delta;
+                });
+            }
+        }
+        self.deltas = deltas;
+        self.note_changes(columns, &mut state.changed);
+    }
+
+    fn note_changes(&mut self, columns: usize, changed: &mut Vec<usize>) {
+        self.stamp += 1;
+        let stamp = self.stamp;
+        let mut stamps = std::mem::take(&mut self.stamps);
+        changed.clear();
+        for &index in &self.active {
+            self.matrix.visit(index, columns, |row, _| {
+                if stamps[row] != stamp {
+                    stamps[row] = stamp;
+                    changed.push(row);
+                }
+            });
+        }
+        changed.sort_unstable();
+        self.stamps = stamps;
+    }
+}
+
+impl<C: Choice> Update for Selection<C> {
+    fn update(&mut self, equations: &Equations, state: &mut State) -> Change {
+        let moved = self.active.len();
+        if moved * self.point_cost < self.whole_cost {
+            self.update_residual(equations.setup.grid().columns, state);
+            return Change::Some { moved };
+        }
+        let lanes = state.control_points.lanes_mut().iter_mut();
+        for (x, residual) in lanes.zip(state.residual.lanes()) {
+            for &index in &self.active {
+                x[index] += residual[index];
+            }
+        }
+        state.changed.clear();
+        state.changed.extend(0..state.residual.len());
+        Change::All { moved }
+    }
+
+    fn begin(&mut self, equations: &Equations, state: &mut State) {
+        self.choice.begin(state);
+        self.measured(equations, state);
+    }
+
+    fn measured(&mut self, equations: &Equations, state: &mut State) {
+        if C::VARIES {
+            std::mem::swap(&mut self.active, &mut self.moved);
+            self.choice.choose(equations, state, &mut self.active);
+        }
+    }
+
+    fn moved(&self) -> Option<&[usize]> {
+        Some(if C::VARIES { &self.moved } else { &self.active })
+    }
+}

@@ -1,0 +1,56 @@
+//! PIA with the transpose of the collocation matrix: converges for any nonsingular one, slowly.
+//!
+//! ```text
+//! X⁰ = P,   X ← X + Bᵀ (P − B X) / ρ(B Bᵀ),   U = Bᵀ / ρ(B Bᵀ)
+//! ```
+//!
+//! (Deng13, Lemma 2.1): the Landweber iteration. The eigenvalues of `U B` are the squares of the singular
+//! values of B over that of the largest, in (0, 1], so that the rate is `1 − 1/κ(B)²` with the condition
+//! number κ(B). Of a surface ρ is the product of those of both directions. A level costs two
+//! applications of B.
+
+use super::linear::Linear;
+use super::relaxation::Relaxation;
+use super::scheme::Scheme;
+use super::update::Update;
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::spectrum;
+use crate::fit::tensor::Tensor;
+use crate::fit::transform::Transform;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "transpose",
+    title: "PIA with the transpose",
+    summary: "Difference vectors are multiplied with the scaled transpose of the collocation matrix, which converges for any basis, slowly.",
+    source: "Deng13, Lemma 2.1",
+};
+
+/// The method, which has no settings.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Transpose;
+
+impl Scheme for Transpose {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    fn transform(&self, collocation: &Tensor, _forecast: &Forecast) -> Transform {
+        Transform::Transposed {
+            rho: collocation
+                .directions()
+                .map(spectrum::largest_singular_value_squared)
+                .product(),
+        }
+    }
+
+    fn update(&self, _equations: &Equations) -> Box<dyn Update> {
+        Box::new(Linear::endless())
+    }
+
+    fn relaxation(&self, _equations: &Equations) -> Option<Relaxation> {
+        Some(Relaxation::Transformed { once: false })
+    }
+}

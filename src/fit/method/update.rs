@@ -1,0 +1,70 @@
+//! How the plain loop moves control points: `X ← X + U Δ`, one level at a time.
+
+use std::fmt::Debug;
+
+use crate::fit::equations::Equations;
+use crate::fit::outcome::Stall;
+use crate::fit::points::Points;
+
+/// What an update has changed.
+#[derive(Debug)]
+pub(in crate::fit) enum Change {
+    /// Any control point: the residual is to be computed.
+    All {
+        /// How many control points moved.
+        moved: usize,
+    },
+    /// Any control point; the residual is up to date.
+    Residual {
+        /// How many control points moved.
+        moved: usize,
+    },
+    /// Some control points; the residual is up to date, and has changed at the points of
+    /// [`State::changed`] only.
+    Some {
+        /// How many control points moved.
+        moved: usize,
+    },
+}
+
+/// What an update works on.
+#[derive(Debug)]
+pub(in crate::fit) struct State {
+    /// The free control points X.
+    pub control_points: Points,
+    /// The residual Δ = P − B X.
+    pub residual: Points,
+    /// Room for one coordinate, as the maps of the equations need it.
+    pub scratch: Vec<f64>,
+    /// The points whose residual an update has changed, increasing.
+    pub changed: Vec<usize>,
+}
+
+/// A way to move control points.
+pub(in crate::fit) trait Update: Debug + Send {
+    /// Moves the control points once.
+    fn update(&mut self, equations: &Equations, state: &mut State) -> Change;
+
+    /// Called when the residual of level 0 is known.
+    fn begin(&mut self, equations: &Equations, state: &mut State) {
+        self.measured(equations, state);
+    }
+
+    /// Called when the residual is known after an update.
+    fn measured(&mut self, _equations: &Equations, _state: &mut State) {}
+
+    /// The control points that the last update moved, if it moved only some.
+    fn moved(&self) -> Option<&[usize]> {
+        None
+    }
+
+    /// The squared gradient of a least-squares fit, `‖Aᵀr‖²/‖Aᵀr⁰‖²`.
+    fn gradient(&self) -> Option<f64> {
+        None
+    }
+
+    /// Whether another update would change nothing, and why.
+    fn stalled(&self) -> Option<Stall> {
+        None
+    }
+}

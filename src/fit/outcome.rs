@@ -1,0 +1,41 @@
+//! How an iteration ends.
+
+/// Why an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The largest distance is within the tolerance.
+    Converged,
+    /// A least-squares fit is at its minimum.
+    Stationary,
+    /// The last allowed level is reached, and the tolerance is not.
+    Exhausted,
+    /// The method cannot go on.
+    Stalled(Stall),
+    /// The distances are not finite numbers any more.
+    Overflow,
+}
+
+/// Why a fit cannot go on although its tolerance is not reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stall {
+    /// Convex: any step would turn the control polygon the other way.
+    Convexity,
+    /// Extended: the error is zero but for rounding, as the power of `I − U B` has vanished.
+    Nilpotent,
+    /// Direct: what is left is rounding.
+    Rounding,
+    /// Least squares and Chebyshev: the residual grows, because the steps are too long.
+    Diverging,
+}
+
+impl Stall {
+    /// The name of the reason.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Convexity => "convexity",
+            Self::Nilpotent => "nilpotent",
+            Self::Rounding => "rounding",
+            Self::Diverging => "diverging",
+        }
+    }
+}

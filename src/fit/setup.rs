@@ -1,0 +1,151 @@
+//! What is fitted, whatever the method: data, parameters, bases, and when to stop.
+
+use std::sync::Arc;
+
+use super::direction::Direction;
+use super::extent::Extent;
+use super::missing::Missing;
+use super::points::{Grid, Points};
+
+/// The least eigenvalue takes some eliminations, and the method one more.
+const ELIMINATIONS: usize = 8;
+
+/// A validated fitting problem but for its method, which is a [`Method`](super::method::Method).
+///
+/// With n rows and m columns of data points (m = 1 of a curve) and as many free control points (fewer of a
+/// least-squares fit), `B X = P` has n · m rows, one for each data point, and a column for each free
+/// control point.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The data points, where missing ones have the place of a neighbour.
+    pub(super) points: Arc<Points>,
+    pub(super) grid: Grid,
+    /// The data in homogeneous coordinates.
+    pub(super) lifted: Option<Arc<Points>>,
+    /// Of the coordinates of the data.
+    pub(super) extents: Vec<Extent>,
+    pub(super) missing: Option<Missing>,
+    pub(super) u: Direction,
+    pub(super) v: Option<Direction>,
+    pub(super) selected: Option<Arc<[usize]>>,
+    pub(super) start: Option<Arc<Points>>,
+    pub(super) lambda_min: Option<f64>,
+    /// In data units.
+    pub(super) tolerance: f64,
+    pub(super) max_iterations: usize,
+    pub(super) diagonal: f64,
+    /// Whether eigenvalues of the collocation matrix may nearly coincide.
+    pub(super) clustered: bool,
+}
+
+impl Setup {
+    /// The points that the iteration approaches; of a surface row by row. In homogeneous fits they
+    /// are `(w_i P_i, w_i)`, with one coordinate more than the data.
+    pub fn data(&self) -> &Arc<Points> {
+        self.lifted.as_ref().unwrap_or(&self.points)
+    }
+
+    /// The extent of each coordinate of [`data`](Self::data).
+    pub(super) fn extents(&self) -> &[Extent] {
+        &self.extents
+    }
+
+    /// Whether the last coordinate of data and control points is a weight.
+    pub fn is_homogeneous(&self) -> bool {
+        self.lifted.is_some()
+    }
+
+    /// The points of which there are no data.
+    pub fn missing(&self) -> Option<&Missing> {
+        self.missing.as_ref()
+    }
+
+    /// The number of coordinates of the data points.
+    pub fn dimension(&self) -> usize {
+        self.points.dimension()
+    }
+
+    /// The arrangement of the data points.
+    pub fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// The arrangement of the free control points.
+    pub fn control_grid(&self) -> Grid {
+        Grid {
+            rows: self.u.free(),
+            columns: self.v.as_ref().map_or(1, Direction::free),
+        }
+    }
+
+    /// The direction of a curve, or u of a surface.
+    pub fn u(&self) -> &Direction {
+        &self.u
+    }
+
+    /// The second direction of a surface.
+    pub fn v(&self) -> Option<&Direction> {
+        self.v.as_ref()
+    }
+
+    /// One direction or both.
+    pub fn directions(&self) -> impl Iterator<Item = &Direction> + Clone {
+        std::iter::once(&self.u).chain(&self.v)
+    }
+
+    /// Local fits: the indices of the control points that move; all of them if there are none.
+    pub fn selected(&self) -> Option<&[usize]> {
+        self.selected.as_deref()
+    }
+
+    /// The free control points of level 0, if they do not follow from the data.
+    pub fn start(&self) -> Option<&Arc<Points>> {
+        self.start.as_ref()
+    }
+
+    /// The least eigenvalue of the collocation matrix, if it was known beforehand.
+    pub(super) fn lambda_min(&self) -> Option<f64> {
+        self.lambda_min
+    }
+
+    /// The largest allowed distance of the curve from a data point, in data units.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// The last level that is computed.
+    pub fn max_iterations(&self) -> usize {
+        self.max_iterations
+    }
+
+    /// The diagonal of the data's bounding box, in data units.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
+    }
+
+    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are
+    /// nearly parallel: those of polynomial bases, and of open B-splines of even degree unless their
+    /// knots are averaged.
+    pub(super) fn is_clustered(&self) -> bool {
+        self.clustered
+    }
+
+    /// Multiplications of one iteration: the measure of how long a step takes.
+    pub fn step_cost(&self) -> usize {
+        let widths = self
+            .directions()
+            .map(|direction| direction.basis.support_width());
+        self.data().dimension() * self.grid().count() * widths.sum::<usize>()
+    }
+
+    /// About how many multiplications prepare the first iteration: evaluating the basis, and the
+    /// eliminations that the spectrum and the method need.
+    pub fn start_cost(&self) -> usize {
+        let each = self.directions().map(|direction| {
+            let width = direction.basis.support_width();
+            let elimination = direction.parameters.len().saturating_mul(width * width);
+            elimination.saturating_mul(ELIMINATIONS)
+        });
+        each.fold(0, usize::saturating_add)
+    }
+}
