@@ -17,6 +17,7 @@
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
 //! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
 //! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, SVG, CSV;
+//! - [`model`] — what clients ask for, typed and without a wire;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`server`] — binds them together: [`server::serve`].
@@ -26,4 +27,5 @@ pub mod config;
 pub mod export;
 pub mod fit;
 pub mod job;
+pub mod model;
 pub mod server;

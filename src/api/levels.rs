@@ -7,7 +7,7 @@ use super::language::Language;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode;
-use super::stream::options::form::{Form, View};
+use super::stream::form::{Form, View};
 use crate::fit::iteration::Level;
 use crate::fit::points::Points;
 use crate::job::Job;

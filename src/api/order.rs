@@ -10,8 +10,7 @@ use crate::api::json::request::ValidJob;
 use crate::api::json::request::edit::EditRequest;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem};
-use crate::api::stream::options::StreamParameters;
-use crate::api::stream::options::object::StreamObject;
+use crate::api::stream::options::{self, StreamOptions};
 use crate::config::Config;
 use crate::fit::problem as fit;
 use crate::fit::system::System;
@@ -22,6 +21,7 @@ use crate::job::outline::{Label, Parent};
 use crate::job::scheduler::Lane;
 use crate::job::service::Accepted;
 use crate::job::store::Key;
+use crate::model::stream::StreamSpec;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub const PARSED_AT_ONCE: usize = 4 * 1024;
@@ -66,7 +66,7 @@ impl Order {
         parent: &Arc<Job>,
         mut request: EditRequest,
     ) -> Result<Self, Problem> {
-        request.inherit(StreamObject::of(&parent.outline().label)?);
+        request.inherit(parent.outline().label.stream.as_deref());
         let frame = start(parent, request.iteration()).await?;
         let iteration = frame.level.iteration;
         // Held until the end: points that nobody holds are read from the store again.
@@ -93,20 +93,24 @@ impl Order {
         })
     }
 
+    /// Whether it is about a surface.
+    pub fn is_surface(&self) -> bool {
+        self.problem.v().is_some()
+    }
+
     /// Makes the job, unless there is one for the same key. If it is to be watched, what is wrong with
     /// the parameters of the stream is said before there is a job.
     pub async fn make(
         self,
         app: &App,
-        watch: Option<(&StreamParameters, Framing)>,
+        watch: Option<(&StreamSpec, Framing)>,
         key: Option<Key>,
     ) -> Result<Accepted, Problem> {
-        if let Some((parameters, framing)) = watch {
-            let stream = StreamObject::of(&self.label)?;
-            let surface = self.problem.v().is_some();
-            parameters.framed(framing, stream.as_ref(), surface)?;
+        if let Some((request, framing)) = watch {
+            let (job, surface) = (self.label.stream.as_deref(), self.is_surface());
+            StreamOptions::new(request, job, framing, surface)?;
             if framing != Framing::Protobuf {
-                parameters.check_range(stream.as_ref(), &self.problem)?;
+                options::check_range(request, job, &self.problem)?;
             }
         }
         let (label, problem, like) = (self.label, self.problem, self.like);

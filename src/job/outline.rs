@@ -10,6 +10,7 @@ use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::fit::warning::Warning;
 use crate::job::state::Levels;
+use crate::model::stream::StreamSpec;
 
 /// A job without its points.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +50,8 @@ pub struct Label {
     pub name: Option<String>,
     /// Where the fit comes from, if it is an edit of another one.
     pub parent: Option<Parent>,
-    /// How its streams go if they do not say it themselves; only the API understands it.
-    pub stream: Option<Arc<str>>,
+    /// How its streams go if they do not say it themselves.
+    pub stream: Option<Arc<StreamSpec>>,
 }
 
 /// The level of another job from whose control points a job has started.

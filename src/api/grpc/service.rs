@@ -15,17 +15,17 @@ use crate::api::order::{self, Order};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::messages as pb;
 use crate::api::proto::messages::fitting_service_server::FittingService;
-use crate::api::proto::{edit, names, request, stream as options, view};
+use crate::api::proto::{edit, names, request, stream as stream_of, view};
 use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
-use crate::api::stream::options::form::Form;
-use crate::api::stream::options::object::StreamObject;
-use crate::api::stream::options::{StreamOptions, StreamParameters};
+use crate::api::stream::form::Form;
+use crate::api::stream::options::{self, StreamOptions};
 use crate::api::{jobs, levels};
 use crate::job::service::Accepted;
 use crate::job::store::Key;
 use crate::job::{Held, Job};
+use crate::model::stream::StreamSpec;
 
 /// The service, over the jobs of an application.
 #[derive(Clone)]
@@ -47,7 +47,7 @@ impl Service {
         &self,
         input: Option<pb::JobInput>,
         key: String,
-        watch: Option<&StreamParameters>,
+        watch: Option<&StreamSpec>,
     ) -> Result<Accepted, Problem> {
         let Self(app) = self;
         order::check_open(app)?;
@@ -61,7 +61,7 @@ impl Service {
         })
         .await
         .map_err(|problem| problem.within("input"))?;
-        let watch = watch.map(|parameters| (parameters, Framing::Protobuf));
+        let watch = watch.map(|spec| (spec, Framing::Protobuf));
         order.make(app, watch, key).await
     }
 
@@ -143,15 +143,16 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
 
 /// The form in which a single level is asked for.
 fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Problem> {
-    let object = options::object(pb::StreamOptions {
+    let spec = stream_of::spec(pb::StreamOptions {
         view,
         samples_u,
         samples_v,
         ..pb::StreamOptions::default()
     })?;
-    let form = object.parameters().message_form(job.outline().surface);
+    let form = options::message_form(&spec, job.outline().surface);
     // The choices are fields of the request itself.
-    form.map_err(|mut problem| {
+    form.map_err(|mistake| {
+        let mut problem = Problem::from(mistake);
         problem.name_fields(|error| {
             let parameter = error.parameter.as_deref()?;
             Some(crate::api::proto::fields::option(parameter).to_owned())
@@ -192,13 +193,13 @@ impl FittingService for Service {
 
     async fn fit(&self, request: Request<pb::FitRequest>) -> Answer<Events> {
         let message = request.into_inner();
-        let parameters = options::parameters(message.stream)?;
-        let accepted = self.make(message.input, message.idempotency_key, Some(&parameters));
+        let spec = stream_of::of_call(message.stream)?;
+        let accepted = self.make(message.input, message.idempotency_key, Some(&spec));
         let (job, replayed) = taken(accepted.await?);
         let outline = job.outline();
-        let defaults = StreamObject::of(&outline.label)?;
-        let mut options =
-            parameters.framed(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+        let defaults = outline.label.stream.as_deref();
+        let options = StreamOptions::new(&spec, defaults, Framing::Protobuf, outline.surface);
+        let mut options = options.map_err(Problem::from)?;
         // A job that is known has a stream of its own, which may end it.
         options.cancels &= !replayed;
         let held = job.held().await?;
@@ -287,11 +288,12 @@ impl FittingService for Service {
     async fn watch_job(&self, request: Request<pb::WatchJobRequest>) -> Answer<Events> {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
-        let parameters = options::parameters(message.stream)?;
+        let spec = stream_of::of_call(message.stream)?;
         let outline = job.outline();
-        let defaults = StreamObject::of(&outline.label)?;
-        let options =
-            parameters.of_reader(Framing::Protobuf, defaults.as_ref(), outline.surface)?;
+        let defaults = outline.label.stream.as_deref();
+        let surface = outline.surface;
+        let options = StreamOptions::of_reader(&spec, defaults, Framing::Protobuf, surface);
+        let options = options.map_err(Problem::from)?;
         let held = job.held().await?;
         let seen = message.resume_after.map(level);
         Ok(Response::new(self.events(job, options, seen, held)))

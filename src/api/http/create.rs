@@ -11,6 +11,7 @@ use tokio::time::Duration;
 use super::intake::Taken;
 use super::negotiate::{self, Answer};
 use super::path::Named;
+use super::query::StreamQuery;
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
 use crate::api::jobs;
@@ -23,9 +24,8 @@ use crate::api::order;
 use crate::api::order::Order;
 use crate::api::problem::Problem;
 use crate::api::proto;
-use crate::api::stream::options::StreamParameters;
-use crate::api::stream::options::form::Encoding;
-use crate::api::stream::options::object::StreamObject;
+use crate::api::stream::form::Encoding;
+use crate::api::stream::options::{self, StreamOptions};
 use crate::job::memory::Permit;
 use crate::job::service::Accepted;
 use crate::job::store::Key;
@@ -133,7 +133,7 @@ async fn post_edit(
 struct Posted {
     answer: Answer,
     wait: Option<Duration>,
-    parameters: StreamParameters,
+    query: StreamQuery,
     key: Option<Key>,
     language: Language,
     body: Taken,
@@ -142,11 +142,11 @@ struct Posted {
 impl Posted {
     async fn read(app: &App, request: Request, choice: Choice) -> Result<Self, Problem> {
         order::check_open(app)?;
-        let parameters: StreamParameters = negotiate::query(request.uri())?;
+        let query: StreamQuery = negotiate::query(request.uri())?;
         let headers = request.headers();
         let answer = choice(headers)?;
         let wait = negotiate::wait(headers)?;
-        check_parameters(answer, &parameters)?;
+        check_query(answer, &query)?;
         let name = idempotency_key(headers)?;
         // A job is the same whether its events were asked for or not, and so is its key.
         let path = request.uri().path();
@@ -159,7 +159,7 @@ impl Posted {
         Ok(Self {
             answer,
             wait,
-            parameters,
+            query,
             key,
             language,
             body,
@@ -173,8 +173,9 @@ impl Posted {
     }
 
     async fn create(self, app: &App, order: Order) -> Result<Response, Problem> {
+        let spec = self.query.spec(order.is_surface())?;
         let watch = match self.answer {
-            Answer::Events(framing) => Some((&self.parameters, framing)),
+            Answer::Events(framing) => Some((&spec, framing)),
             Answer::Job(_) => None,
         };
         let accepted = order.make(app, watch, self.key.clone()).await?;
@@ -188,16 +189,16 @@ impl Posted {
         };
         let mut response = match self.answer {
             Answer::Events(framing) => {
-                let stream = StreamObject::of(&job.outline().label)?;
-                let mut options =
-                    self.parameters
-                        .framed(framing, stream.as_ref(), job.outline().surface)?;
+                let outline = job.outline();
+                let (defaults, surface) = (outline.label.stream.as_deref(), outline.surface);
+                let spec = self.query.spec(surface)?;
+                let mut options = StreamOptions::new(&spec, defaults, framing, surface)?;
                 // A job that is known has a stream of its own, which may end it.
                 options.cancels &= !known;
                 // With a new job it was checked before there was one.
                 if known && options.form.encoding == Encoding::Base64F32 {
                     let problem = job.problem().await?;
-                    self.parameters.check_range(stream.as_ref(), &problem)?;
+                    options::check_range(&spec, defaults, &problem)?;
                 }
                 let held = job.held().await?;
                 events::stream(app, Arc::clone(&job), framing, options, None, held)
@@ -241,10 +242,10 @@ fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
 }
 
 /// The parameters are about the stream, and about one that starts at the beginning.
-fn check_parameters(answer: Answer, parameters: &StreamParameters) -> Result<(), Problem> {
+fn check_query(answer: Answer, query: &StreamQuery) -> Result<(), Problem> {
     let refused = match answer {
-        Answer::Job(_) => parameters.given(),
-        Answer::Events(_) => parameters.last_event_id.as_ref().map(|_| "last_event_id"),
+        Answer::Job(_) => query.given(),
+        Answer::Events(_) => query.last_event_id.as_ref().map(|_| "last_event_id"),
     };
     match refused {
         None => Ok(()),

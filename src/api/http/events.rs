@@ -21,6 +21,7 @@ use uuid::Uuid;
 
 use super::negotiate;
 use super::path::Named;
+use super::query::StreamQuery;
 use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::language::Framing;
@@ -28,9 +29,8 @@ use crate::api::problem::Problem;
 use crate::api::short::quoted;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
-use crate::api::stream::options::form::Encoding;
-use crate::api::stream::options::object::StreamObject;
-use crate::api::stream::options::{StreamOptions, StreamParameters};
+use crate::api::stream::form::Encoding;
+use crate::api::stream::options::{self, StreamOptions};
 use crate::api::stream::sending::Outgoing;
 use crate::api::whole::plain_number;
 use crate::job::content::Content;
@@ -48,16 +48,18 @@ pub async fn get(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let framing = negotiate::framing(&headers)?;
-    let parameters: StreamParameters = negotiate::query(&uri)?;
+    let query: StreamQuery = negotiate::query(&uri)?;
     let job = jobs::find(&app, &id).await?;
-    let defaults = StreamObject::of(&job.outline().label)?;
-    let options = parameters.of_reader(framing, defaults.as_ref(), job.outline().surface)?;
+    let outline = job.outline();
+    let (defaults, surface) = (outline.label.stream.as_deref(), outline.surface);
+    let spec = query.spec(surface)?;
+    let options = StreamOptions::of_reader(&spec, defaults, framing, surface)?;
     if options.form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
-        parameters.check_range(defaults.as_ref(), &problem)?;
+        options::check_range(&spec, defaults, &problem)?;
     }
     let held = job.held().await?;
-    match last_event_id(&headers, parameters.last_event_id)? {
+    match last_event_id(&headers, query.last_event_id)? {
         None => Ok(stream(&app, job, framing, options, None, held)),
         // Only this status keeps an EventSource from connecting again.
         Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),

@@ -11,6 +11,7 @@ use super::export::{self, Representation};
 use super::file_name::named;
 use super::negotiate;
 use super::path::Named;
+use super::query::IterationQuery;
 use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::json::view;
@@ -19,8 +20,8 @@ use crate::api::levels;
 use crate::api::problem::{Kind, Problem};
 use crate::api::short::quoted;
 use crate::api::stream::encode;
-use crate::api::stream::options::form::{Digits, Encoding, Form};
-use crate::api::stream::options::{StreamParameters, ViewParameters};
+use crate::api::stream::form::{Digits, Encoding, Form};
+use crate::api::stream::options;
 use crate::api::whole::plain_number;
 use crate::export::{Format, UnknownFormat};
 use crate::fit::iteration::Iteration;
@@ -163,22 +164,22 @@ async fn job_and_wanted(
     uri: &Uri,
     headers: &HeaderMap,
 ) -> Result<(Arc<Job>, Wanted), Problem> {
-    let parameters: ViewParameters = negotiate::query(uri)?;
-    let representation = export::representation(headers, parameters.format.as_deref())?;
+    let query: IterationQuery = negotiate::query(uri)?;
+    let representation = export::representation(headers, query.format.as_deref())?;
     let job = jobs::find(app, id).await?;
     let surface = job.outline().surface;
     if let Representation::File(format) = representation {
-        let samples = parameters.samples_of_file(surface)?;
+        let samples = query.samples_of_file(surface)?;
         return Ok((job, Wanted::File(format, samples)));
     }
-    let parameters = StreamParameters::from(parameters);
+    let spec = query.spec(surface)?;
     let form = match representation {
-        Representation::Protobuf => parameters.message_form(surface)?,
-        _ => parameters.form(surface)?,
+        Representation::Protobuf => options::message_form(&spec, surface)?,
+        _ => options::json_form(&spec, surface)?,
     };
     if form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
-        parameters.check_range(None, &problem)?;
+        options::check_range(&spec, None, &problem)?;
     }
     Ok((job, Wanted::Form(form)))
 }
@@ -194,13 +195,13 @@ async fn job_and_file(
         let detail = format!("there are no files of the format {}", quoted(format));
         Problem::new(Kind::NotFound, detail)
     })?;
-    let parameters: ViewParameters = negotiate::query(uri)?;
-    if parameters.format.is_some() {
+    let query: IterationQuery = negotiate::query(uri)?;
+    if query.format.is_some() {
         let detail = "the path names the format";
         return Err(Problem::at_parameter("format", detail));
     }
     let job = jobs::find(app, id).await?;
-    let samples = parameters.samples_of_file(job.outline().surface)?;
+    let samples = query.samples_of_file(job.outline().surface)?;
     Ok((job, Wanted::File(format, samples)))
 }
 

@@ -18,10 +18,10 @@ use crate::api::json::numbers::MAX_DIMENSION;
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::messages::fitting_service_server::FittingServiceServer;
 use crate::api::short::quoted;
-use crate::api::stream::options::form::{DIGITS, ENCODINGS, MOST_SAMPLES, VIEWS};
-use crate::api::stream::options::{MOST_MILESTONES, PACES, StreamParameters};
 use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
+use crate::model::named::Named as _;
+use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
 
 /// `GET /`
 pub async fn index() -> Json<Value> {
@@ -66,11 +66,11 @@ pub async fn capabilities(State(app): State<App>) -> Json<Value> {
         "parameters": ["chord_length", "centripetal", "uniform", "explicit"],
         "rational": ["homogeneous", "fixed"],
         "methods": methods(),
-        "views": VIEWS,
-        "encodings": ENCODINGS,
-        "digits": DIGITS,
-        "paces": PACES,
-        "stream": StreamParameters::NAMES,
+        "views": View::names(),
+        "encodings": Encoding::names(),
+        "digits": Digits::names(),
+        "paces": Pace::names(),
+        "stream": Choice::names(),
         "formats": {
             "jobs": ["application/json", "application/x-protobuf"],
             "events": ["text/event-stream", "application/x-ndjson", "application/x-protobuf"],

@@ -4,7 +4,7 @@
 //! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
 //! - [`info`]: capabilities, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
-//! - [`path`]: the names in a path; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
+//! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`body`]: a request body by its media type; [`intake`]: how it arrives, with limits of size, memory and time;
 //! - [`answer`]: answers, small and large; [`render`]: problems as answers;
 //! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
@@ -26,6 +26,7 @@ pub mod jobs;
 pub mod measure;
 pub mod negotiate;
 pub mod path;
+pub mod query;
 pub mod render;
 pub mod request_id;
 pub mod router;

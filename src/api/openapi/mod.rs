@@ -29,7 +29,7 @@ use crate::api::json::request::JobRequest;
 use crate::api::json::request::edit::EditRequest;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::Kind;
-use crate::api::stream::options::object::StreamObject;
+use crate::model::stream::StreamSpec;
 use operation::Tag;
 
 const DESCRIPTION: &str = "\
@@ -103,7 +103,7 @@ fn schemas() -> Map<String, Value> {
     let mut generator = SchemaGenerator::new(settings);
     generator.subschema_for::<JobRequest>();
     generator.subschema_for::<EditRequest>();
-    generator.subschema_for::<StreamObject>();
+    generator.subschema_for::<StreamSpec>();
     let mut schemas = generator.take_definitions(true);
     schemas.extend(answers::schemas());
     schemas

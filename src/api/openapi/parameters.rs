@@ -6,11 +6,11 @@ use super::operation::reference;
 use super::page;
 use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
+use crate::api::json::stream::SAMPLE_GRID;
 use crate::api::order::LONGEST_KEY;
-use crate::api::stream::options::MOST_MILESTONES;
-use crate::api::stream::options::form::SAMPLE_GRID;
 use crate::api::whole::LARGEST;
 use crate::export::Format;
+use crate::model::stream::MOST_MILESTONES;
 
 /// The parameters, by the names of their components.
 pub(super) fn parameters() -> Map<String, Value> {

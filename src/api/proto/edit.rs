@@ -23,7 +23,7 @@ pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, Layout), P
     let columns = parent.surface.then_some(parent.grid.columns);
     let mut layout = Layout::of_edit(dimension, columns);
     let points = moves(&edit, dimension, &mut layout)?;
-    let stream = edit.stream.map(stream::object).transpose();
+    let stream = edit.stream.map(stream::spec).transpose();
     let iteration = edit
         .iteration
         // Too large for this machine is beyond every job.

@@ -11,7 +11,7 @@ use super::names;
 use super::view::{count, direction, distances};
 use crate::api::json::view::source::{Net, NetWeights, Source};
 use crate::api::json::view::writer::{Digits, Writer};
-use crate::api::stream::options::form::{Form, View};
+use crate::api::stream::form::{Form, View};
 use crate::fit::geometry::Geometry;
 use crate::fit::iteration::Level;
 use crate::fit::points::Points;

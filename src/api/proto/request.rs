@@ -79,7 +79,7 @@ fn job(input: pb::JobInput, most_points: usize) -> Result<JobRequest, Problem> {
         Some(Geometry::Curve(it)) => (mistakes.keep(curve(it, most_points)), None),
         Some(Geometry::Surface(it)) => (None, mistakes.keep(surface(it, most_points))),
     };
-    let stream = input.stream.map(stream::object).transpose();
+    let stream = input.stream.map(stream::spec).transpose();
     let stream = mistakes.keep(stream.map_err(|problem| problem.within("stream")));
     let rational = mistakes.keep(rational(input.rational));
     let method = mistakes.keep(method(input.method, most_points));

@@ -1,129 +1,118 @@
-//! What a stream is like: the options of a message and the `stream` object of a job.
+//! What a stream is like, in messages.
 
 use super::messages as pb;
 use super::names::known;
 use super::request::check_count;
-use crate::api::json::read::values::{Count, Number};
 use crate::api::problem::Problem;
-use crate::api::stream::options::object::{SampleCount, StreamObject};
-use crate::api::stream::options::{MOST_MILESTONES, StreamParameters};
+use crate::model::stream::{
+    Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec, View,
+};
 
-const VIEWS: [(&str, pb::View); 3] = [
-    ("control_points", pb::View::ControlPoints),
-    ("samples", pb::View::Samples),
-    ("errors", pb::View::Errors),
+const VIEWS: [(View, pb::View); 3] = [
+    (View::ControlPoints, pb::View::ControlPoints),
+    (View::Samples, pb::View::Samples),
+    (View::Errors, pb::View::Errors),
 ];
 
-const PACES: [(&str, pb::Pace); 2] = [("all", pb::Pace::All), ("latest", pb::Pace::Latest)];
+const PACES: [(Pace, pb::Pace); 2] = [(Pace::All, pb::Pace::All), (Pace::Latest, pb::Pace::Latest)];
 
-const DISCONNECTS: [(&str, pb::OnDisconnect); 2] = [
-    ("continue", pb::OnDisconnect::Continue),
-    ("cancel", pb::OnDisconnect::Cancel),
+const DISCONNECTS: [(OnDisconnect, pb::OnDisconnect); 2] = [
+    (OnDisconnect::Continue, pb::OnDisconnect::Continue),
+    (OnDisconnect::Cancel, pb::OnDisconnect::Cancel),
 ];
 
-const ENCODINGS: [(&str, pb::JsonEncoding); 3] = [
-    ("json", pb::JsonEncoding::Json),
-    ("base64", pb::JsonEncoding::Base64),
-    ("base64_f32", pb::JsonEncoding::Base64F32),
+const ENCODINGS: [(Encoding, pb::JsonEncoding); 3] = [
+    (Encoding::Json, pb::JsonEncoding::Json),
+    (Encoding::Base64, pb::JsonEncoding::Base64),
+    (Encoding::Base64F32, pb::JsonEncoding::Base64F32),
 ];
 
-const DIGITS: [(&str, pb::JsonDigits); 2] = [
-    ("full", pb::JsonDigits::Full),
-    ("auto", pb::JsonDigits::Auto),
+const DIGITS: [(Digits, pb::JsonDigits); 2] = [
+    (Digits::Full, pb::JsonDigits::Full),
+    (Digits::Auto, pb::JsonDigits::Auto),
 ];
 
-/// The options as the `stream` object of a job. Fields of errors are relative to the options.
-pub fn object(options: pb::StreamOptions) -> Result<StreamObject, Problem> {
+/// What a message says. Fields of errors are relative to the message.
+pub fn spec(options: pb::StreamOptions) -> Result<StreamSpec, Problem> {
     let every = options.every.map(|every| {
         let detail = "it is larger than any number of iterations";
-        let every = usize::try_from(every).map_err(|_| Problem::at_field("every", detail));
-        every.map(Count)
+        usize::try_from(every).map_err(|_| Problem::at_field("every", detail))
     });
-    let count = options
-        .milestones
-        .as_ref()
-        .map_or(0, |it| it.distances.len());
+    let milestones = options.milestones.map(|milestones| milestones.distances);
+    let count = milestones.as_ref().map_or(0, Vec::len);
     check_count(count, MOST_MILESTONES, "milestones", "milestones.distances")?;
-    Ok(StreamObject {
-        view: name(&VIEWS, options.view, "view")?,
+    Ok(StreamSpec {
+        view: chosen(&VIEWS, options.view, "view")?,
         samples: samples(options.samples_u, options.samples_v)?,
         every: every.transpose()?,
-        milestones: options
-            .milestones
-            .map(|milestones| milestones.distances.into_iter().map(Number).collect()),
-        pace: name(&PACES, options.pace, "pace")?,
+        milestones,
+        pace: chosen(&PACES, options.pace, "pace")?,
         changed: options.changed,
-        encoding: name(&ENCODINGS, options.json_encoding, "json_encoding")?,
-        digits: name(&DIGITS, options.json_digits, "json_digits")?,
-        on_disconnect: name(&DISCONNECTS, options.on_disconnect, "on_disconnect")?,
+        encoding: chosen(&ENCODINGS, options.json_encoding, "json_encoding")?,
+        digits: chosen(&DIGITS, options.json_digits, "json_digits")?,
+        on_disconnect: chosen(&DISCONNECTS, options.on_disconnect, "on_disconnect")?,
     })
 }
 
-/// The options of a call, as a query would say them. What is about JSON is ignored.
-pub fn parameters(options: Option<pb::StreamOptions>) -> Result<StreamParameters, Problem> {
+/// What the message of a call says. What is about JSON is ignored.
+pub fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Problem> {
     let options = pb::StreamOptions {
         json_encoding: 0,
         json_digits: 0,
         ..options.unwrap_or_default()
     };
-    let object = object(options).map_err(|problem| problem.within("stream"))?;
-    Ok(object.parameters())
+    spec(options).map_err(|problem| problem.within("stream"))
 }
 
-/// The `stream` object of a job as options.
-pub fn options(object: &StreamObject) -> pb::StreamOptions {
-    let (samples_u, samples_v) = object.samples.as_ref().map_or((0, 0), sample_counts);
-    let distances = object.milestones.as_ref().map(|milestones| {
-        let distances = milestones.iter().map(|Number(distance)| *distance);
-        pb::Milestones {
-            distances: distances.collect(),
-        }
-    });
+/// The message that says the same.
+pub fn options(spec: &StreamSpec) -> pb::StreamOptions {
+    // What was accepted has room in 32 bits.
+    let narrow = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    let (samples_u, samples_v) = match spec.samples {
+        None => (0, 0),
+        Some(Samples::Count(count)) => (narrow(count), 0),
+        Some(Samples::Grid(rows, columns)) => (narrow(rows), narrow(columns)),
+    };
+    let distances = spec.milestones.clone();
     pb::StreamOptions {
-        view: value(&VIEWS, object.view.as_deref()).into(),
+        view: value(&VIEWS, spec.view).into(),
         samples_u,
         samples_v,
-        every: object.every.map(|Count(every)| every as u64),
-        milestones: distances,
-        pace: value(&PACES, object.pace.as_deref()).into(),
-        changed: object.changed,
-        on_disconnect: value(&DISCONNECTS, object.on_disconnect.as_deref()).into(),
-        json_encoding: value(&ENCODINGS, object.encoding.as_deref()).into(),
-        json_digits: value(&DIGITS, object.digits.as_deref()).into(),
+        every: spec.every.map(|every| every as u64),
+        milestones: distances.map(|distances| pb::Milestones { distances }),
+        pace: value(&PACES, spec.pace).into(),
+        changed: spec.changed,
+        on_disconnect: value(&DISCONNECTS, spec.on_disconnect).into(),
+        json_encoding: value(&ENCODINGS, spec.encoding).into(),
+        json_digits: value(&DIGITS, spec.digits).into(),
     }
 }
 
-fn samples(u: u32, v: u32) -> Result<Option<SampleCount>, Problem> {
-    match (u, v) {
+fn samples(u: u32, v: u32) -> Result<Option<Samples>, Problem> {
+    match (u as usize, v as usize) {
         (0, 0) => Ok(None),
-        (u, 0) => Ok(Some(SampleCount(u.to_string()))),
+        (u, 0) => Ok(Some(Samples::Count(u))),
         (0, _) => {
             let detail = "samples_v is given, so samples_u is needed as well";
             Err(Problem::at_field("samples_u", detail))
         }
-        (u, v) => Ok(Some(SampleCount(format!("{u}x{v}")))),
+        (u, v) => Ok(Some(Samples::Grid(u, v))),
     }
 }
 
-/// `200` or `40x40`, as they were accepted.
-fn sample_counts(SampleCount(text): &SampleCount) -> (u32, u32) {
-    let (u, v) = text.split_once('x').unwrap_or((text, "0"));
-    (u.parse().unwrap_or(0), v.parse().unwrap_or(0))
-}
-
-/// The name of a value; none if it is not specified.
-fn name<E: Copy + PartialEq + TryFrom<i32>>(
-    names: &[(&str, E)],
+/// What a value of an enumeration stands for; nothing if it is not specified.
+fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
+    table: &[(T, E)],
     value: i32,
     field: &str,
-) -> Result<Option<String>, Problem> {
+) -> Result<Option<T>, Problem> {
     let value: E = known(value, field)?;
-    let found = names.iter().find(|(_, known)| *known == value);
-    Ok(found.map(|(name, _)| (*name).to_owned()))
+    let found = table.iter().find(|(_, known)| *known == value);
+    Ok(found.map(|(chosen, _)| *chosen))
 }
 
-/// The value of a name; unspecified without one.
-fn value<E: Copy + Default>(names: &[(&str, E)], name: Option<&str>) -> E {
-    let found = names.iter().find(|(known, _)| Some(*known) == name);
+/// The value of an enumeration; unspecified without a choice.
+fn value<T: Copy + PartialEq, E: Copy + Default>(table: &[(T, E)], chosen: Option<T>) -> E {
+    let found = table.iter().find(|(known, _)| Some(*known) == chosen);
     found.map_or(E::default(), |(_, value)| *value)
 }

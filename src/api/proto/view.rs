@@ -11,7 +11,6 @@ use super::messages::{self as pb, method::Kind, stop_rules::Rule};
 use super::{names, stream};
 use crate::api::json::view::warning::pointer;
 use crate::api::problem as api;
-use crate::api::stream::options::object::StreamObject;
 use crate::fit::direction::Direction;
 use crate::fit::iteration::Level;
 use crate::fit::method::{
@@ -90,8 +89,7 @@ pub fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
 
 /// How the streams of a job go if they do not say it themselves.
 pub fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
-    let object = StreamObject::of(&outline.label).ok().flatten()?;
-    Some(stream::options(&object))
+    outline.label.stream.as_deref().map(stream::options)
 }
 
 /// The method with its settings, and the ω that was computed for it.

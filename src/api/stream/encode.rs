@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::options::form::{Digits, Encoding, Form, View};
+use super::form::{Digits, Encoding, Form, View};
 use crate::api::json::view;
 use crate::api::proto;
 use crate::fit::direction::Direction;

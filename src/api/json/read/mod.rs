@@ -24,7 +24,7 @@ pub(in crate::api) use object::object;
 pub use object::{Field, Members};
 use reader::Seed;
 pub use reader::{Anything, Numeral, Of, Read, Reader};
-pub(in crate::api) use values::names;
+pub(in crate::api) use values::{choices, names};
 
 /// The most mistakes that are told at once. Reading ends with the last of them.
 pub const MOST_MISTAKES: usize = 16;

@@ -45,6 +45,18 @@ impl JsonSchema for Count {
     }
 }
 
+impl Reader for Of<usize> {
+    type Value = usize;
+
+    fn expected(&self) -> String {
+        Count::reader().expected()
+    }
+
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<usize> {
+        Count::reader().number(value, at).map(|Count(count)| count)
+    }
+}
+
 /// A finite number.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Number(pub f64);
@@ -64,6 +76,24 @@ impl Reader for Of<Number> {
 
     fn number(self, value: Numeral, _: &mut Reading) -> Option<Number> {
         Some(Number(value.real()))
+    }
+}
+
+impl Reader for Of<f64> {
+    type Value = f64;
+
+    fn expected(&self) -> String {
+        Number::reader().expected()
+    }
+
+    fn null(self, at: &mut Reading) -> Option<f64> {
+        Number::reader().null(at).map(|Number(number)| number)
+    }
+
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<f64> {
+        Number::reader()
+            .number(value, at)
+            .map(|Number(number)| number)
     }
 }
 
@@ -143,6 +173,37 @@ where
         Ok(whole.then_some(elements))
     }
 }
+
+/// Makes enumerations of the model readable from their names.
+macro_rules! choices {
+    ($($type:ty),+) => {$(
+        impl $crate::api::json::read::Reader for $crate::api::json::read::Of<$type> {
+            type Value = $type;
+
+            fn expected(&self) -> String {
+                "a string".to_owned()
+            }
+
+            fn text(
+                self,
+                name: &str,
+                at: &mut $crate::api::json::read::Reading,
+            ) -> Option<$type> {
+                use $crate::model::named::Named;
+                let value = <$type>::of_name(name);
+                if value.is_none() {
+                    at.wrong(format!(
+                        "{} is no choice; there are {}",
+                        $crate::api::short::quoted(name),
+                        <$type>::names().join(", ")
+                    ));
+                }
+                value
+            }
+        }
+    )+};
+}
+pub(in crate::api) use choices;
 
 /// Makes an enumeration readable from names.
 macro_rules! names {

@@ -8,8 +8,8 @@ use schemars::JsonSchema;
 use super::method::{Index, MethodRequest};
 use super::mistakes::Mistakes;
 use super::{
-    LONGEST_NAME, RationalRequest, StopRequest, ValidJob, check_name, invalid, schema,
-    surface_weights,
+    LONGEST_NAME, RationalRequest, StopRequest, ValidJob, check_name, fitting_stream, invalid,
+    schema, surface_weights,
 };
 use crate::api::json::numbers::{Coordinates, WeightList};
 use crate::api::json::per_direction::PerDirection;
@@ -18,11 +18,12 @@ use crate::api::json::read::{Limits, Numeral, Of, Reader, Reading, object};
 use crate::api::json::schema::numbers::{NewWeights, Point};
 use crate::api::problem::Problem;
 use crate::api::short::quoted;
-use crate::api::stream::options::object::StreamObject;
+use crate::api::stream::options;
 use crate::config::Config;
 use crate::fit::invalid::{Invalid, Place};
 use crate::fit::points::Points;
 use crate::fit::problem::{self as fit, Weights};
+use crate::model::stream::StreamSpec;
 
 /// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
 /// `method` and `stop` is given.
@@ -47,7 +48,7 @@ pub struct EditRequest {
     /// Other rules when the iteration ends.
     pub(in crate::api) stop: Option<StopRequest>,
     /// What the event streams are like; without it as those of the parent.
-    pub(in crate::api) stream: Option<StreamObject>,
+    pub(in crate::api) stream: Option<StreamSpec>,
 }
 
 /// The level of the parent to start from: a number or `"last"`.
@@ -122,8 +123,8 @@ impl EditRequest {
     }
 
     /// Streams go as those of the parent, unless the edit says it.
-    pub fn inherit(&mut self, stream: Option<StreamObject>) {
-        self.stream = self.stream.take().or(stream);
+    pub fn inherit(&mut self, stream: Option<&StreamSpec>) {
+        self.stream = self.stream.take().or(stream.cloned());
     }
 
     /// The problem with the changes, starting from the parent's control points. `lambda_min` is what
@@ -190,8 +191,9 @@ impl EditRequest {
         if let Some(rules) = mistakes.keep(rules.transpose()).flatten() {
             (request.tolerance, request.max_iterations) = rules;
         }
-        let stream = self.stream.as_ref().map(|it| it.check(places.surface));
-        mistakes.keep(stream.transpose());
+        let stream = self.stream.as_ref();
+        let stream = stream.map(|it| options::check(it, places.surface));
+        mistakes.keep(stream.transpose().map_err(Problem::from));
         if !mistakes.none() {
             return Err(mistakes.problem());
         }
@@ -210,10 +212,9 @@ impl EditRequest {
             let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
             return Err(invalid("/method", detail));
         }
-        let stream = self.stream.map(|stream| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
-            stream: stream.transpose()?,
+            stream: fitting_stream(self.stream, &problem)?,
             problem,
         })
     }

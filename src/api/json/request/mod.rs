@@ -16,7 +16,7 @@ use super::read::values::{Count, LONGEST_TEXT, Number};
 use super::read::{Read, names, object};
 use super::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
 use crate::api::problem::{Kind, Problem};
-use crate::api::stream::options::object::StreamObject;
+use crate::api::stream::options;
 use crate::config::Config;
 use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -25,6 +25,7 @@ use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{self as fit, Tolerance, Weights};
+use crate::model::stream::StreamSpec;
 use method::MethodRequest;
 use mistakes::Mistakes;
 use places::Places;
@@ -53,7 +54,7 @@ pub struct JobRequest {
     /// When the iteration ends.
     pub(in crate::api) stop: Option<StopRequest>,
     /// What the event streams of the job are like if they do not say it themselves.
-    pub(in crate::api) stream: Option<StreamObject>,
+    pub(in crate::api) stream: Option<StreamSpec>,
 }
 
 /// A curve through data points.
@@ -218,8 +219,8 @@ names!(ParameterRule, "rule for parameters", [
 pub struct ValidJob {
     /// The client's name for it.
     pub name: Option<String>,
-    /// How its streams go if they do not say it themselves: the `stream` object.
-    pub stream: Option<Arc<str>>,
+    /// How its streams go if they do not say it themselves.
+    pub stream: Option<Arc<StreamSpec>>,
     /// The problem.
     pub problem: fit::Problem,
 }
@@ -246,8 +247,9 @@ impl JobRequest {
         });
         let stop = self.stop.unwrap_or_default();
         let stop = mistakes.keep(stop.rules(config.max_iterations));
-        let stream = self.stream.as_ref().map(|stream| stream.check(surface));
-        mistakes.keep(stream.transpose());
+        let stream = self.stream.as_ref();
+        let stream = stream.map(|stream| options::check(stream, surface));
+        mistakes.keep(stream.transpose().map_err(Problem::from));
         let Some(mut shape) = shape else {
             let settings = self.method.map(|method| method.check_settings());
             mistakes.keep(settings.transpose());
@@ -285,13 +287,22 @@ impl JobRequest {
         let Some(problem) = problem else {
             return Err(mistakes.problem());
         };
-        let stream = self.stream.map(|stream| stream.text(&problem));
         Ok(ValidJob {
             name: self.name,
-            stream: stream.transpose()?,
+            stream: fitting_stream(self.stream, &problem)?,
             problem,
         })
     }
+}
+
+/// How the streams of a job go, if its data can be sent like that.
+fn fitting_stream(
+    stream: Option<StreamSpec>,
+    problem: &fit::Problem,
+) -> Result<Option<Arc<StreamSpec>>, Problem> {
+    let request = StreamSpec::default();
+    options::check_range(&request, stream.as_ref(), problem)?;
+    Ok(stream.map(Arc::new))
 }
 
 fn check_name(name: Option<&str>) -> Result<(), Problem> {

@@ -38,6 +38,7 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Levels, Reason, Status};
+use crate::model::stream::StreamSpec;
 
 /// A value as bytes of JSON. The values of this module always have a JSON form.
 pub fn to_bytes(value: &impl Serialize) -> Bytes {
@@ -227,9 +228,8 @@ fn stop(outline: &Outline) -> Value {
 }
 
 /// How the streams of a job go if they do not say it themselves.
-fn stream(outline: &Outline) -> Option<Value> {
-    let text = outline.label.stream.as_deref()?;
-    serde_json::from_str(text).ok()
+fn stream(outline: &Outline) -> Option<&StreamSpec> {
+    outline.label.stream.as_deref()
 }
 
 /// One value for a curve, `{"u": …, "v": …}` for a surface.

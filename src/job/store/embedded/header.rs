@@ -2,6 +2,8 @@
 //!
 //! Tags stay what they are for ever; new fields get new tags and have a sensible meaning when absent.
 
+use std::sync::Arc;
+
 use jiff::Timestamp;
 use prost::{Enumeration, Message};
 use uuid::Uuid;
@@ -17,6 +19,7 @@ use crate::fit::points::Grid;
 use crate::fit::system::Forecast;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::state::{Failure, Levels, Reason, State, Status};
+use crate::model::stream::StreamSpec;
 
 /// A job without its points.
 #[derive(Clone, PartialEq, Message)]
@@ -247,7 +250,10 @@ impl Header {
             name: label.name.clone(),
             parent: label.parent.map(|parent| parent.id.as_bytes().to_vec()),
             parent_iteration: label.parent.map_or(0, |parent| parent.iteration as u64),
-            stream: label.stream.as_deref().map(str::to_owned),
+            stream: label
+                .stream
+                .as_deref()
+                .and_then(|it| serde_json::to_string(it).ok()),
             created: Some(outline.created.into()),
             surface: outline.surface,
             rows: outline.grid.rows as u64,
@@ -298,7 +304,7 @@ impl Header {
                 label: Label {
                     name: self.name,
                     parent: parent.transpose()?,
-                    stream: self.stream.map(Into::into),
+                    stream: self.stream.map(|text| stream(&text)).transpose()?,
                 },
                 created: time(self.created)?,
                 surface: self.surface,
@@ -483,6 +489,10 @@ fn time(message: Option<Time>) -> Result<Timestamp, StoreError> {
         nanoseconds,
     } = message.ok_or_else(|| damaged("no time"))?;
     Timestamp::new(seconds, nanoseconds).map_err(damaged)
+}
+
+fn stream(text: &str) -> Result<Arc<StreamSpec>, StoreError> {
+    serde_json::from_str(text).map(Arc::new).map_err(damaged)
 }
 
 fn uuid(bytes: &[u8]) -> Result<Uuid, StoreError> {

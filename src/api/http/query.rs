@@ -1,0 +1,157 @@
+//! The query parameters of streams, iterations and results.
+
+use serde::Deserialize;
+
+use crate::api::problem::Problem;
+use crate::api::short::quoted;
+use crate::api::stream::choices::Mistake;
+use crate::api::stream::form::not_samples;
+use crate::api::stream::options::{no_milestone, not_positive};
+use crate::api::whole::plain_number;
+use crate::fit::points::Grid;
+use crate::model::named::Named;
+use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec};
+
+/// The query of a single iteration or a result.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IterationQuery {
+    /// `json`, or a file format.
+    pub format: Option<String>,
+    view: Option<String>,
+    samples: Option<String>,
+    encoding: Option<String>,
+    digits: Option<String>,
+}
+
+/// The query of an event stream.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StreamQuery {
+    /// For clients that cannot set the header.
+    pub last_event_id: Option<String>,
+    view: Option<String>,
+    samples: Option<String>,
+    every: Option<String>,
+    milestones: Option<String>,
+    pace: Option<String>,
+    changed: Option<String>,
+    encoding: Option<String>,
+    digits: Option<String>,
+    on_disconnect: Option<String>,
+}
+
+impl IterationQuery {
+    /// What it says about a curve or a surface.
+    pub fn spec(self, surface: bool) -> Result<StreamSpec, Problem> {
+        let query = StreamQuery {
+            view: self.view,
+            samples: self.samples,
+            encoding: self.encoding,
+            digits: self.digits,
+            ..StreamQuery::default()
+        };
+        query.spec(surface)
+    }
+
+    /// How many samples a file should have; what is about JSON is refused.
+    pub fn samples_of_file(&self, surface: bool) -> Result<Option<Grid>, Problem> {
+        let json = [
+            (Choice::View, &self.view),
+            (Choice::Encoding, &self.encoding),
+            (Choice::Digits, &self.digits),
+        ];
+        if let Some((choice, _)) = json.iter().find(|(_, value)| value.is_some()) {
+            let detail = "it is about JSON, not about files";
+            return Err(Problem::at_parameter(choice.name(), detail));
+        }
+        let grid = |text: &String| {
+            let grid = Samples::of_text(text).and_then(|samples| samples.grid(surface));
+            grid.ok_or_else(|| wrong(Choice::Samples, not_samples(text, surface)))
+        };
+        self.samples.as_ref().map(grid).transpose()
+    }
+}
+
+impl StreamQuery {
+    /// The name of a parameter that is given, if there is one.
+    pub fn given(&self) -> Option<&'static str> {
+        let parameters = [
+            ("last_event_id", &self.last_event_id),
+            ("view", &self.view),
+            ("samples", &self.samples),
+            ("every", &self.every),
+            ("milestones", &self.milestones),
+            ("pace", &self.pace),
+            ("changed", &self.changed),
+            ("encoding", &self.encoding),
+            ("digits", &self.digits),
+            ("on_disconnect", &self.on_disconnect),
+        ];
+        let given = parameters.into_iter().find(|(_, text)| text.is_some());
+        given.map(|(name, _)| name)
+    }
+
+    /// What it says about a stream of a curve or a surface.
+    pub fn spec(&self, surface: bool) -> Result<StreamSpec, Problem> {
+        let samples = |text: &str| {
+            let samples = Samples::of_text(text);
+            samples.ok_or_else(|| wrong(Choice::Samples, not_samples(text, surface)))
+        };
+        let every = |text: &str| {
+            let every = plain_number(text).filter(|every| *every > 0);
+            every.ok_or_else(|| wrong(Choice::Every, not_positive(text)))
+        };
+        let changed = |text: &str| match text {
+            "false" => Ok(false),
+            "true" => Ok(true),
+            _ => Err(no_choice(Choice::Changed, text, &["false", "true"])),
+        };
+        let text = |text: &'_ Option<String>| text.clone();
+        Ok(StreamSpec {
+            view: one_of(Choice::View, &self.view)?,
+            samples: text(&self.samples).as_deref().map(samples).transpose()?,
+            every: text(&self.every).as_deref().map(every).transpose()?,
+            milestones: self.milestones.as_deref().map(milestones).transpose()?,
+            pace: one_of(Choice::Pace, &self.pace)?,
+            changed: self.changed.as_deref().map(changed).transpose()?,
+            encoding: one_of(Choice::Encoding, &self.encoding)?,
+            digits: one_of(Choice::Digits, &self.digits)?,
+            on_disconnect: one_of(Choice::OnDisconnect, &self.on_disconnect)?,
+        })
+    }
+}
+
+fn wrong(choice: Choice, detail: impl Into<String>) -> Problem {
+    Mistake::of_request(choice, detail).into()
+}
+
+fn no_choice(choice: Choice, text: &str, names: &[&str]) -> Problem {
+    let names = names.join(", ");
+    wrong(
+        choice,
+        format!("{} is no choice; there are {names}", quoted(text)),
+    )
+}
+
+fn one_of<T: Named>(choice: Choice, text: &Option<String>) -> Result<Option<T>, Problem> {
+    let value = |text: &String| {
+        let value = T::of_name(text);
+        value.ok_or_else(|| no_choice(choice, text, &T::names()))
+    };
+    text.as_ref().map(value).transpose()
+}
+
+/// Numbers between commas; none at all if the text is empty.
+fn milestones(text: &str) -> Result<Vec<f64>, Problem> {
+    let texts = text.split(',').filter(|_| !text.is_empty());
+    if texts.clone().count() > MOST_MILESTONES {
+        let detail = format!("there are more than {MOST_MILESTONES}");
+        return Err(wrong(Choice::Milestones, detail));
+    }
+    let milestones = texts.map(|text| {
+        let milestone = text.parse();
+        milestone.map_err(|_| wrong(Choice::Milestones, no_milestone(text)))
+    });
+    milestones.collect()
+}

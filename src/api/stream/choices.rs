@@ -1,0 +1,148 @@
+//! Who has chosen what of a stream: the one who asks for it, or the job for all of its streams; and
+//! which choices do not go together.
+
+use crate::api::problem::{Kind, Problem};
+use crate::api::short::plain;
+use crate::model::named::Named;
+use crate::model::stream::{Choice, StreamSpec};
+
+/// Where a choice was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    /// By the request for the stream.
+    Request,
+    /// By the `stream` object of the job.
+    Job,
+}
+
+/// What is wrong with a choice.
+#[derive(Debug)]
+pub struct Mistake {
+    by: By,
+    choice: Choice,
+    /// The element of a list.
+    index: Option<usize>,
+    detail: String,
+}
+
+impl Mistake {
+    /// A mistake of the request for a stream.
+    pub fn of_request(choice: Choice, detail: impl Into<String>) -> Self {
+        Self {
+            by: By::Request,
+            choice,
+            index: None,
+            detail: detail.into(),
+        }
+    }
+}
+
+impl From<Mistake> for Problem {
+    fn from(mistake: Mistake) -> Self {
+        let name = mistake.choice.name();
+        let index = mistake.index.map(|index| format!("/{index}"));
+        match mistake.by {
+            By::Request => Self::at_parameter(name, mistake.detail),
+            By::Job => {
+                let pointer = format!("/stream/{name}{}", index.unwrap_or_default());
+                Self::at_pointer(Kind::InvalidFit, pointer, mistake.detail)
+            }
+        }
+    }
+}
+
+/// The choices of a request and those of the job. Where both have chosen, the request wins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Choices<'a> {
+    request: &'a StreamSpec,
+    job: Option<&'a StreamSpec>,
+}
+
+/// Two choices of which one rules out the other: whether they were made, and why not both.
+pub(super) type Conflict = (bool, Choice, Choice, &'static str);
+
+impl<'a> Choices<'a> {
+    pub(super) fn new(request: &'a StreamSpec, job: Option<&'a StreamSpec>) -> Self {
+        Self { request, job }
+    }
+
+    /// What was chosen.
+    pub(super) fn get<T>(self, of: impl Fn(&'a StreamSpec) -> Option<T>) -> Option<T> {
+        of(self.request).or_else(|| self.job.and_then(of))
+    }
+
+    /// Who has made a choice, and what it is.
+    fn made(self, choice: Choice) -> Option<(By, String)> {
+        let request = self.request.text(choice).map(|text| (By::Request, text));
+        request.or_else(|| Some((By::Job, self.job?.text(choice)?)))
+    }
+
+    /// What is wrong with a choice that was made.
+    pub(super) fn mistake(self, choice: Choice, detail: impl Into<String>) -> Mistake {
+        self.mistake_at(choice, None, detail)
+    }
+
+    /// What is wrong with an element of a choice that was made.
+    pub(super) fn mistake_at(
+        self,
+        choice: Choice,
+        index: Option<usize>,
+        detail: impl Into<String>,
+    ) -> Mistake {
+        Mistake {
+            by: self.made(choice).map_or(By::Request, |(by, _)| by),
+            choice,
+            index,
+            detail: detail.into(),
+        }
+    }
+
+    /// Whether the job has made a choice, and the request has chosen `other`.
+    pub(super) fn is_default_for(self, choice: Choice, other: Choice) -> bool {
+        let by = |choice| self.made(choice).map(|(by, _)| by);
+        by(choice) == Some(By::Job) && by(other) == Some(By::Request)
+    }
+
+    /// Refuses choices that do not go together. What the request says is to blame before what the job
+    /// says.
+    pub(super) fn refuse(self, conflicts: &[Conflict]) -> Result<(), Mistake> {
+        let Some(&(_, one, other, why)) = conflicts.iter().find(|(both, ..)| *both) else {
+            return Ok(());
+        };
+        let (Some(first), Some(second)) = (self.made(one), self.made(other)) else {
+            return Ok(());
+        };
+        let mut detail = format!(
+            "{}={} and {}={} do not go together: {why}",
+            one.name(),
+            plain(&first.1),
+            other.name(),
+            plain(&second.1)
+        );
+        let (blamed, set) = match (first.0, second.0) {
+            (By::Job, By::Request) => (other, one),
+            _ => (one, other),
+        };
+        if self.is_default_for(set, blamed) {
+            let (name, usual) = (set.name(), usual(set));
+            detail.push_str(&format!(
+                "; the job sets {name} for its streams, which {name}={usual} overrides"
+            ));
+        }
+        Err(self.mistake(blamed, detail))
+    }
+}
+
+/// The value that a choice has if nobody makes it.
+fn usual(choice: Choice) -> &'static str {
+    match choice {
+        Choice::View => "control_points",
+        Choice::Every => "1",
+        Choice::Pace => "all",
+        Choice::Changed => "false",
+        Choice::Encoding => "json",
+        Choice::Digits => "full",
+        Choice::OnDisconnect => "continue",
+        Choice::Samples | Choice::Milestones => "",
+    }
+}

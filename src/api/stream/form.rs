@@ -1,0 +1,201 @@
+//! The form in which an iteration is shown: what of it, and how its numbers are written.
+
+use std::sync::Arc;
+
+use super::choices::{Choices, Conflict, Mistake};
+use crate::fit::points::Grid;
+use crate::fit::problem::Problem;
+use crate::model::stream::{self as chosen, Choice, MOST_SAMPLES};
+
+pub use crate::model::stream::Digits;
+
+const CURVE_SAMPLES: Grid = Grid {
+    rows: 200,
+    columns: 1,
+};
+const SURFACE_SAMPLES: Grid = Grid {
+    rows: 40,
+    columns: 40,
+};
+
+/// The largest coordinate that is sent in 32 bits. Control points go beyond the data, so this is
+/// far below the largest number of 32 bits, 3.4e38.
+const LARGEST_F32: f64 = 1e35;
+
+/// What to show of an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// The complete control net.
+    ControlPoints,
+    /// The control points that have moved since the iteration before.
+    Changed,
+    /// Points of the curve or surface, so many in each direction.
+    Samples(Grid),
+    /// The distances from the data alone.
+    Errors,
+}
+
+/// How arrays of numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Lists of numbers.
+    Json,
+    /// Little-endian numbers of 64 bits in base64.
+    Base64,
+    /// Little-endian numbers of 32 bits in base64.
+    Base64F32,
+    /// Not JSON at all, but a protobuf message.
+    Protobuf,
+}
+
+/// The form of an iteration on the wire.
+#[derive(Clone, Debug)]
+pub struct Form {
+    /// What is shown.
+    pub view: View,
+    /// How arrays of numbers are written.
+    pub encoding: Encoding,
+    /// How many digits coordinates have.
+    pub digits: Digits,
+    key: Arc<str>,
+}
+
+impl Form {
+    /// A form, with its key.
+    pub fn new(view: View, encoding: Encoding, digits: Digits) -> Self {
+        Self {
+            view,
+            encoding,
+            digits,
+            key: format!("{:?}", (view, encoding, digits)).into(),
+        }
+    }
+
+    /// The form that was chosen for a curve or a surface.
+    pub(super) fn of(choices: Choices<'_>, surface: bool) -> Result<Self, Mistake> {
+        let view = view(choices, surface)?;
+        let encoding = match choices.get(|spec| spec.encoding) {
+            None | Some(chosen::Encoding::Json) => Encoding::Json,
+            Some(chosen::Encoding::Base64) => Encoding::Base64,
+            Some(chosen::Encoding::Base64F32) => Encoding::Base64F32,
+        };
+        let digits = choices.get(|spec| spec.digits).unwrap_or(Digits::Full);
+        let errors = view == View::Errors;
+        let binary = encoding != Encoding::Json;
+        let rounded = digits == Digits::Auto;
+        let conflicts: [Conflict; 3] = [
+            (
+                errors && binary,
+                Choice::Encoding,
+                Choice::View,
+                "there are no arrays of numbers without geometry",
+            ),
+            (
+                errors && rounded,
+                Choice::Digits,
+                Choice::View,
+                "there are no coordinates to be rounded without geometry",
+            ),
+            (
+                binary && rounded,
+                Choice::Digits,
+                Choice::Encoding,
+                "rounding makes decimal numbers shorter, but not binary ones",
+            ),
+        ];
+        choices.refuse(&conflicts)?;
+        Ok(Self::new(view, encoding, digits))
+    }
+
+    /// What tells this form from others: what is made in one form is shared by all who want it.
+    pub fn key(&self) -> &Arc<str> {
+        &self.key
+    }
+
+    /// The same as a protobuf message, in which numbers are written in one way only.
+    pub fn in_protobuf(&self) -> Self {
+        Self::new(self.view, Encoding::Protobuf, Digits::Full)
+    }
+
+    /// Whether it is a protobuf message.
+    pub fn is_protobuf(&self) -> bool {
+        self.encoding == Encoding::Protobuf
+    }
+
+    /// The same with all digits.
+    pub fn in_full(&self) -> Self {
+        Self::new(self.view, self.encoding, Digits::Full)
+    }
+}
+
+/// The view that was chosen, with its number of samples.
+fn view(choices: Choices<'_>, surface: bool) -> Result<View, Mistake> {
+    let usual = match surface {
+        false => CURVE_SAMPLES,
+        true => SURFACE_SAMPLES,
+    };
+    let view = match choices.get(|spec| spec.view) {
+        None | Some(chosen::View::ControlPoints) => View::ControlPoints,
+        Some(chosen::View::Samples) => View::Samples(usual),
+        Some(chosen::View::Errors) => View::Errors,
+    };
+    match (view, choices.get(|spec| spec.samples)) {
+        (_, None) => Ok(view),
+        (View::Samples(_), Some(samples)) => {
+            samples.grid(surface).map(View::Samples).ok_or_else(|| {
+                choices.mistake(Choice::Samples, not_samples(&samples.to_string(), surface))
+            })
+        }
+        // A number of samples that the job sets is for those who choose this view.
+        (_, Some(_)) if choices.is_default_for(Choice::Samples, Choice::View) => Ok(view),
+        (_, Some(_)) => {
+            let detail = "it is given, but the view is not samples: add view=samples";
+            Err(choices.mistake(Choice::Samples, detail))
+        }
+    }
+}
+
+/// Why a text is no number of samples of a curve or a surface.
+pub fn not_samples(text: &str, surface: bool) -> String {
+    let form = match surface {
+        false => "200 for a curve",
+        true => "40x40 for a surface",
+    };
+    format!(
+        "{} is not a number of samples such as {form}, at least 2 in each direction and {MOST_SAMPLES} in all",
+        crate::api::short::quoted(text)
+    )
+}
+
+/// Refuses numbers of 32 bits, where they are chosen, that have no room for the data.
+pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), Mistake> {
+    if choices.get(|spec| spec.encoding) != Some(chosen::Encoding::Base64F32) {
+        return Ok(());
+    }
+    let mut coordinates = coordinates(problem);
+    let smallest = f64::from(f32::MIN_POSITIVE);
+    let magnitude = if coordinates.clone().any(|x| x.abs() > LARGEST_F32) {
+        "large"
+    } else if coordinates.clone().all(|x| x.abs() < smallest) && coordinates.any(|x| x != 0.0) {
+        "small"
+    } else {
+        return Ok(());
+    };
+    let detail = format!(
+        "the coordinates of the data are too {magnitude} for numbers of 32 bits: they must lie between {smallest:.1e} and {LARGEST_F32:.1e}; use base64"
+    );
+    Err(choices.mistake(Choice::Encoding, detail))
+}
+
+/// The coordinates of the data points.
+fn coordinates(problem: &Problem) -> impl Iterator<Item = f64> + Clone {
+    let lanes = problem.data().lanes();
+    let (lanes, weights) = match lanes.split_last() {
+        Some((weights, lanes)) if problem.is_homogeneous() => (lanes, Some(weights)),
+        _ => (lanes, None),
+    };
+    lanes.iter().flat_map(move |lane| {
+        let weight = move |i: usize| weights.map_or(1.0, |weights| weights[i]);
+        lane.iter().enumerate().map(move |(i, x)| x / weight(i))
+    })
+}

@@ -1,0 +1,229 @@
+//! How a stream goes, after the choices of the request for it and those of its job.
+
+use super::choices::{Choices, Mistake};
+use super::form::{self, Encoding, Form, View};
+use crate::api::language::Framing;
+use crate::api::short::quoted;
+use crate::fit::problem::Problem;
+use crate::model::stream::{
+    self as chosen, Choice, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
+};
+
+/// How a stream goes.
+#[derive(Clone, Debug)]
+pub struct StreamOptions {
+    /// What each event shows.
+    pub form: Form,
+    /// What events show instead once the client has complete control points.
+    pub changes: Option<Form>,
+    /// Only iterations that are multiples of this, and the last.
+    pub every: usize,
+    /// Only the first iteration whose largest distance is within each of these, which decrease.
+    pub milestones: Vec<f64>,
+    /// A slow client skips to the newest iteration.
+    pub latest: bool,
+    /// The job ends with this stream.
+    pub cancels: bool,
+}
+
+impl StreamOptions {
+    /// The options of a stream of a curve or a surface that is framed like this. What `request` does not
+    /// say, `job` says for all of its streams.
+    pub fn new(
+        request: &StreamSpec,
+        job: Option<&StreamSpec>,
+        framing: Framing,
+        surface: bool,
+    ) -> Result<Self, Mistake> {
+        if framing != Framing::Protobuf {
+            return Self::of(Choices::new(request, job), surface);
+        }
+        refuse_numbers(request)?;
+        // How numbers are written in JSON is of no interest, whatever the job says of it.
+        let request = StreamSpec {
+            encoding: Some(chosen::Encoding::Json),
+            digits: Some(Digits::Full),
+            ..request.clone()
+        };
+        let options = Self::of(Choices::new(&request, job), surface)?;
+        Ok(Self {
+            form: options.form.in_protobuf(),
+            changes: options.changes.map(|form| form.in_protobuf()),
+            ..options
+        })
+    }
+
+    /// The options of a stream of a job that another request has made: it shows the job, and does not end
+    /// it, whatever the job says of its own stream.
+    pub fn of_reader(
+        request: &StreamSpec,
+        job: Option<&StreamSpec>,
+        framing: Framing,
+        surface: bool,
+    ) -> Result<Self, Mistake> {
+        let options = Self::new(request, job, framing, surface)?;
+        if options.cancels && request.on_disconnect.is_some() {
+            let detail = "only the stream that is the answer to the request for the job can end it";
+            return Err(Mistake::of_request(Choice::OnDisconnect, detail));
+        }
+        Ok(Self {
+            cancels: false,
+            ..options
+        })
+    }
+
+    fn of(choices: Choices<'_>, surface: bool) -> Result<Self, Mistake> {
+        let form = Form::of(choices, surface)?;
+        let changed = choices.get(|spec| spec.changed).unwrap_or(false);
+        let options = Self {
+            changes: changed.then(|| Form::new(View::Changed, form.encoding, form.digits)),
+            form,
+            every: every(choices)?,
+            milestones: milestones(choices)?,
+            latest: choices.get(|spec| spec.pace) == Some(Pace::Latest),
+            cancels: choices.get(|spec| spec.on_disconnect) == Some(OnDisconnect::Cancel),
+        };
+        options.check(choices)?;
+        Ok(options)
+    }
+
+    /// Refuses what does not go together.
+    fn check(&self, choices: Choices<'_>) -> Result<(), Mistake> {
+        const COMPLETE: &str =
+            "what has changed is said from each iteration to the next, so none may be left out";
+        let changed = self.changes.is_some();
+        let some = self.every > 1;
+        let selects = !self.milestones.is_empty();
+        let Form {
+            view,
+            encoding,
+            digits,
+            ..
+        } = self.form;
+        choices.refuse(&[
+            (
+                changed && view != View::ControlPoints,
+                Choice::Changed,
+                Choice::View,
+                "it is about control points",
+            ),
+            (
+                changed && encoding != Encoding::Json,
+                Choice::Changed,
+                Choice::Encoding,
+                "indices with their points are no array of numbers",
+            ),
+            (
+                changed && digits != Digits::Full,
+                Choice::Changed,
+                Choice::Digits,
+                "a point that stays would keep the coarser rounding of an earlier iteration",
+            ),
+            (changed && some, Choice::Changed, Choice::Every, COMPLETE),
+            (
+                changed && selects,
+                Choice::Changed,
+                Choice::Milestones,
+                COMPLETE,
+            ),
+            (
+                changed && self.latest,
+                Choice::Changed,
+                Choice::Pace,
+                COMPLETE,
+            ),
+            (
+                selects && some,
+                Choice::Milestones,
+                Choice::Every,
+                "milestones choose the iterations themselves",
+            ),
+            (
+                selects && self.latest,
+                Choice::Milestones,
+                Choice::Pace,
+                "the first iteration to reach a milestone may not be skipped",
+            ),
+        ])
+    }
+}
+
+/// Checks that the streams of a job with such a curve or surface can go like that.
+pub fn check(job: &StreamSpec, surface: bool) -> Result<(), Mistake> {
+    let request = StreamSpec::default();
+    StreamOptions::of(Choices::new(&request, Some(job)), surface).map(|_| ())
+}
+
+/// The form of a single iteration of a curve or a surface in JSON.
+pub fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, Mistake> {
+    Form::of(Choices::new(request, None), surface)
+}
+
+/// The form of a single iteration of a curve or a surface as a protobuf message.
+pub fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, Mistake> {
+    refuse_numbers(request)?;
+    Ok(json_form(request, surface)?.in_protobuf())
+}
+
+/// Checks that numbers of 32 bits, where they are asked for, have room for the data.
+pub fn check_range(
+    request: &StreamSpec,
+    job: Option<&StreamSpec>,
+    problem: &Problem,
+) -> Result<(), Mistake> {
+    form::check_range(Choices::new(request, job), problem)
+}
+
+/// Messages have no choice of how numbers are written.
+fn refuse_numbers(request: &StreamSpec) -> Result<(), Mistake> {
+    let given = [
+        (Choice::Encoding, request.encoding.is_some()),
+        (Choice::Digits, request.digits.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        None => Ok(()),
+        Some((choice, _)) => {
+            let detail = "it is about numbers in JSON; protobuf messages have all 64 bits";
+            Err(Mistake::of_request(choice, detail))
+        }
+    }
+}
+
+fn every(choices: Choices<'_>) -> Result<usize, Mistake> {
+    match choices.get(|spec| spec.every) {
+        Some(0) => Err(choices.mistake(Choice::Every, not_positive("0"))),
+        every => Ok(every.unwrap_or(1)),
+    }
+}
+
+/// Why a text does not say every how many iterations are shown.
+pub fn not_positive(text: &str) -> String {
+    format!("{} is no positive whole number", quoted(text))
+}
+
+/// Milestones are positive and decrease.
+fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, Mistake> {
+    let Some(milestones) = choices.get(|spec| spec.milestones.as_ref()) else {
+        return Ok(Vec::new());
+    };
+    let wrong = |index, detail| Err(choices.mistake_at(Choice::Milestones, index, detail));
+    if milestones.len() > MOST_MILESTONES {
+        return wrong(None, format!("there are more than {MOST_MILESTONES}"));
+    }
+    for (index, milestone) in milestones.iter().enumerate() {
+        if !(*milestone > 0.0 && milestone.is_finite()) {
+            return wrong(Some(index), no_milestone(&format!("{milestone:?}")));
+        }
+        if let Some(before) = milestones[..index].last().filter(|it| *it <= milestone) {
+            let detail =
+                format!("milestones decrease, and {milestone} does not lie below {before}");
+            return wrong(Some(index), detail);
+        }
+    }
+    Ok(milestones.clone())
+}
+
+/// Why a text is no milestone.
+pub fn no_milestone(text: &str) -> String {
+    format!("{} is no positive finite number", quoted(text))
+}

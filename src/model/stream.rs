@@ -1,0 +1,221 @@
+//! What the event streams of a job are like, as far as a client says it.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::named::{Named, named};
+use crate::fit::points::Grid;
+
+/// The most milestones of a stream.
+pub const MOST_MILESTONES: usize = 100;
+
+/// The most points that are sampled.
+pub const MOST_SAMPLES: usize = 1_000_000;
+
+named!(
+    /// What is shown of an iteration.
+    View {
+        /// Its complete control points.
+        ControlPoints = "control_points",
+        /// Points of the curve or surface.
+        Samples = "samples",
+        /// Its errors alone.
+        Errors = "errors",
+    }
+);
+
+named!(
+    /// How arrays of numbers are written in JSON.
+    Encoding {
+        /// Lists of numbers.
+        Json = "json",
+        /// Little-endian numbers of 64 bits in base64.
+        Base64 = "base64",
+        /// Little-endian numbers of 32 bits in base64.
+        Base64F32 = "base64_f32",
+    }
+);
+
+named!(
+    /// How many digits coordinates have in JSON.
+    Digits {
+        /// All.
+        Full = "full",
+        /// As many as the largest distance deserves; the last iteration has all.
+        Auto = "auto",
+    }
+);
+
+named!(
+    /// What a client gets that is slower than the fit.
+    Pace {
+        /// All iterations.
+        All = "all",
+        /// The newest iteration.
+        Latest = "latest",
+    }
+);
+
+named!(
+    /// What becomes of a job when the client of its stream goes away.
+    OnDisconnect {
+        /// It goes on.
+        Continue = "continue",
+        /// It is cancelled.
+        Cancel = "cancel",
+    }
+);
+
+named!(
+    /// One of the choices of a stream.
+    Choice {
+        /// See [`StreamSpec::view`].
+        View = "view",
+        /// See [`StreamSpec::samples`].
+        Samples = "samples",
+        /// See [`StreamSpec::every`].
+        Every = "every",
+        /// See [`StreamSpec::milestones`].
+        Milestones = "milestones",
+        /// See [`StreamSpec::pace`].
+        Pace = "pace",
+        /// See [`StreamSpec::changed`].
+        Changed = "changed",
+        /// See [`StreamSpec::encoding`].
+        Encoding = "encoding",
+        /// See [`StreamSpec::digits`].
+        Digits = "digits",
+        /// See [`StreamSpec::on_disconnect`].
+        OnDisconnect = "on_disconnect",
+    }
+);
+
+/// A number of samples, as it was asked for: of a curve one number, of a surface one for each
+/// direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// So many points of a curve.
+    Count(usize),
+    /// So many rows and columns of points of a surface.
+    Grid(usize, usize),
+}
+
+/// What a client says of the streams of a job, or of one stream. What is not said is as usual.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StreamSpec {
+    /// What the events show.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<View>,
+    /// How many samples they have; with the view `samples`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<Samples>,
+    /// Only iterations that are multiples of this number, and the last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub every: Option<usize>,
+    /// Only the first iteration whose largest error is within each of these distances, which decrease.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub milestones: Option<Vec<f64>>,
+    /// What a client gets that is slower than the fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pace: Option<Pace>,
+    /// After a first complete event only control points that moved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub changed: Option<bool>,
+    /// How arrays of numbers are written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub encoding: Option<Encoding>,
+    /// How many digits coordinates have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digits: Option<Digits>,
+    /// What becomes of the job when its client goes away.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_disconnect: Option<OnDisconnect>,
+}
+
+impl StreamSpec {
+    /// A choice as it would be written in a query, if it was made.
+    pub fn text(&self, choice: Choice) -> Option<String> {
+        let name = |name: &'static str| name.to_owned();
+        match choice {
+            Choice::View => self.view.map(Named::name).map(name),
+            Choice::Samples => self.samples.map(|samples| samples.to_string()),
+            Choice::Every => self.every.map(|every| every.to_string()),
+            Choice::Milestones => self.milestones.as_ref().map(|milestones| {
+                let milestones = milestones.iter().map(f64::to_string);
+                milestones.collect::<Vec<_>>().join(",")
+            }),
+            Choice::Pace => self.pace.map(Named::name).map(name),
+            Choice::Changed => self.changed.map(|changed| changed.to_string()),
+            Choice::Encoding => self.encoding.map(Named::name).map(name),
+            Choice::Digits => self.digits.map(Named::name).map(name),
+            Choice::OnDisconnect => self.on_disconnect.map(Named::name).map(name),
+        }
+    }
+
+    /// The first choice that was made, if there is one.
+    pub fn first(&self) -> Option<Choice> {
+        let mut choices = Choice::ALL.iter().map(|(choice, _)| *choice);
+        choices.find(|choice| self.text(*choice).is_some())
+    }
+}
+
+impl Samples {
+    /// Reads `200` or `40x40`.
+    pub fn of_text(text: &str) -> Option<Self> {
+        match text.split_once('x') {
+            None => text.parse().ok().map(Self::Count),
+            Some((rows, columns)) => {
+                let rows = rows.parse().ok()?;
+                Some(Self::Grid(rows, columns.parse().ok()?))
+            }
+        }
+    }
+
+    /// The grid of samples of a curve or a surface, if this is a number of samples for it: at least 2 in
+    /// each direction and [`MOST_SAMPLES`] in all.
+    pub fn grid(self, surface: bool) -> Option<Grid> {
+        let grid = match (self, surface) {
+            (Self::Count(rows), false) => Grid { rows, columns: 1 },
+            (Self::Grid(rows, columns), true) if columns >= 2 => Grid { rows, columns },
+            _ => return None,
+        };
+        let count = grid.rows.saturating_mul(grid.columns);
+        (grid.rows >= 2 && count <= MOST_SAMPLES).then_some(grid)
+    }
+}
+
+/// As it is written: `200` or `40x40`.
+impl fmt::Display for Samples {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Grid(rows, columns) => write!(f, "{rows}x{columns}"),
+        }
+    }
+}
+
+impl Serialize for Samples {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Count(count) => count.serialize(serializer),
+            Self::Grid(..) => serializer.collect_str(self),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Samples {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Count(usize),
+            Text(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Count(count) => Ok(Self::Count(count)),
+            Written::Text(text) => Self::of_text(&text)
+                .ok_or_else(|| serde::de::Error::custom("it is no number of samples")),
+        }
+    }
+}
