@@ -1,4 +1,7 @@
 //! The generalized Ball bases: polynomials that are cheaper to evaluate than Bernstein's.
+//!
+//! Both generalize the cubic that Ball used in aircraft design, `(1−t)², 2t(1−t)², 2t²(1−t), t²`, to any degree m,
+//! with the same span as the Bernstein polynomials of degree m. They differ in what they do in the middle.
 
 use crate::fit::about::About;
 
@@ -20,9 +23,16 @@ pub(super) const WANG_BALL: About = About {
 
 /// Writes the Said–Ball basis of degree m at `t` into `values` (m + 1 numbers); 0 ≤ t ≤ 1.
 ///
-/// With f = ⌊m/2⌋ (DP07, Definition 7): `C(f+i, i) t^i (1−t)^(f+1)` for i ≤ ⌊(m−1)/2⌋, the mirror
-/// image for i ≥ f + 1, and `C(m, f) t^f (1−t)^f` in the middle if m is even. The basis is
-/// normalized totally positive.
+/// With f = ⌊m/2⌋ (DP07, Definition 7):
+///
+/// ```text
+/// S_i(t) = C(f+i, i) tⁱ (1−t)^(f+1)     i ≤ ⌊(m−1)/2⌋
+/// S_f(t) = C(m, f) t^f (1−t)^f          in the middle, if m is even
+/// S_i(t) = S_{m−i}(1 − t)               i ≥ f + 1
+/// ```
+///
+/// The basis is normalized totally positive, so that PIA converges, more slowly than with Bernstein
+/// polynomials. It takes O(m); values below 1e-308 become zero.
 pub fn said_ball(degree: usize, t: f64, values: &mut [f64]) {
     let half = degree / 2;
     let left = degree.div_ceil(2);
@@ -46,9 +56,17 @@ pub fn said_ball(degree: usize, t: f64, values: &mut [f64]) {
 
 /// Writes the Wang–Ball basis of degree m at `t` into `values` (m + 1 numbers); 0 ≤ t ≤ 1.
 ///
-/// With f = ⌊m/2⌋ and c = ⌈m/2⌉: `(2t)^i (1−t)^(i+2)` for i < f, `(2t)^f (1−t)^c` for i = f, and
-/// their mirror images. It is not totally positive from degree 4 on: classical PIA may be slow or
-/// diverge with it, the extended method always works.
+/// With f = ⌊m/2⌋ and c = ⌈m/2⌉ (Deng13, example 2):
+///
+/// ```text
+/// W_i(t) = (2t)ⁱ (1−t)^(i+2)     i < f
+/// W_f(t) = (2t)^f (1−t)^c
+/// W_i(t) = W_{m−i}(1 − t)        i ≥ c, i > f
+/// ```
+///
+/// Degree 4: `(1−t)², 2t(1−t)³, 4t²(1−t)², 2t³(1−t), t²`. It is not totally positive from degree 4 on:
+/// classical PIA is slow with uniform parameters and may diverge with others, and the extended method always
+/// works. It takes O(m); values below 1e-308 become zero.
 pub fn wang_ball(degree: usize, t: f64, values: &mut [f64]) {
     let half = degree / 2;
     let s = 1.0 - t;
@@ -66,6 +84,7 @@ pub fn wang_ball(degree: usize, t: f64, values: &mut [f64]) {
     }
 }
 
+/// `x` to the power of a whole number, by repeated multiplication.
 fn power(x: f64, exponent: usize) -> f64 {
     (0..exponent).fold(1.0, |product, _| product * x)
 }
@@ -74,6 +93,7 @@ fn power(x: f64, exponent: usize) -> f64 {
 mod tests {
     use super::*;
 
+    /// All values of a basis at a parameter.
     fn row(basis: fn(usize, f64, &mut [f64]), degree: usize, t: f64) -> Vec<f64> {
         let mut values = vec![0.0; degree + 1];
         basis(degree, t, &mut values);
@@ -87,6 +107,7 @@ mod tests {
         }
     }
 
+    /// Degrees 1, 3 and 4, written out.
     #[test]
     fn low_degrees_equal_their_formulas() {
         for t in [0.0_f64, 0.3, 0.5, 0.9, 1.0] {
@@ -119,6 +140,7 @@ mod tests {
         }
     }
 
+    /// Both bases are normalized and not negative at every degree that is accepted.
     #[test]
     fn functions_sum_to_one_up_to_degree_1000() {
         for degree in [1, 2, 3, 4, 5, 10, 29, 100, 999, 1000] {

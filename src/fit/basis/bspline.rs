@@ -1,4 +1,15 @@
 //! B-splines by the Cox–de Boor recurrence.
+//!
+//! With knots u_0 ≤ u_1 ≤ …:
+//!
+//! ```text
+//! N_i,0(t) = 1 if u_i ≤ t < u_{i+1}, else 0
+//! N_i,r(t) = (t − u_i)/(u_{i+r} − u_i) N_i,r−1(t) + (u_{i+r+1} − t)/(u_{i+r+1} − u_{i+1}) N_{i+1,r−1}(t)
+//! ```
+//!
+//! At a parameter in the span [u_s, u_{s+1}) the p + 1 functions N_{s−p,p} … N_s,p differ from zero; they are
+//! computed together, degree by degree, in `3/2 p (p + 1)` divisions and multiplications (the triangular
+//! scheme, PT97, algorithm A2.2). All terms are sums of numbers that are not negative, so that nothing cancels.
 
 use crate::fit::about::About;
 
@@ -11,7 +22,7 @@ pub(super) const ABOUT: About = About {
 };
 
 /// The knot span that holds `t`: `knots[span] ≤ t < knots[span + 1]`, at the right end of the
-/// domain the last span that is not empty (PT97, algorithm A2.1).
+/// domain the last span that is not empty (PT97, algorithm A2.1). Bisection, O(log n).
 pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
     let last = knots.len() - degree - 2;
     let inside = &knots[degree + 1..=last];
@@ -112,6 +123,7 @@ fn recur(right: &[f64], left: &[f64], t: &[f64], values: &mut [f64], carried: &m
 mod tests {
     use super::*;
 
+    /// The values of all functions at a parameter.
     fn row(degree: usize, knots: &[f64], t: f64) -> Vec<f64> {
         let span = find_span(degree, knots, t);
         let mut local = vec![0.0; degree + 1];
@@ -183,6 +195,7 @@ mod tests {
         }
     }
 
+    /// Every degree up to 12, with knots that are close together.
     #[test]
     fn functions_sum_to_one_and_are_positive() {
         for degree in 1..=12 {
@@ -198,7 +211,7 @@ mod tests {
         }
     }
 
-    /// To the last bit.
+    /// The vectorized evaluation computes the same numbers as that of single parameters, to the last bit.
     #[test]
     fn runs_are_made_of_single_parameters() {
         for degree in 1..=7 {
@@ -222,6 +235,7 @@ mod tests {
         }
     }
 
+    /// At the last knot the basis is continuous from the left.
     #[test]
     fn the_right_end_belongs_to_the_last_span() {
         let knots = [0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0];

@@ -1,11 +1,20 @@
-//! Knot vectors: the two choices that follow from the parameters, and the check of explicit ones.
+//! Knots of B-splines: where they are placed, and which given ones are refused.
+//!
+//! With n + 1 parameters `t_0 < … < t_n` and degree p an open B-spline has *clamped* knots: the first and the last
+//! p + 1 are equal to the ends of the parameters, so that the curve begins and ends at control points. The
+//! choices differ in the knots between:
+//!
+//! - at the data (LBW05 (3.1)): the parameters between, and n + p control points of which n + 1 are free;
+//! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
+//! - for least squares (PT97 (9.68)–(9.69)): about as many parameters in every span;
+//! - periodic: at or midway between the parameters, repeated with their period.
 
 use std::sync::Arc;
 
 use crate::fit::invalid::{Axis, Invalid};
 use crate::fit::order;
 
-/// Knots further out than this would overflow in sums of a few of them.
+/// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
 pub const LARGEST: f64 = 1e300;
 
 /// How the knots of a B-spline direction are chosen.
@@ -21,12 +30,14 @@ pub enum Knots {
     Explicit(Arc<Vec<f64>>),
 }
 
-/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)).
+/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1 knots for
+/// n + 1 parameters, and n + p functions. Any degree will do, even one above n.
 pub fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, t[1..t.len() - 1].iter().copied())
 }
 
-/// `u_{j+p} = (t_j + … + t_{j+p−1}) / p`, j = 1 … n − p, ends of multiplicity p + 1 (PT97 (9.8)).
+/// `u_{j+p} = (t_j + … + t_{j+p−1}) / p`, j = 1 … n − p, ends of multiplicity p + 1 (PT97 (9.8)): n + p + 2
+/// knots for n + 1 parameters, and n + 1 functions. The collocation matrix is nonsingular. Needs p ≤ n.
 pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
     let interior = t[1..t.len() - 1]
         .windows(degree)
@@ -34,8 +45,14 @@ pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, interior)
 }
 
-/// Knots for fewer control points than data points: `u_{p+j} = (1 − α) t_{i−1} + α t_i` with
-/// `d = (m + 1) / (n − p + 1)`, `i = ⌊j d⌋`, `α = j d − i` (PT97 (9.68)–(9.69)).
+/// Knots for n + 1 control points, fewer than the m + 1 data points (PT97 (9.68)–(9.69)):
+///
+/// ```text
+/// d = (m + 1) / (n − p + 1),   i = ⌊j d⌋,   α = j d − i
+/// u_{p+j} = (1 − α) t_{i−1} + α t_i,   j = 1 … n − p
+/// ```
+///
+/// There is a parameter in every span, so that `AᵀA` is nonsingular. Needs p ≤ n.
 pub fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
     let spans = control_points - degree;
     let d = t.len() as f64 / spans as f64;
@@ -78,6 +95,7 @@ pub fn periodic(t: &[f64], period: f64, degree: usize, control_points: usize) ->
     (-p..=control_points as isize + p).map(knot).collect()
 }
 
+/// The interior knots between both ends of the parameters, each p + 1 times.
 fn clamped(t: &[f64], degree: usize, interior: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut knots = Vec::with_capacity(t.len() + 2 * degree);
     knots.resize(degree + 1, t[0]);
@@ -88,6 +106,12 @@ fn clamped(t: &[f64], degree: usize, interior: impl Iterator<Item = f64>) -> Vec
 
 /// Refuses explicit knots that are not the clamped knot vector of a continuous B-spline with
 /// `count` control points.
+///
+/// # Errors
+///
+/// Names the direction `axis` and the first wrong knot: their number must be count + degree + 1, they must
+/// not decrease, the first and the last degree + 1 must be equal, and no other knot may occur more than
+/// `degree` times.
 pub fn check(knots: &[f64], degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
     let expected = count + degree + 1;
     if knots.len() != expected {
@@ -124,6 +148,7 @@ pub fn check(knots: &[f64], degree: usize, count: usize, axis: Axis) -> Result<(
     }
 }
 
+/// Refuses knots that decrease or are not finite, and names the first one.
 fn check_order(knots: &[f64], axis: Axis) -> Result<(), Invalid> {
     let mut ends = knots.first().into_iter().chain(knots.last());
     if order::never_decreases(knots) && ends.all(|end| end.is_finite()) {
@@ -146,6 +171,7 @@ fn check_order(knots: &[f64], axis: Axis) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Refuses knots whose first and last p + 1 are not equal, or of which more than that are.
 fn check_clamped(knots: &[f64], degree: usize, axis: Axis) -> Result<(), Invalid> {
     let needed = degree + 1;
     let count = knots.len() - needed;
@@ -178,10 +204,15 @@ fn check_clamped(knots: &[f64], degree: usize, axis: Axis) -> Result<(), Invalid
     }
 }
 
-/// Schoenberg–Whitney: the collocation matrix is nonsingular exactly if `N_j(t_j) > 0` for every j.
+/// Refuses knots with which the collocation matrix is singular (Schoenberg, Whitney 1953): it is nonsingular
+/// exactly if `N_j(t_j) > 0` for every j.
 ///
 /// On a clamped knot vector that means `knots[j] < t_j < knots[j + p + 1]`, where the first and the
 /// last parameter may lie on the ends.
+///
+/// # Errors
+///
+/// Names the first parameter outside of the support of its B-spline.
 pub fn check_schoenberg_whitney(
     knots: &[f64],
     degree: usize,
@@ -223,6 +254,7 @@ mod tests {
 
     const T: [f64; 6] = [0.0, 1.0, 3.0, 4.0, 6.0, 10.0];
 
+    /// Knots at the data and averaged ones of uneven parameters.
     #[test]
     fn both_choices_follow_their_formulas() {
         assert_eq!(
@@ -248,6 +280,7 @@ mod tests {
         assert_eq!(averaged(&T, 5).len(), 12);
     }
 
+    /// Every kind of mistake, with the first knot that shows it.
     #[test]
     fn bad_knots_name_the_index() {
         let check = |knots: &[f64]| check(knots, 2, 5, Axis::U).unwrap_err();
@@ -277,6 +310,7 @@ mod tests {
         ));
     }
 
+    /// A knot of multiplicity p + 1 between the ends would break the curve.
     #[test]
     fn interior_multiplicity_is_limited_by_the_degree() {
         let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 3.0, 3.0, 3.0];
@@ -287,6 +321,7 @@ mod tests {
         assert!(check(&[0.0, 0.0, 0.0, 1.0, 1.0, 3.0, 3.0, 3.0], 2, 5, Axis::U).is_ok());
     }
 
+    /// The condition at, within and outside of the supports.
     #[test]
     fn schoenberg_whitney_names_the_parameter() {
         let knots = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0];

@@ -1,10 +1,13 @@
 //! Square matrices on their way into a factorization: cyclic ones are folded flat.
+//!
+//! The matrix of a closed curve has entries around the corners, which elimination would spread over whole
+//! columns. If its indices are ordered 0, n−1, 1, n−2, …, as on a circle that is pressed flat, neighbours
+//! stay within two places of each other, and the matrix is an ordinary banded one of twice the bandwidth.
 
 use super::banded::{Banded, Diagonal};
 use crate::fit::order;
 
-/// An order of rows and columns in which a cyclic band is an ordinary one of twice the width: the
-/// circle is folded flat, 0, n−1, 1, n−2, …
+/// The place of each index in the folded order 0, n−1, 1, n−2, … of n rows and columns.
 pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
     move |j| {
         if 2 * j < n {
@@ -15,7 +18,7 @@ pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
     }
 }
 
-/// The index at each place of that order.
+/// The index at each place of the folded order: the inverse of [`folded`].
 pub fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
     move |k| {
         if k.is_multiple_of(2) {
@@ -26,20 +29,21 @@ pub fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
     }
 }
 
-/// A square matrix with rows and columns in an order in which it is banded; for factorizations.
+/// A square matrix of n rows with rows and columns in an order in which it is banded, and with room for what
+/// factorizing fills in: n (2 l + r + 1) numbers for l entries below and r to the right of the diagonal.
 pub(super) struct Band {
-    /// Entries below the diagonal in each column, at most.
+    /// The most entries below the diagonal in a column.
     pub lower: usize,
-    /// Entries to the right of the diagonal in each row that factorizing can fill.
+    /// The most entries to the right of the diagonal in a row, with those that factorizing can fill in.
     pub upper: usize,
-    /// Row by row, the columns `i − lower ..= i + upper`.
+    /// Row by row the entries in columns `i − lower ..= i + upper`.
     pub rows: Vec<f64>,
     /// Whether the order is the folded one.
     pub folded: bool,
 }
 
 impl Band {
-    /// Makes room for the fill-in of factorizations by rows: `lower` more to the right.
+    /// Copies a matrix. Row operations, swaps or rotations, fill in up to `lower` more entries to the right.
     pub(super) fn new(matrix: &Banded) -> Self {
         let n = matrix.rows();
         let (cyclic, fold) = (matrix.is_cyclic(), folded(n));
@@ -49,7 +53,7 @@ impl Band {
                 .filter(|&(.., value)| value != 0.0)
                 .map(|(i, j, value)| (fold(i), fold(j), value))
         };
-        // How far to the right of the diagonal there is something, or to the left.
+        // The largest distance of an entry that is not zero from the diagonal, on either side.
         let filled = || matrix.diagonals().filter(|it| !order::is_zero(it.values));
         let reach = |sign: i64| match cyclic {
             true => entries()
@@ -87,11 +91,12 @@ impl Band {
         band
     }
 
+    /// The numbers that are kept of each row.
     pub(super) fn width(&self) -> usize {
         self.lower + self.upper + 1
     }
 
-    /// The entry in row `i` and column `j`, which lie within the band.
+    /// The entry in row `i` and column `j` of the order, which must lie within the band.
     pub(super) fn at(&mut self, i: usize, j: usize) -> &mut f64 {
         let width = self.width();
         &mut self.rows[i * width + j + self.lower - i]

@@ -1,52 +1,62 @@
 //! Matrices whose rows hold a few consecutive entries each, possibly around the end.
 //!
 //! Nearly everywhere the entries of the next row start one column further on. Such *stretches* of
-//! rows are multiplied many rows at a time: entry k of all rows stands in one array, so that each
-//! product is one of arrays. The order of the sum is that of a single row, whatever the path.
+//! rows are multiplied many rows at a time: entry k of all rows stands in one array, a *diagonal*, so that each
+//! product is one of arrays:
+//!
+//! ```text
+//! row i:   columns i + s … i + s + W − 1,   offset s of its stretch
+//! y_i   =  Σ_k e_k,i x_{i+s+k},             k = 0 … W − 1, from the first on
+//! ```
+//!
+//! The order of the sum is that of a single row, whatever the path, so that results are the same to the last
+//! bit. A matrix takes n W numbers and a product n W multiplications.
 
 use std::ops::Range;
 
 use crate::fit::lane::Lane;
 
 /// A matrix with `width` consecutive entries in each row. In matrices of closed curves the columns
-/// are cyclic: behind the last one the first follows.
+/// are cyclic: the last one is followed by the first.
 #[derive(Clone, Debug)]
 pub struct Banded {
     rows: usize,
     columns: usize,
     width: usize,
-    /// The first entries of all rows, then the second ones, …
+    /// The first entries of all rows, the second ones, and so on: `width` lanes of `rows` numbers.
     entries: Vec<Lane>,
+    /// Increasing by their first row; the first one starts with row 0.
     stretches: Vec<Stretch>,
+    /// Whether some row goes around the end.
     cyclic: bool,
+    /// The largest distance of an entry from the diagonal.
     reach: usize,
 }
 
-/// Rows from `start` on to the next stretch, whose entries start `offset` columns behind the
-/// diagonal; not reduced by the period of a cyclic matrix.
+/// Consecutive rows, up to the next stretch, whose entries start at the same distance from the diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// The first of its rows.
+    /// The first row.
     pub start: u32,
-    /// The column of an entry is its row, its place in the row, and so many.
+    /// The column of entry k of row i is `i + offset + k`, in cyclic matrices but for whole periods.
     pub offset: i32,
 }
 
-/// Entries of consecutive rows, each in the column so far behind the diagonal.
+/// Entries of consecutive rows along a parallel to the diagonal.
 pub struct Diagonal<'a> {
-    /// The column of an entry is its row and so many; of cyclic matrices not reduced by the period.
+    /// The column of the entry of row i is `i + offset`, in cyclic matrices but for whole periods.
     pub offset: i64,
     /// The first row.
     pub start: usize,
-    /// The entries.
+    /// The entries, one for each row.
     pub values: &'a [f64],
 }
 
-/// Shorter parts of stretches are multiplied row by row.
+/// Parts of stretches with fewer rows are multiplied row by row.
 const SHORT: usize = 8;
 
 impl Banded {
-    /// Of the entries of all rows: the first ones, the second ones, …
+    /// A matrix of its entries: the first ones of all rows, the second ones, and so on.
     pub(super) fn new(
         entries: Vec<Lane>,
         columns: usize,
@@ -68,7 +78,7 @@ impl Banded {
         }
     }
 
-    /// `σ B − I`, if rows have room for the diagonal.
+    /// `σ B − I`, or `None` if the diagonal lies outside of the band in some row.
     pub fn shifted(&self, sigma: f64) -> Option<Self> {
         let mut shifted = self.clone();
         let entries = shifted.entries.iter_mut().flatten();
@@ -107,13 +117,13 @@ impl Banded {
         self.cyclic
     }
 
-    /// How far the entries of a row reach before and behind the diagonal, at most.
+    /// The largest distance of an entry from the diagonal, in columns.
     pub fn reach(&self) -> usize {
         self.reach
     }
 
-    /// The column of the first entry of row `i`; in cyclic matrices it can be one before the first
-    /// or behind the last column, by a period.
+    /// The column of the first entry of row `i`. In cyclic matrices it can lie before the first column or
+    /// behind the last one, by a period.
     pub fn first(&self, i: usize) -> i64 {
         i as i64 + i64::from(self.offset(i))
     }
@@ -123,13 +133,14 @@ impl Banded {
         self.entries[k][i]
     }
 
+    /// The offset of the stretch of row `i`, found by bisection.
     fn offset(&self, i: usize) -> i32 {
         let behind = self.stretches.partition_point(|it| it.start as usize <= i);
         let stretch = self.stretches.get(behind.wrapping_sub(1));
         stretch.map_or(0, |it| it.offset)
     }
 
-    /// The parts of some rows with equal offsets from the diagonal, and these offsets.
+    /// The stretches of some rows: their offsets, and which of the rows belong to each.
     pub fn spans(
         &self,
         rows: Range<usize>,
@@ -166,6 +177,7 @@ impl Banded {
         self.row_from(i, self.offset(i))
     }
 
+    /// The same, if the offset is known.
     fn row_from(&self, i: usize, offset: i32) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let first = (i as i64 + i64::from(offset)).rem_euclid(self.columns as i64) as usize;
         (0..self.width).map(move |k| {
@@ -189,7 +201,7 @@ impl Banded {
         })
     }
 
-    /// The diagonal, if all entries on one side of it are zero.
+    /// The diagonal, which holds the eigenvalues, if all entries on one side of it are zero.
     pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
         let entries = || self.entries().filter(|&(.., value)| value != 0.0);
         let triangular = entries().all(|(i, j, _)| i >= j) || entries().all(|(i, j, _)| i <= j);
@@ -202,14 +214,14 @@ impl Banded {
         })
     }
 
-    /// `y = B x`.
+    /// `y = B x` for a line x of `columns` numbers and y of `rows` numbers.
     pub fn apply(&self, x: &[f64], y: &mut [f64]) {
         self.apply_rows(0..self.rows, x, 0, y);
     }
 
-    /// `y = B x` for some rows, with the inner loop unrolled for the usual widths. The columns
-    /// that these rows need are `x`, which starts with column `base`: a cyclic matrix may need
-    /// columns before the first or behind the last one, and wraps around if `x` is all columns.
+    /// `y = B x` for some rows, with the inner loop unrolled for the usual widths. `x` holds the columns
+    /// that these rows need, from column `base` on: a cyclic matrix may need columns before the first or
+    /// behind the last one, and wraps around if `x` holds all columns. y has a number for each of the rows.
     #[inline(always)]
     pub fn apply_rows(&self, rows: Range<usize>, x: &[f64], base: i64, y: &mut [f64]) {
         match self.width {
@@ -231,6 +243,7 @@ impl Banded {
         }
     }
 
+    /// The same with W entries in each row.
     #[inline(always)]
     fn apply_width<const W: usize>(&self, rows: Range<usize>, x: &[f64], base: i64, y: &mut [f64]) {
         let start = rows.start;
@@ -256,13 +269,13 @@ impl Banded {
         }
     }
 
-    /// Entry `k` of some rows.
+    /// Entry `k` of some consecutive rows.
     pub fn diagonal(&self, k: usize, rows: Range<usize>) -> &[f64] {
         &self.entries[k][rows]
     }
 
-    /// The rows of a span all of whose columns lie within so many, from column `base` on: all of
-    /// them, but for the ends of cyclic matrices.
+    /// The rows of a span whose columns all lie among `columns` columns from column `base` on: every row but
+    /// those at the ends of cyclic matrices.
     pub fn inside(
         &self,
         offset: i32,
@@ -276,7 +289,7 @@ impl Banded {
         start..inside(low + columns as i64 - self.width as i64 + 1).max(start)
     }
 
-    /// Row `i` of a span times x.
+    /// The product of row `i`, in a stretch of this offset, with x, which starts with column `base`.
     pub fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
         let first = i as i64 + i64::from(offset) - base;
         let inside = usize::try_from(first).ok();
@@ -291,7 +304,7 @@ impl Banded {
         (1..self.width).fold(product(0), |sum, k| sum + product(k))
     }
 
-    /// `y = Bᵀ x`.
+    /// `y = Bᵀ x` for a line x of `rows` numbers and y of `columns` numbers.
     pub fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for (i, j, value) in self.entries() {
@@ -299,7 +312,8 @@ impl Banded {
         }
     }
 
-    /// `Y = B X` for a row-major X with lines of the given length.
+    /// `Y = B X` for a row-major X of `columns` lines of the given length: a line of Y is a sum of multiples of
+    /// lines of X.
     pub fn apply_across(&self, x: &[f64], y: &mut [f64], line: usize) {
         for (i, y) in y.chunks_exact_mut(line).enumerate() {
             for (k, (j, value)) in self.row(i).enumerate() {
@@ -313,7 +327,7 @@ impl Banded {
         }
     }
 
-    /// `Y = Bᵀ X` for a row-major X with lines of the given length.
+    /// `Y = Bᵀ X` for a row-major X of `rows` lines of the given length.
     pub fn apply_transposed_across(&self, x: &[f64], y: &mut [f64], line: usize) {
         y.fill(0.0);
         for (i, x) in x.chunks_exact(line).enumerate() {
@@ -324,7 +338,7 @@ impl Banded {
     }
 }
 
-/// `y_r = Σ_k b_k,r x_{r+k}`.
+/// `y_r = Σ_k b_k,r x_{r+k}`, summed up from k = 0 on: all rows of a stretch at a time.
 #[inline(always)]
 fn multiply<const W: usize>(b: [&[f64]; W], x: &[f64], y: &mut [f64]) {
     let n = y.len();
@@ -339,6 +353,7 @@ fn multiply<const W: usize>(b: [&[f64]; W], x: &[f64], y: &mut [f64]) {
     }
 }
 
+/// `y ← y + factor x`.
 fn add_multiple(y: &mut [f64], factor: f64, x: &[f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += factor * x;

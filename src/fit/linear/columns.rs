@@ -1,15 +1,19 @@
-//! Matrices by columns.
+//! Matrices by columns, for updates by single control points.
+//!
+//! Moving control point j by δ changes the residual by −δ times column j of B: the rows in which its basis
+//! function differs from zero, p + 1 or so of a B-spline of degree p.
 
-/// The entries of a matrix column by column, for updates by single columns.
+/// The entries of a matrix that differ from zero, column by column.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// Where the entries of each column start, and where the last one ends.
+    /// Where the entries of each column start, and, one place more, where those of the last one end.
     starts: Vec<usize>,
+    /// Rows and values.
     entries: Vec<(u32, f64)>,
 }
 
 impl Columns {
-    /// Sorts entries (row, column, value) that come row by row.
+    /// Sorts entries (row, column, value) that come row by row, in two passes over them.
     pub fn new(columns: usize, entries: impl Iterator<Item = (usize, usize, f64)> + Clone) -> Self {
         let nonzero = || entries.clone().filter(|&(.., value)| value != 0.0);
         let mut starts = vec![0; columns + 1];
@@ -31,7 +35,7 @@ impl Columns {
         }
     }
 
-    /// The entries of column `j`: rows and values.
+    /// The entries of column `j`, rows (increasing) and values.
     pub fn column(&self, j: usize) -> &[(u32, f64)] {
         &self.entries[self.starts[j]..self.starts[j + 1]]
     }

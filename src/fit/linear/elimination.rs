@@ -1,11 +1,19 @@
 //! LU decomposition of totally positive banded matrices, which needs no pivots: elimination makes no
-//! entry larger (de Boor, Pinkus 1977).
+//! entry larger (de Boor, Pinkus, *Backward error analysis for totally positive linear systems*, 1977).
+//!
+//! With at most H entries on each side of the diagonal `B = L U`, where U has ones on its diagonal, is
+//!
+//! ```text
+//! l_i,j = b_i,j − Σ_k l_i,k u_k,j   (j ≤ i),      u_i,j = (b_i,j − Σ_k l_i,k u_k,j) / l_i,i   (j > i)
+//! ```
+//!
+//! with sums over the at most H columns k before i and j: `2 n H (H + 1)` operations, and `4 n H` for solving for
+//! a line. Each row waits for the one before, so that the time is that of a chain of n dependent steps;
+//! hence reciprocals rather than quotients, rows of a fixed number of entries, and as many lines side by side
+//! as registers hold: several lines take as long as one.
 //!
 //! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle: read
-//! backwards a totally positive matrix is one, too. What is left there is a small system.
-//!
-//! Rows of a fixed number of entries, and as many lines as registers hold: each step waits for the one
-//! before, so that several lines take as long as one.
+//! backwards a totally positive matrix is one, too. A dense system of 2 H unknowns is left there.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -18,20 +26,20 @@ use super::dense::DenseLu;
 use super::map::LineMap;
 use crate::fit::order;
 
-/// Lines that are solved side by side.
+/// The most lines that are solved for side by side.
 const LINES: usize = 4;
 
-/// Groups of lines with fewer numbers in all are solved by one thread.
+/// Lines with fewer numbers in all are solved for by one thread.
 const PARALLEL: usize = 100_000;
 
-/// Matrices with fewer rows are eliminated from one end: fits that are computed at once should not wait
+/// Matrices with fewer rows are eliminated from one end, without other threads: small fits should not wait
 /// for the threads of large ones.
 const HALVED: usize = 100_000;
 
-/// Rows that are looked at together.
+/// The number of rows whose entries are loaded together.
 const CHUNK: usize = 1024;
 
-/// `σ B − τ I`.
+/// The matrix `σ B − τ I`: B itself with σ = 1 and τ = 0.
 #[derive(Clone, Copy)]
 pub(super) struct Shifted<'a> {
     pub matrix: &'a Banded,
@@ -39,21 +47,24 @@ pub(super) struct Shifted<'a> {
     pub tau: f64,
 }
 
-/// A decomposed matrix with at most H entries on each side of the diagonal.
+/// A factorized matrix with at most H entries on each side of the diagonal.
 #[derive(Debug)]
 struct Elimination<const H: usize> {
+    /// The rows from the first one on: all of them, or half of them.
     front: Half<H, false>,
+    /// The rows from the last one on, if the matrix is long.
     back: Half<H, true>,
-    /// The last H rows of both halves, the unknowns in the order of the matrix.
+    /// The equations of the last H rows of both halves, in the order of the matrix, if it is long.
     middle: Option<DenseLu>,
 }
 
-/// `L U` of consecutive rows from one end on, in the order in which they are eliminated; the diagonal
-/// of U is one. The last H rows of U reach into the other half.
+/// The factors `L U` of consecutive rows from one end on, in the order in which they are eliminated. The
+/// diagonal of U is one. The last H rows of U reach into the other half.
 #[derive(Debug)]
 struct Half<const H: usize, const BACK: bool> {
+    /// The rows of L.
     lower: Vec<Lower<H>>,
-    /// The entries of each row of U behind the diagonal, nearest first.
+    /// The entries of each row of U behind its diagonal, the nearest first.
     upper: Vec<[f64; H]>,
 }
 
@@ -62,18 +73,21 @@ struct Half<const H: usize, const BACK: bool> {
 struct Lower<const H: usize> {
     /// The reciprocal of the entry on the diagonal.
     reciprocal: f64,
-    /// The entries before it, nearest first, divided by it.
+    /// The entries before it, the nearest first, divided by the one on the diagonal.
     entries: [f64; H],
 }
 
-/// A row of U that later ones need, not yet divided by its pivot.
+/// A row of U that later rows need, before it is divided by its pivot.
 #[derive(Clone, Copy)]
 struct Before<const H: usize> {
+    /// The entries behind the diagonal, the nearest first.
     entries: [f64; H],
+    /// The reciprocal of the pivot.
     reciprocal: f64,
 }
 
 impl<const H: usize> Before<H> {
+    /// In place of rows before the first one: it changes nothing.
     fn none() -> Self {
         Self {
             entries: [0.0; H],
@@ -82,13 +96,15 @@ impl<const H: usize> Before<H> {
     }
 }
 
-/// A decomposed matrix, of whatever width.
+/// A factorized matrix of any bandwidth.
 pub trait Solver: LineMap {
-    /// Solves each line in place, and adds another line to it while it is at hand.
+    /// Solves for each line in place, and adds another line to it while it is in the cache:
+    /// `x ← B⁻¹ x + other`.
     fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]);
 }
 
-/// Decomposes a square matrix that needs no pivots and is not cyclic, if its band is narrow.
+/// Factorizes a square matrix that needs no pivots and is not cyclic. `None` if there are more than 4 entries on
+/// a side of the diagonal.
 pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn Solver>> {
     let filled = given
         .matrix
@@ -105,6 +121,7 @@ pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn Solver>> {
 }
 
 impl<const H: usize> Elimination<H> {
+    /// Factorizes a matrix, a long one from both ends at a time.
     fn new(given: Shifted<'_>) -> Self {
         let n = given.matrix.rows();
         let middle = if n < HALVED { n } else { n / 2 };
@@ -124,6 +141,7 @@ impl<const H: usize> Elimination<H> {
         }
     }
 
+    /// The equations in which both halves meet: the last H rows of U of each, `2 H × 2 H`.
     fn middle(front: &Half<H, false>, back: &Half<H, true>) -> DMatrix<f64> {
         let mut middle = DMatrix::identity(2 * H, 2 * H);
         for (above, row) in front.upper.iter().rev().take(H).enumerate() {
@@ -137,7 +155,7 @@ impl<const H: usize> Elimination<H> {
         middle
     }
 
-    /// Solves N lines in place, and adds others to them.
+    /// Solves for N lines in place, and adds others to them.
     fn solve<const N: usize>(&self, lines: [&mut [f64]; N], others: Option<[&[f64]; N]>) {
         let Self {
             front,
@@ -167,6 +185,7 @@ impl<const H: usize> Elimination<H> {
         );
     }
 
+    /// Solves for at most [`LINES`] lines.
     fn solve_group(&self, lines: &mut [&mut [f64]], others: Option<&[&[f64]]>) {
         match lines.len() {
             0 => {}
@@ -177,6 +196,7 @@ impl<const H: usize> Elimination<H> {
         }
     }
 
+    /// Solves for N lines, of which the compiler is told that all have the same length.
     fn solve_lines<const N: usize>(&self, lines: &mut [&mut [f64]], others: Option<&[&[f64]]>) {
         let n = self.front.lower.len() + self.back.lower.len();
         // One length for all, so that places need no checks.
@@ -188,6 +208,7 @@ impl<const H: usize> Elimination<H> {
 }
 
 impl<const H: usize, const BACK: bool> Half<H, BACK> {
+    /// Factorizes consecutive rows, from the first one on or from the last one.
     fn new(given: Shifted<'_>, rows: Range<usize>) -> Self {
         let mut half = Self {
             lower: Vec::with_capacity(rows.len()),
@@ -210,7 +231,8 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         half
     }
 
-    /// Row by row, by the rows of U before it, the farthest first.
+    /// Eliminates the rows of a span one after the other, each by the H rows of U before it, the farthest
+    /// first, and leaves the last H rows of U in `before`.
     fn eliminate(
         &mut self,
         Shifted { matrix, sigma, tau }: Shifted<'_>,
@@ -220,7 +242,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
     ) {
         const NONE: [f64; CHUNK] = [0.0; CHUNK];
         let n = span.len();
-        // Entries so far behind the diagonal, as this half is read.
+        // The entries at this distance behind the diagonal, in the direction in which this half is read.
         let diagonal = |behind: i32| {
             let place = if BACK { -behind } else { behind } - offset;
             let place = usize::try_from(place).ok();
@@ -266,7 +288,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// Where a row stands in lines.
+    /// The place in a line of the row that is eliminated as number `row`.
     fn place(&self, row: usize) -> usize {
         if BACK {
             self.lower.len() - 1 - row
@@ -275,7 +297,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// `L⁻¹` of N lines.
+    /// Applies `L⁻¹` to N lines in place.
     fn forward<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
         let mut before = [[0.0; N]; H];
         for (
@@ -298,8 +320,8 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// `U⁻¹` of N lines, the last places of which are known, and the sum with others: they are looked
-    /// at while the lines are at hand.
+    /// Applies `U⁻¹` to N lines in place, where the last `known` places are solutions already, and adds other
+    /// lines to them while they are in registers.
     fn backward<const N: usize>(
         &self,
         lines: &mut [&mut [f64]; N],
@@ -332,7 +354,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
     }
 }
 
-/// Splits all lines at the same place.
+/// Splits all lines at the same place: the halves that are eliminated from both ends.
 fn split<const N: usize>(lines: [&mut [f64]; N], at: usize) -> ([&mut [f64]; N], [&mut [f64]; N]) {
     let mut parts = lines.map(|line| line.split_at_mut(at));
     let mut fronts = parts.iter_mut().map(|(front, _)| std::mem::take(front));

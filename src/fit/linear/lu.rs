@@ -1,27 +1,34 @@
 //! LU decomposition of banded matrices with partial pivoting.
+//!
+//! With l entries below and r to the right of the diagonal `P B = L U` takes `2 n l (l + r)` operations, and
+//! solving for a line `2 n (2 l + r)`: swapping rows lets U reach l places further to the right. Cyclic
+//! matrices are factorized in the folded order of [`folded`](super::folded), in which they are banded.
 
 use super::band::{Band, unfolded};
 use super::banded::Banded;
 use super::map::LineMap;
 
-/// `P L U = B`: solves in O(n · bandwidth).
+/// A factorized matrix: solves for a line in O(n · bandwidth).
 #[derive(Debug)]
 pub struct BandedLu {
+    /// The number of rows.
     n: usize,
+    /// The most entries of a column of L below the diagonal.
     lower: usize,
+    /// The most entries of a row of U to the right of the diagonal.
     upper: usize,
-    /// Row by row: the diagonal of U and what is right of it.
+    /// U row by row: the diagonal and `upper` entries to the right of it.
     u: Vec<f64>,
-    /// Column by column: the multipliers below the diagonal.
+    /// L column by column: the `lower` multipliers below the diagonal, which itself is one.
     l: Vec<f64>,
-    /// The row that was swapped with each row.
+    /// The row with which each row was swapped before it was eliminated.
     pivots: Vec<u32>,
     /// Whether rows and columns are in the folded order.
     folded: bool,
 }
 
 impl BandedLu {
-    /// Factorizes a square matrix, which may be cyclic.
+    /// Factorizes a square matrix, which may be cyclic. A singular one gives infinite or NaN solutions.
     pub fn new(matrix: &Banded) -> Self {
         let n = matrix.rows();
         let mut band = Band::new(matrix);
@@ -73,7 +80,7 @@ impl BandedLu {
         }
     }
 
-    /// Solves in place; `at` is the index of each place of the order.
+    /// Solves `B x = b` in place; `at` says which index stands at each place of the order of rows.
     fn solve(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
         let n = self.n;
         for k in 0..n {

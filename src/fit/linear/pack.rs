@@ -1,4 +1,10 @@
 //! From the rows of a matrix as they come to a matrix of the least width, with long stretches.
+//!
+//! B-splines of degree p have p + 1 functions at a parameter, but with knots at the data one of them
+//! vanishes at each, sometimes the first and sometimes the last. Packing leaves out places at either end that are
+//! zero throughout a stretch, so that a cubic takes three numbers in each row rather than four; and where rows
+//! begin differently at every other parameter, as between averaged knots, it joins them again by zeros, as
+//! a few long stretches are multiplied many times faster than many short ones.
 
 use std::ops::Range;
 
@@ -6,25 +12,28 @@ use super::banded::{Banded, Stretch};
 use crate::fit::lane::Lane;
 use crate::fit::order;
 
-/// Stretches of fewer rows than this, on average, are worth zeros that join them.
+/// If stretches have fewer rows than this on average, they are joined by zeros.
 const LONG: usize = 64;
 
-/// So many stretches are few, whatever their length: rows at the ends have their own.
+/// So many stretches are few, whatever their length: rows at the ends of a curve have stretches of their own.
 const FEW: usize = 16;
 
-/// Consecutive rows with entries at the same places: columns `offset .. offset + length` behind the
-/// diagonal, in the lanes from `low` on.
+/// Consecutive rows whose entries that differ from zero stand at the same places.
 #[derive(Clone, Copy)]
 struct Run {
+    /// The first row.
     start: u32,
+    /// The column of the first entry minus the row.
     offset: i32,
+    /// The lane in which the first entries stand.
     low: u32,
+    /// The number of entries of a row.
     length: u32,
 }
 
 impl Banded {
-    /// Packs rows whose entries stand in `lanes`, one behind the other: those of each stretch start
-    /// at its offset, reduced by the period or not. Lanes that hold nothing but zeros at either end
+    /// Packs rows with `columns` columns. Entry k of all rows stands in `lanes[k]`, and the entries of each
+    /// stretch start at its offset from the diagonal, reduced by the period or not. Zeros at either end
     /// of a stretch are left out, unless a few of them make the stretches long.
     pub fn pack(mut lanes: Vec<Lane>, given: &[Stretch], columns: usize) -> Self {
         let rows = lanes.first().map_or(0, |lane| lane.len());
@@ -54,7 +63,7 @@ impl Banded {
     }
 }
 
-/// The rows of each stretch.
+/// Each stretch with its rows.
 fn parts(stretches: &[Stretch], rows: usize) -> impl Iterator<Item = (Stretch, Range<usize>)> + '_ {
     let ends = stretches.iter().skip(1).map(|next| next.start as usize);
     let ends = ends.chain([rows]);
@@ -65,6 +74,7 @@ fn parts(stretches: &[Stretch], rows: usize) -> impl Iterator<Item = (Stretch, R
 }
 
 impl Run {
+    /// The entries of a stretch between the zeros at both of its ends.
     fn new(stretch: Stretch, rows: Range<usize>, lanes: &[Lane]) -> Self {
         let filled = |lane: &Lane| !order::is_zero(&lane[rows.clone()]);
         let low = lanes.iter().position(filled).unwrap_or(0);
@@ -77,7 +87,8 @@ impl Run {
         }
     }
 
-    /// With the offset as it is for the first row, or the shorter way around.
+    /// The same with an offset that leads to a column of the matrix, or, of cyclic matrices, the shorter way
+    /// around.
     fn reduced(self, columns: usize, cyclic: bool) -> Self {
         let (columns, start) = (columns as i32, self.start as i32);
         let offset = if cyclic {
@@ -90,8 +101,8 @@ impl Run {
     }
 }
 
-/// Joins rows of equal offsets. With `room`, rows start at that column at the latest and at the
-/// first one at the earliest.
+/// Joins runs of equal offsets to stretches. With `room`, rows start at that column at the latest and at the
+/// first one at the earliest, so that all of their places are columns of the matrix.
 fn stretches(
     runs: &[Run],
     rows: usize,
@@ -124,7 +135,7 @@ fn stretches(
     stretches
 }
 
-/// Moves entries from the lanes of their runs to those of their stretches.
+/// Moves the entries of all rows from the lanes of their runs to those of their stretches.
 fn arrange(lanes: &mut [Lane], runs: &[Run], stretches: &[Stretch]) {
     let rows = lanes.first().map_or(0, |lane| lane.len());
     let mut runs = runs.iter().peekable();
@@ -143,7 +154,7 @@ fn arrange(lanes: &mut [Lane], runs: &[Run], stretches: &[Stretch]) {
     }
 }
 
-/// Moves the entries of some rows to the lanes from `lead` on.
+/// Moves the entries of some rows to the lanes from `lead` on, and leaves zeros behind.
 fn shift(lanes: &mut [Lane], rows: Range<usize>, run: &Run, lead: usize) {
     let (low, length) = (run.low as usize, run.length as usize);
     let mut copy = |k: usize| {

@@ -1,8 +1,20 @@
-//! Consecutive rows of a banded matrix, all coordinates in one loop: `Δ = P − B X`, its squares and
-//! their sums, and the next level, while all of it is in registers.
+//! The innermost loop: `Δ = P − B X` for consecutive rows of a banded matrix, with all coordinates at a time.
 //!
-//! The loop is written with vectors of whatever length the processor has, as compilers give up on
-//! so many arrays. Sums are kept in [`LANES`] lanes whatever that length is.
+//! For row i and coordinate c, with W entries in a row:
+//!
+//! ```text
+//! Δ_i,c = P_i,c − Σ_k b_i,k X_{i+k,c}
+//! d_i,c ← momentum d_i,c + gain Δ_i,c,   X'_i,c = X_i,c + d_i,c
+//! square_i = Σ_c (scale Δ_i,c)²
+//! ```
+//!
+//! and the squares are summed up, all of it while it is in registers: a level costs `d (W + 3)`
+//! multiplications for each point, and each number is loaded once.
+//!
+//! The loop is written with vectors of whatever length the processor has ([`pulp`]), as compilers give up
+//! on so many arrays. Sums are kept in [`LANES`] lanes whatever that length is, so that they are the same on
+//! every processor. Rows that are few, unusually long, or reach around the end of a closed curve are computed
+//! one by one, by the same operations.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -14,49 +26,51 @@ use crate::fit::blocks::{LANES, Sums};
 use crate::fit::linear::banded::Banded;
 use crate::fit::method::relaxation::{Coefficients, Step};
 
-/// Fewer rows of a stretch are computed one by one.
+/// Stretches of fewer rows are computed row by row.
 const SHORT: usize = 2 * LANES;
 
-/// What is read and written of D coordinates: arrays with a number for each row, but for `x`.
+/// What is read and written for some rows: one array for each of the D coordinates, with a number for each
+/// row, but for `x`.
 pub(super) struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
     pub x: [&'a [f64]; D],
-    /// The first column that is there.
+    /// The column of B that stands first in `x`.
     pub base: i64,
-    /// P.
+    /// The data P at the rows.
     pub data: [&'a [f64]; D],
-    /// X at the rows themselves.
+    /// The control points X at the rows.
     pub own: [&'a [f64]; D],
-    /// X'.
+    /// Gets the control points X' of the next level at the rows.
     pub next: [&'a mut [f64]; D],
-    /// The last step, and then this one; empty without momentum.
+    /// The last step d, which is overwritten by the next one; empty without momentum.
     pub step: [&'a mut [f64]; D],
-    /// Gets the squares of the scaled residuals.
+    /// Gets the squares of the scaled residuals, one for each row.
     pub squares: &'a mut [f64],
-    /// The place of the first row in its block.
+    /// The place of the first row in its block, which says in which lanes its square is summed up.
     pub place: usize,
 }
 
-/// What the rows are multiplied with, and what is done then.
+/// The matrix of the rows, and what becomes of their residuals.
 #[derive(Clone, Copy)]
 pub(super) struct Update<'a> {
-    /// B.
+    /// The matrix B.
     pub matrix: &'a Banded,
-    /// What becomes of the residual.
+    /// Where the control points move by their residuals.
     pub step: Step,
-    /// What residuals are multiplied with before they are squared.
+    /// The power of two that residuals are multiplied with before they are squared, against over- and
+    /// underflow.
     pub scale: f64,
 }
 
 impl Update<'_> {
-    /// Computes the rows of a block; returns what their squares add up to.
+    /// Computes the rows of a whole block, and returns what their squares add up to.
     pub(super) fn apply<const D: usize>(self, rows: Range<usize>, given: &mut Rows<'_, D>) -> Sums {
         let mut sums = Sums::default();
         self.add(rows, given, &mut sums);
         sums
     }
 
-    /// Computes rows of a block, and adds their squares to others.
+    /// Computes some rows of a block, and adds their squares to those of the others.
     pub(super) fn add<const D: usize>(
         self,
         rows: Range<usize>,
@@ -82,7 +96,8 @@ impl Update<'_> {
         }
     }
 
-    /// Rows of a stretch all of whose columns are there, from `first` on.
+    /// Computes rows of a stretch whose columns are all in `x`: those of the first row stand from place
+    /// `first` on. `base` is the first of all given rows.
     fn fused<const D: usize>(
         self,
         rows: Range<usize>,
@@ -101,6 +116,7 @@ impl Update<'_> {
         }
     }
 
+    /// The same with the number of entries in a row known to the compiler.
     fn fused_width<const D: usize, const W: usize>(
         self,
         rows: Range<usize>,
@@ -121,7 +137,7 @@ impl Update<'_> {
         Arch::new().dispatch(Run(&mut fused));
     }
 
-    /// Rows that are few, unusually long, or go around the end.
+    /// Computes rows that are few, unusually long, or reach around the end of a closed curve.
     fn one_by_one<const D: usize>(
         self,
         offset: i32,
@@ -140,13 +156,13 @@ impl Update<'_> {
     }
 }
 
-/// Rows of one stretch.
+/// Consecutive rows of one stretch, with W entries each.
 struct Fused<'a, 'b, const D: usize, const W: usize> {
-    /// Their entries along the diagonals.
+    /// Entry k of all rows, for each k.
     b: [&'a [f64]; W],
-    /// What the first row is multiplied with, and so on.
+    /// Each coordinate of X, from the first entry of the first row on.
     x: [&'a [f64]; D],
-    /// Which of the given rows they are.
+    /// The places of the rows among the given ones.
     range: Range<usize>,
     step: Step,
     scale: f64,
@@ -154,7 +170,7 @@ struct Fused<'a, 'b, const D: usize, const W: usize> {
     sums: &'a mut Sums,
 }
 
-/// Compiled for several instruction sets.
+/// The loop over the rows, compiled for several instruction sets.
 struct Run<'a, 'b, 'c, const D: usize, const W: usize>(&'a mut Fused<'b, 'c, D, W>);
 
 impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
@@ -171,7 +187,8 @@ impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
 }
 
 impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
-    /// Rows up to a whole multiple of the lanes, then vectors, then what is left.
+    /// Single rows up to a multiple of [`LANES`] in the block, then vectors of rows, then the rows that are
+    /// left.
     #[inline(always)]
     fn run<S: Simd, const MOMENTUM: bool>(&mut self, simd: S) {
         let Range { start, end } = self.range;
@@ -255,6 +272,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         sums.store(self.sums);
     }
 
+    /// Computes row `i` of the given ones by itself.
     #[inline(always)]
     fn row(&mut self, i: usize) {
         let local = i - self.range.start;
@@ -270,7 +288,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     }
 }
 
-/// What is done to a row when its products with X are known; returns its square.
+/// Moves the control point of row `i`, where `products` is `(B X)_i`; returns the square of its scaled residual.
 #[inline(always)]
 fn finish<const D: usize>(
     step: Step,

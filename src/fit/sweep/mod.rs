@@ -1,14 +1,32 @@
 //! Sweeps: residual, update and errors of a level in one pass over memory.
 //!
-//! An iteration on long banded data does few operations on many numbers, so that it takes as long
-//! as moving these numbers takes. The plain loop moves them three times. A sweep computes for each
-//! block of points `Δ = P − B X`, its norms and `X' = X + ω Δ` while they are in the nearest cache,
-//! reading `X`, `P` and `B` and writing `X'` once. `X'` is another array than `X`, as the next
-//! block still needs the old values; it is the next level's control points, one step *ahead*.
+//! An iteration on long banded data does few operations on many numbers: a curve of n points in R^d with
+//! B-splines of degree p takes about `2 d (p + 1) n` operations on `3 d n + (p + 1) n` numbers, so that it
+//! takes as long as moving these numbers takes. The plain loop moves them three times. A sweep computes
+//! for each block of points
+//!
+//! ```text
+//! Δ = P − B X,   ‖Δ_i‖²,   X' = X + ω Δ
+//! ```
+//!
+//! while they are in the nearest cache, reading `X`, `P` and `B` and writing `X'` once. `X'` is another
+//! array than `X`, as the next block still needs the old values; it is the control points of the next
+//! level, so that the loop is one step *ahead* of the level that is told.
+//!
+//! # Bit for bit
 //!
 //! Every number is computed by the same operations in the same order as in the plain loop, errors
-//! included, so that levels do not depend on the path, on the number of threads, or on how many
-//! levels were computed at once. No product is fused with a sum, with whatever instructions.
+//! included, so that levels do not depend on the path, on the number of threads, on the instruction set, or
+//! on how many levels were computed at once. No product is fused with a sum (no FMA), whatever the
+//! instructions. The tests hold every sweep to the plain loop, to the last bit.
+//!
+//! # What can be swept
+//!
+//! Square banded matrices in all directions, at most three coordinates, no missing points and no
+//! homogeneous coordinates; and a method whose step is a relaxation or a transform
+//! ([`Relaxation`]): global, weighted, Chebyshev, transpose, direct.
+//!
+//! # Parts
 //!
 //! - [`buffers`]: the control points of two levels, and [`pass`]: what all threads of a pass share;
 //! - [`parts`]: what a thread writes, and [`room`]: where it works;
@@ -43,25 +61,27 @@ use room::Room;
 
 pub use pass::LEVELS;
 
-/// Below so many points more threads cost more than they save.
+/// Fits of fewer points are swept by one thread: starting others would take longer than it saves.
 const PARALLEL: usize = 100_000;
 
-/// Curves of fewer points stay in the caches from level to level.
+/// Curves of fewer points stay in the caches from level to level, so that several levels in a pass
+/// gain nothing.
 const TILED: usize = 32_768;
 
-/// How the work is divided; of no influence on any result.
+/// How the work of a pass is divided. It has no influence on any result, not even on the last bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// Parts that threads can work on at the same time.
+    /// The number of parts that threads can work on at the same time, at least 1.
     pub parts: usize,
-    /// Levels in one pass.
+    /// How many levels are computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
     pub levels: usize,
-    /// Points of a tile: whole blocks.
+    /// The number of points of a tile of [`tiles`], a multiple of [`BLOCK`].
     pub tile: usize,
 }
 
 impl Plan {
-    /// The plan that suits a problem best.
+    /// The plan that is fastest, by what was measured: two parts for each thread, so that none waits
+    /// long for the others, and several levels in a pass for curves that are longer than the caches.
     pub fn of(system: &System) -> Self {
         let problem = system.problem();
         let (points, is_curve) = (problem.grid().count(), problem.v().is_none());
@@ -75,31 +95,39 @@ impl Plan {
     }
 }
 
-/// The error of a level, and the length of its residual.
+/// The error of a level in data units, and the length of its residual, up to a factor that is the same
+/// for all levels.
 pub type Measured = (FitError, f64);
 
-/// An iteration by sweeps.
+/// An iteration by sweeps. It holds two sets of control points, n × d numbers each (and two steps for
+/// methods with momentum), between which passes go to and fro.
 #[derive(Debug)]
 pub struct Sweep {
     relaxation: Relaxation,
     current: Vectors,
-    /// The next level if it is `ahead`, or the adjusting vectors where all are transformed together; else
-    /// the level that the last pass began with.
+    /// The control points of the next level if the sweep is `ahead`, or their adjusting vectors if the
+    /// method transforms all of them together; else the level from which the last pass began.
     spare: Vectors,
     returned: Returned,
+    /// Whether `spare` holds what the next step needs.
     ahead: bool,
     norms: Norms,
     layout: Blocks,
-    /// Of each level of a pass.
+    /// The norms of the blocks of each level of a pass.
     blocks: Vec<Vec<Block>>,
+    /// Working space of each part.
     rooms: Vec<Room>,
-    /// Of transforms.
+    /// Scratch space of transforms.
     scratch: Vec<f64>,
     plan: Plan,
 }
 
 impl Sweep {
-    /// Level 0, from given control points, and its error, if there are sweeps for this problem.
+    /// Level 0, from given control points, and its error.
+    ///
+    /// # Errors
+    ///
+    /// The control points, if the problem or its method cannot be swept.
     pub fn start(
         system: &System,
         control_points: Arc<Points>,
@@ -107,7 +135,11 @@ impl Sweep {
         Self::with_plan(system, control_points, Plan::of(system))
     }
 
-    /// The same with a plan of one's own. Gives the control points back if there are no sweeps.
+    /// Like [`Self::start`] with another plan than the fastest one, for tests and benches.
+    ///
+    /// # Errors
+    ///
+    /// The control points, if the problem or its method cannot be swept.
     pub fn with_plan(
         system: &System,
         control_points: Arc<Points>,
@@ -160,22 +192,24 @@ impl Sweep {
         Ok((sweep, measured))
     }
 
-    /// The control points.
+    /// The free control points of the current level.
     pub fn control_points(&self) -> &Arc<Points> {
         &self.current.x
     }
 
-    /// Takes back points of an earlier level.
+    /// Takes back control points of an earlier level that a reader has finished with, so that their
+    /// memory is used again.
     pub fn take_back(&mut self, points: Arc<Points>) {
         self.returned.add(points);
     }
 
-    /// Levels that are best computed in one pass.
+    /// How many levels are best computed in one pass.
     pub fn levels(&self) -> usize {
         self.plan.levels
     }
 
-    /// Moves on to the next level.
+    /// Moves on to the next level and measures it. Usually this is one pass, which also computes the
+    /// level after it.
     pub fn step(&mut self, system: &System) -> Measured {
         if !self.ahead {
             self.look_ahead(system);
@@ -197,15 +231,16 @@ impl Sweep {
         }
     }
 
-    /// Measures the current level and computes the next one, or the residual.
+    /// Measures the current level, and writes the next one, or the residual that the method will
+    /// transform, into `spare`.
     fn look_ahead(&mut self, system: &System) -> Measured {
         self.run(system, &[self.relaxation.step()], Way::Level);
         self.ahead = true;
         self.measured(0)
     }
 
-    /// Moves on by several levels, at most [`Self::levels`], in one pass; the errors are those of
-    /// [`Self::measured`].
+    /// Moves on by `count` levels, at most [`Self::levels`], in one pass; [`Self::measured`] has their
+    /// errors. The control points of the levels between are not kept.
     pub fn steps(&mut self, system: &System, count: usize) {
         let mut steps = [Step::default(); LEVELS];
         for step in &mut steps[..count] {
@@ -219,20 +254,21 @@ impl Sweep {
         self.ahead = false;
     }
 
-    /// Goes back to the level in which the last pass, of so many levels, began, and takes fewer.
+    /// Goes back to the level from which the last pass of `passed` levels began, and takes `count` of
+    /// them instead: the fit has ended between.
     pub fn retake(&mut self, system: &System, passed: usize, count: usize) {
         std::mem::swap(&mut self.current, &mut self.spare);
         self.relaxation.go_back(passed);
         self.steps(system, count);
     }
 
-    /// The error of a level of the last pass.
+    /// The error of a level of the last pass, where index 0 is its first one.
     pub fn measured(&self, index: usize) -> Measured {
         let total = Block::total(&self.blocks[index]);
         (self.norms.error_of(&total), total.squares.sqrt())
     }
 
-    /// A pass from the current level to the spare one.
+    /// A pass from the current level to the spare one, divided among the threads.
     fn run(&mut self, system: &System, steps: &[Step], way: Way) {
         let tensor = system.collocation();
         let Collocation::Banded(u) = &tensor.u else {
@@ -271,7 +307,7 @@ impl Sweep {
     }
 }
 
-/// The work of one thread, in D dimensions.
+/// The work of one thread, for points with D coordinates.
 fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     match pass.v {
         Some(v) => surface::sweep::<D>(pass, v, part),
@@ -280,7 +316,7 @@ fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     }
 }
 
-/// Whether all points count alike and all matrices are banded.
+/// Whether all points count alike, residuals are distances, and all matrices are square and banded.
 fn is_plain(system: &System) -> bool {
     let problem = system.problem();
     let banded = |matrix: &Collocation| {

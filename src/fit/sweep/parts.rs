@@ -1,4 +1,8 @@
-//! What a pass writes, divided among threads: lines of the grid, with their blocks.
+//! What a pass writes, divided among threads.
+//!
+//! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors. Parts are
+//! halved until there is one for each room, so that all borrow disjoint slices of the same arrays. They
+//! begin and end with whole blocks, so that sums do not depend on the division.
 
 use std::ops::Range;
 
@@ -8,28 +12,30 @@ use super::room::Room;
 use crate::fit::blocks::Block;
 use crate::fit::points::Points;
 
-/// The most coordinates of a point.
+/// The most coordinates d of a point that can be swept.
 pub(super) const LANES: usize = 3;
 
-/// Consecutive lines of the next level, and the norms of their points; without points, the norms alone.
+/// Consecutive lines of the next level and the norms of their points. The slices of points are empty if the
+/// pass only measures, and so are those of coordinates, steps and levels that there are not.
 pub(super) struct Part<'a> {
-    /// The lines: of a curve, its points.
+    /// The lines, by index: rows of the grid, which of a curve are its points.
     pub lines: Range<usize>,
-    /// The control points of the next level.
+    /// The control points X' of the next level, one slice for each coordinate.
     pub x: [&'a mut [f64]; LANES],
-    /// The steps that lead there.
+    /// The steps d that lead there.
     pub step: [&'a mut [f64]; LANES],
-    /// The blocks of each level.
+    /// The blocks of each level of the pass.
     pub blocks: [&'a mut [Block]; LEVELS],
-    /// Working space of each part that this is to be divided into.
+    /// The working space of each part that this one is to be divided into.
     pub rooms: &'a mut [Room],
+    /// The points of a line.
     columns: usize,
-    /// So many lines are so many blocks.
+    /// How many whole lines are how many whole blocks.
     unit: (usize, usize),
 }
 
 impl<'a> Part<'a> {
-    /// Everything.
+    /// All lines of the grid, to be written to `target`.
     pub(super) fn whole(
         pass: &Pass<'_>,
         (target, returned): (&'a mut Vectors, &mut Returned),
@@ -56,7 +62,8 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Does the work of all parts, one for each room, on as many threads as there are.
+    /// Divides the part into one for each room, and does the work of all of them, on as many threads as
+    /// the pool has.
     pub(super) fn divide(self, work: &(impl Fn(Part<'_>) + Sync)) {
         if self.rooms.len() <= 1 {
             return work(self);
@@ -65,6 +72,7 @@ impl<'a> Part<'a> {
         rayon::join(|| left.divide(work), || right.divide(work));
     }
 
+    /// Two parts of about as many lines, with half of the rooms each.
     fn halves(self) -> (Self, Self) {
         let (lines, parts) = self.unit;
         let half = self.rooms.len() / 2;
@@ -95,12 +103,12 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Some points of each lane.
+/// The same range of each of the first D coordinates.
 pub(super) fn columns<const D: usize>(points: &Points, range: Range<usize>) -> [&[f64]; D] {
     std::array::from_fn(|c| &points.lane(c)[range.clone()])
 }
 
-/// Some points of each lane, to be written; none of empty ones.
+/// The same range of each of the first D coordinates, to be written; empty where there is no such range.
 pub(super) fn ranges<const D: usize>(
     lanes: &mut [impl AsMut<[f64]>],
     range: Range<usize>,
@@ -113,11 +121,12 @@ pub(super) fn ranges<const D: usize>(
     })
 }
 
+/// The values, or an empty slice if there are none.
 fn slice<T>(values: Option<&mut (impl AsMut<[T]> + ?Sized)>) -> &mut [T] {
     values.map(AsMut::as_mut).unwrap_or_default()
 }
 
-/// Splits all slices at the same place; those that are empty stay so.
+/// Splits all slices at the same place; empty ones give two empty ones.
 fn split<T, const N: usize>(slices: [&mut [T]; N], at: usize) -> ([&mut [T]; N], [&mut [T]; N]) {
     let mut behind = slices.map(Some);
     let before = std::array::from_fn(|k| {

@@ -1,8 +1,10 @@
 //! One level of a surface in one pass.
 //!
-//! `Δ = P − (B_u X) B_vᵀ`: a line of `B_u X` is a sum of the few lines of X that a row of `B_u` reaches,
-//! and along that line the work is that of a curve with the matrix `B_v`. It is done in strips, whose
-//! lines stay in the nearest cache until the last row that needs them.
+//! `Δ = P − (B_u X) B_vᵀ`: a line of `B_u X` is a sum of the p + 1 lines of X that a row of `B_u` reaches, and
+//! along that line the work is that of a curve with the matrix `B_v`. The grid is worked through in strips
+//! of at most 1024 columns, row after row, so that the lines of X stay in the nearest cache until the last row
+//! that needs them. The Kronecker product is never formed: a level costs `d n m (p_u + p_v + 2)`
+//! multiplications on n × m points.
 
 use std::ops::Range;
 
@@ -16,7 +18,8 @@ use crate::fit::blocks::{Block, Squares, Sums};
 use crate::fit::linear::banded::Banded;
 use crate::fit::points::Points;
 
-/// Strip by strip, for each line: its part of `B_u X`, then `Δ`, its norms, and the next level.
+/// Strip by strip, for each line of the part: its part of `B_u X`, then `Δ`, its norms, and the points of the
+/// next level.
 pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<'_>) {
     let (lines, strips) = pass.layout.unit();
     let units = part.blocks[0].len() / strips;
@@ -32,7 +35,8 @@ pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<
     }
 }
 
-/// The lines of a block, or the part of a line.
+/// The points of one block, which are several whole lines, or a part of one line. Writes the squares of their
+/// scaled residuals, and returns what these add up to.
 fn block<const D: usize>(
     pass: &Pass<'_>,
     v: &Banded,
@@ -53,7 +57,8 @@ fn block<const D: usize>(
     sums
 }
 
-/// Consecutive points of one line.
+/// Consecutive points of one line; `place` is that of the first one in its block. Adds their squares to
+/// `sums`.
 fn segment<const D: usize>(
     pass: &Pass<'_>,
     v: &Banded,
@@ -94,8 +99,8 @@ fn segment<const D: usize>(
     pass.update(v, 0).add(along, &mut rows, sums);
 }
 
-/// The columns that some rows of `B_v` reach; of closed directions also before the first one and
-/// behind the last one.
+/// The columns that some rows of `B_v` reach. In closed directions columns before the first one and
+/// behind the last one are those of the other end.
 fn reached(v: &Banded, rows: Range<usize>) -> Range<i64> {
     let reach = v.reach() as i64;
     let range = rows.start as i64 - reach..rows.end as i64 + reach;
@@ -105,7 +110,7 @@ fn reached(v: &Banded, rows: Range<usize>) -> Range<i64> {
     range.start.max(0)..range.end.min(v.columns() as i64)
 }
 
-/// Columns of line `row` of `B_u X`.
+/// Writes a range of columns of line `row` of `B_u X`, of all coordinates, to the start of `to`.
 fn combine_all(pass: &Pass<'_>, row: usize, line: usize, range: Range<i64>, to: &mut Points) {
     let base = range.start;
     for (piece, column) in pieces(range, line as i64, i64::MAX) {
@@ -123,14 +128,18 @@ fn combine_all(pass: &Pass<'_>, row: usize, line: usize, range: Range<i64>, to: 
     }
 }
 
-/// A part of a line of `B_u X`, of one coordinate, from a column on.
+/// A part of a line of `B_u X`, of one coordinate, compiled for several instruction sets.
 struct Combine<'a> {
     u: &'a Banded,
+    /// The row of `B_u`.
     row: usize,
+    /// One coordinate of X, row by row.
     x: &'a [f64],
     /// The length of a line of X.
     line: usize,
+    /// The first column of the part.
     column: usize,
+    /// Gets the part.
     y: &'a mut [f64],
 }
 
@@ -160,7 +169,7 @@ impl NullaryFnOnce for Combine<'_> {
 }
 
 impl<'a> Combine<'a> {
-    /// Entry k of the row, and what it is multiplied with.
+    /// Entry k of the row of `B_u`, and the line of X that it is multiplied with, from the column on.
     #[inline(always)]
     fn product(&self, k: usize) -> (f64, &'a [f64]) {
         let line = (self.u.first(self.row) + k as i64).rem_euclid(self.u.columns() as i64);
@@ -168,6 +177,7 @@ impl<'a> Combine<'a> {
         (self.u.entry(self.row, k), x)
     }
 
+    /// The sum of the W products, with the loop over them unrolled.
     #[inline(always)]
     fn sum<const W: usize>(self) {
         let products: [(f64, &[f64]); W] = std::array::from_fn(|k| self.product(k));
@@ -175,7 +185,7 @@ impl<'a> Combine<'a> {
     }
 }
 
-/// `y_r = Σ_k b_k x_k,r`.
+/// `y_r = Σ_k b_k x_k,r`, summed up from k = 0 on.
 #[inline(always)]
 fn sum<const W: usize>(b: [f64; W], x: [&[f64]; W], y: &mut [f64]) {
     let n = y.len();

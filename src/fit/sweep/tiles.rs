@@ -1,10 +1,12 @@
-//! Several levels of a curve in one pass: tile by tile, each with a margin.
+//! Several levels of a curve in one pass: tile by tile, each with a margin (overlapped tiling).
 //!
-//! After n levels a control point depends on its neighbours up to n times the reach of a row of B,
-//! a few points on both sides of a tile of a thousand. So each tile is loaded with a margin on both
-//! sides, which shrinks by the reach with every level, and goes through all levels in the nearest
-//! caches (overlapped tiling). The levels between are not kept: if one of them is the last of the
-//! fit, the pass is taken again with fewer levels, from control points that it has not touched.
+//! After k levels a control point depends on its neighbours up to k times the reach of a row of B, a few
+//! points on both sides of a tile of two thousand. So each tile is loaded with a margin on both sides, which
+//! shrinks by the reach with every level, and goes through all levels in the nearest caches. Memory is
+//! moved once for up to eight levels; the margins are computed by both neighbours, about one in a hundred.
+//!
+//! The levels between are not kept: if one of them is the last of the fit, the pass is taken again with fewer
+//! levels, from control points that it has not touched.
 
 use std::ops::Range;
 
@@ -19,16 +21,18 @@ use crate::fit::blocks::{BLOCK, Block, Squares, Sums};
 struct Tile<'a, 'b> {
     pass: &'a Pass<'a>,
     room: &'b mut Room,
-    /// Its points.
+    /// The points that it is to compute, without its margins.
     points: Range<i64>,
-    /// The point that the room starts with. On closed curves points before the first one and
-    /// behind the last one are those of the turn before and of the next turn.
+    /// The point that stands first in the room. On closed curves points before the first one are those
+    /// at the end, and points behind the last one those at the start.
     base: i64,
-    /// Whether the first level has been copied to the room.
+    /// Whether the control points of the first level have been copied to the room, rather than read from
+    /// where they are.
     loaded: bool,
 }
 
-/// All levels of a part.
+/// Takes all tiles of the part through all levels of the pass. Level 0 of a pass has been measured before;
+/// the norms of the others are written to their blocks.
 pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     let Part {
         lines,
@@ -93,7 +97,7 @@ impl Tile<'_, '_> {
         }
     }
 
-    /// The points of a range that there are.
+    /// The points of a range that exist: all of them on closed curves.
     fn within(&self, range: Range<i64>) -> Range<i64> {
         if self.pass.u.is_cyclic() {
             return range;
@@ -101,7 +105,8 @@ impl Tile<'_, '_> {
         range.start.max(0)..range.end.min(self.pass.u.rows() as i64)
     }
 
-    /// The pieces of a level, as far as later levels need it: points, and the row of the first.
+    /// The pieces of a level that later levels need, cut at blocks and at the ends of closed curves: their
+    /// points, and the row of B of the first one.
     fn pieces(&self, level: usize) -> impl Iterator<Item = (Range<i64>, usize)> + use<> {
         let left = self.pass.steps.len() - level;
         let margin = (left * self.pass.u.reach()) as i64;
@@ -109,7 +114,8 @@ impl Tile<'_, '_> {
         pieces(range, self.pass.u.rows() as i64, BLOCK as i64)
     }
 
-    /// From a level to the next one, and its norms (those of the first level are known).
+    /// Computes the next level from a level, and the norms of that level for the blocks of the tile; without
+    /// `blocks` they are known already.
     fn level<const D: usize>(&mut self, level: usize, blocks: &mut [Block]) {
         let mut squares = Squares::new();
         for (points, row) in self.pieces(level) {
@@ -124,7 +130,8 @@ impl Tile<'_, '_> {
         std::mem::swap(&mut self.room.front, &mut self.room.back);
     }
 
-    /// Points that belong to consecutive rows of B, from `row` on, and the squares of their residuals.
+    /// Computes the next level at points that belong to consecutive rows of B, from `row` on. Writes the
+    /// squares of their residuals, and returns what these add up to.
     fn piece<const D: usize>(
         &mut self,
         level: usize,
@@ -157,7 +164,7 @@ impl Tile<'_, '_> {
         pass.update(pass.u, level).apply(rows, &mut given)
     }
 
-    /// The norms of the last level; copies its control points to where they belong.
+    /// Computes the norms of the last level, and copies its control points to where they belong.
     fn last_level<const D: usize>(&mut self, mut to: [&mut [f64]; D], blocks: &mut [Block]) {
         let Self {
             pass, room, base, ..

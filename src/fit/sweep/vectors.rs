@@ -9,7 +9,7 @@ use pulp::Simd;
 
 use crate::fit::blocks::{LANES, Sums};
 
-/// So many vectors of arrays, from a place on.
+/// The first n vectors of each array from place `from` on.
 #[inline(always)]
 pub(super) fn vectors_of<S: Simd, const N: usize>(
     arrays: [&[f64]; N],
@@ -19,7 +19,7 @@ pub(super) fn vectors_of<S: Simd, const N: usize>(
     arrays.map(|array| &S::as_simd_f64s(&array[from..]).0[..n])
 }
 
-/// The same, to be written.
+/// The first n vectors of each array from place `from` on, to be written.
 #[inline(always)]
 pub(super) fn vectors_of_mut<'a, S: Simd, const N: usize>(
     arrays: &'a mut [&mut [f64]; N],
@@ -30,7 +30,8 @@ pub(super) fn vectors_of_mut<'a, S: Simd, const N: usize>(
     arrays.map(|array| &mut S::as_mut_simd_f64s(&mut array[from..]).0[..n])
 }
 
-/// Vectors of arrays from a place on, from the next one on, and so on.
+/// For each array its first n vectors from place `from + k` on, k = 0 … W − 1: what entry k of a row is
+/// multiplied with. Vectors that are not aligned are loaded as quickly on today's processors.
 #[inline(always)]
 pub(super) fn shifted<S: Simd, const D: usize, const W: usize>(
     arrays: [&[f64]; D],
@@ -40,13 +41,13 @@ pub(super) fn shifted<S: Simd, const D: usize, const W: usize>(
     arrays.map(|array| vectors_of::<S, W>(from_fn(|k| &array[k..]), from, n))
 }
 
-/// What stands in arrays at a place.
+/// The i-th vector of each array.
 #[inline(always)]
 pub(super) fn at<V: Copy, const N: usize>(arrays: &[&[V]; N], i: usize) -> [V; N] {
     arrays.map(|array| array[i])
 }
 
-/// [`Sums`] on their way, as vectors: as many as fill the lanes.
+/// [`Sums`] in the making: as many vectors as fill the [`LANES`] lanes.
 pub(super) struct VectorSums<S: Simd> {
     max: [S::f64s; LANES],
     squares: [S::f64s; LANES],
@@ -54,7 +55,7 @@ pub(super) struct VectorSums<S: Simd> {
 }
 
 impl<S: Simd> VectorSums<S> {
-    /// Sums that go on.
+    /// Vectors that go on with these sums.
     #[inline(always)]
     pub(super) fn new(sums: &Sums) -> Self {
         let vectors = |lanes: &[f64; LANES]| {
@@ -68,17 +69,17 @@ impl<S: Simd> VectorSums<S> {
         }
     }
 
-    /// Adds squares to the lanes of a vector.
+    /// Adds a vector of squares to the lanes that vector number `vector` of a round stands for.
     #[inline(always)]
     pub(super) fn add(&mut self, simd: S, vector: usize, square: S::f64s) {
         let max = self.max[vector];
-        // Not a number is never the largest.
+        // NaN is never the largest: the comparison is false.
         self.max[vector] = simd.select_f64s(simd.greater_than_f64s(square, max), square, max);
         self.squares[vector] = simd.add_f64s(self.squares[vector], square);
         self.roots[vector] = simd.add_f64s(self.roots[vector], simd.sqrt_f64s(square));
     }
 
-    /// The sums again.
+    /// Writes the vectors back to the sums.
     #[inline(always)]
     pub(super) fn store(self, sums: &mut Sums) {
         let store = |vectors: [S::f64s; LANES], lanes: &mut [f64; LANES]| {
