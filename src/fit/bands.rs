@@ -1,8 +1,8 @@
 //! The rows of the collocation matrix of a B-spline direction.
 //!
-//! Parameters and knots usually advance together: row i lies in the knot span i + s for long runs of
-//! rows. The functions of a run are evaluated for many rows at a time, by the same operations in the
-//! same order as for a single one.
+//! Parameters and knots usually advance together: row i lies in the knot span i + s for long *runs*
+//! of rows. The functions of a run are evaluated for many rows at a time, by the same operations in
+//! the same order as for a single one: O(n p²) in all, on all threads.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use super::direction::Direction;
 use super::lane::{self, Lane};
 use super::linear::banded::{Banded, Stretch};
 
-/// Rows that a thread evaluates at a time.
+/// The number of rows that a thread evaluates at a time.
 const CHUNK: usize = 1 << 15;
 
 /// Runs of fewer rows are evaluated row by row.
 const SHORT: usize = 8;
 
-/// The matrix with respect to the free control points: the columns of end copies are added to the
-/// column of the control point that they copy.
+/// The matrix with respect to the free control points, n rows of at most p + 1 entries: the columns
+/// of end copies are added to the column of the control point that they copy.
 pub(super) fn banded(direction: &Direction) -> Banded {
     let (rows, support) = (direction.parameters.len(), direction.basis.support_width());
     let mut lanes = lane::lanes(support, rows, |_| Lane::zeros(rows));
@@ -52,18 +52,22 @@ pub(super) fn banded(direction: &Direction) -> Banded {
     Banded::pack(lanes, &stretches, direction.free())
 }
 
-/// Consecutive rows.
+/// Consecutive rows, to be evaluated by one thread.
 struct Chunk<'a> {
     direction: &'a Direction,
+    /// The rows, by index.
     rows: Range<usize>,
-    /// Their first entries, their second ones, …
+    /// Gets the first entries of these rows, the second ones, and so on.
     lanes: Vec<&'a mut [f64]>,
+    /// Gets where the entries of rows start.
     stretches: Vec<Stretch>,
     /// Room for a single row.
     values: Vec<f64>,
 }
 
 impl Chunk<'_> {
+    /// Evaluates all rows, run by run; rows between runs, and at the end of the domain, by
+    /// themselves.
     fn evaluate(&mut self) {
         let direction = self.direction;
         let Basis::BSpline { degree, knots } = &direction.basis else {
@@ -100,8 +104,8 @@ impl Chunk<'_> {
         }
     }
 
-    /// How many rows from one on lie in spans that advance with them, with functions that have
-    /// control points of their own.
+    /// How many rows from `row` on lie in knot spans that advance with them, `row + k` in
+    /// `span + k`, and have functions each of which has a control point of its own.
     fn run(&self, knots: &[f64], row: usize, span: usize, degree: usize) -> usize {
         let own = self.direction.own_functions();
         let first = span - degree;
@@ -115,7 +119,7 @@ impl Chunk<'_> {
         t.iter().zip(spans).take_while(inside).count()
     }
 
-    /// Evaluates the rows of a run.
+    /// Evaluates the `count` rows of a run from `row`, in `span`, on.
     fn several(&mut self, knots: &[f64], row: usize, span: usize, degree: usize, count: usize) {
         let t = &self.direction.parameters[row..row + count];
         for (k, t) in t.chunks(bspline::BLOCK).enumerate() {
@@ -135,7 +139,7 @@ impl Chunk<'_> {
         }
     }
 
-    /// Evaluates a row by itself; functions of the same control point share a column.
+    /// Evaluates a row by itself, and adds up functions that share a control point.
     fn single(&mut self, row: usize, evaluate: impl FnOnce(&mut [f64]) -> usize) {
         let direction = self.direction;
         let columns = direction.free();
@@ -152,7 +156,7 @@ impl Chunk<'_> {
         self.push(row, first);
     }
 
-    /// From a row on, entries start at a column that advances with them.
+    /// Notes that from a row on entries start at a column that advances with the rows.
     fn push(&mut self, row: usize, column: usize) {
         let offset = column as i32 - row as i32;
         if self
@@ -166,7 +170,8 @@ impl Chunk<'_> {
     }
 }
 
-/// `w_j B_j / Σ w_k B_k` (LBW05 (3.7)): values of function `i + k` in row i of lane k.
+/// Makes the functions of a run rational, `w_j B_j / Σ w_k B_k` (LBW05 (3.7)), where place i of
+/// lane k holds the value of function `i + k`.
 fn weigh_run(weights: &[f64], values: &mut [&mut [f64]]) {
     let mut sums = vec![0.0; values.first().map_or(0, |values| values.len())];
     for (k, values) in values.iter_mut().enumerate() {

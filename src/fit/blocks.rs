@@ -1,26 +1,29 @@
-//! Blocks of consecutive points, and what is to be known of the distances in each.
+//! Blocks of consecutive points, and the norms of the distances in each.
 //!
-//! All sums are taken in the order of a block's lanes and then block by block, so that errors are
-//! the same to the last bit whoever computes them, on however many threads.
+//! A block has at most 1024 points: its numbers stay in the nearest cache. In a block the squares
+//! of distances are summed up in eight *lanes*, number k in lane k mod 8, then the lanes pairwise,
+//! and then the blocks from the first to the last. That order is the same for every loop,
+//! instruction set and number of threads, so that errors are the same to the last bit whoever
+//! computes them.
 
 use std::ops::Range;
 
 use super::points::Grid;
 
-/// The most points of a block.
+/// The most points of a block: 8 KiB for each coordinate.
 pub const BLOCK: usize = 1024;
 
-/// Numbers that are added up side by side in a block.
+/// The number of lanes, sums that are kept side by side: the longest vectors of today's processors.
 pub const LANES: usize = 8;
 
-/// The division of a grid into blocks: several whole lines, or equal parts of one line. (A curve
-/// is a grid of lines with one point each.)
+/// The division of a grid into blocks: several whole lines, or equal parts of one line. (A curve is
+/// a grid of lines with one point each.)
 #[derive(Clone, Copy, Debug)]
 pub struct Blocks {
     grid: Grid,
-    /// The lines of a block, or one.
+    /// The number of whole lines in a block, or one if a line has several blocks.
     lines: usize,
-    /// The blocks of a line, or one.
+    /// The number of blocks of a line, or one if a block has several lines.
     parts: usize,
 }
 
@@ -39,7 +42,7 @@ impl Blocks {
         self.grid.rows.div_ceil(self.lines) * self.parts
     }
 
-    /// So many whole lines are so many whole blocks.
+    /// How many whole lines are how many whole blocks: (lines, blocks), one of which is 1.
     pub fn unit(self) -> (usize, usize) {
         (self.lines, self.parts)
     }
@@ -69,7 +72,7 @@ impl Blocks {
     }
 }
 
-/// Norms of the points of a block, of scaled squares.
+/// The norms of the points of a block, by the squares of their scaled distances.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Block {
     /// The largest square.
@@ -80,7 +83,7 @@ pub struct Block {
     pub squares: f64,
     /// The sum of their roots.
     pub roots: f64,
-    /// The largest square of points that do not count in the other numbers.
+    /// The largest square of points that do not count in the other norms.
     pub rest_max: f64,
     /// The largest square in homogeneous coordinates.
     pub homogeneous_max: f64,
@@ -88,7 +91,7 @@ pub struct Block {
     pub homogeneous_squares: f64,
 }
 
-/// What the squares of a block add up to: number k of a block goes to lane k mod [`LANES`].
+/// The squares of a block, summed up in lanes: number k of a block goes to lane k mod [`LANES`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
     /// The largest square.
@@ -100,12 +103,12 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Of all squares of a block.
+    /// The sums of all squares of a block.
     pub fn of(squares: &[f64]) -> Self {
         pulp::Arch::new().dispatch(AddUp(squares))
     }
 
-    /// Adds a number to its lane.
+    /// Adds a square to its lane.
     #[inline(always)]
     pub fn add(&mut self, lane: usize, square: f64) {
         self.max[lane] = larger(square, self.max[lane]);
@@ -114,7 +117,7 @@ impl Sums {
     }
 }
 
-/// Adds up a block, compiled for several instruction sets.
+/// Sums up a block, compiled for several instruction sets.
 struct AddUp<'a>(&'a [f64]);
 
 impl pulp::NullaryFnOnce for AddUp<'_> {
@@ -151,7 +154,7 @@ impl Squares {
         Self([0.0; BLOCK])
     }
 
-    /// So many of them.
+    /// The first `count` of them.
     #[inline(always)]
     pub fn first(&mut self, count: usize) -> &mut [f64] {
         &mut self.0[..count]
@@ -164,19 +167,19 @@ impl Default for Squares {
     }
 }
 
-/// Not a number is never the largest.
+/// The larger one of both, where NaN is never the larger one.
 #[inline(always)]
 fn larger(square: f64, max: f64) -> f64 {
     if square > max { square } else { max }
 }
 
 impl Block {
-    /// Of squares of the points from `start` on.
+    /// The norms of consecutive points from `start` on, by their squares.
     pub fn of(start: usize, squares: &[f64]) -> Self {
         Self::new(start, squares, &Sums::of(squares))
     }
 
-    /// Of squares that have been added up.
+    /// The same, if the squares have been summed up.
     pub fn new(start: usize, squares: &[f64], sums: &Sums) -> Self {
         let max = sums.max.into_iter().fold(0.0, f64::max);
         let mut block = Self {
@@ -191,7 +194,7 @@ impl Block {
         block
     }
 
-    /// Of consecutive blocks together.
+    /// The norms of consecutive blocks together.
     pub fn total(blocks: &[Self]) -> Self {
         let mut total = Self::default();
         for block in blocks {
@@ -209,13 +212,15 @@ impl Block {
     }
 }
 
+/// The sum of all lanes, pair by pair.
 #[inline(always)]
 fn add_up(lanes: [f64; LANES]) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes;
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 
-/// The first place of a value that occurs; chunk by chunk, as comparing is quicker than leaving.
+/// The first place of a value that occurs among others, compiled for several instruction sets. It
+/// compares chunk by chunk, as comparing more numbers is quicker than a branch for each.
 struct Position<'a>(&'a [f64], f64);
 
 impl pulp::NullaryFnOnce for Position<'_> {
@@ -246,6 +251,7 @@ impl pulp::NullaryFnOnce for Position<'_> {
 mod tests {
     use super::*;
 
+    /// Curves, grids of short lines and grids of long ones.
     #[test]
     fn blocks_cover_every_grid_without_overlap() {
         for (rows, columns) in [
@@ -271,6 +277,7 @@ mod tests {
         }
     }
 
+    /// And NaN is never the largest.
     #[test]
     fn the_first_of_equal_distances_is_named() {
         let mut squares = vec![1.0; 100];

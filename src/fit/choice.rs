@@ -34,8 +34,8 @@ pub struct DirectionChoice {
 }
 
 impl DirectionChoice {
-    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are
-    /// nearly parallel and eigenvalues say little of single levels.
+    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
+    /// are nearly parallel and eigenvalues say little of single levels.
     pub(super) fn is_clustered(&self) -> bool {
         let BasisChoice::BSpline { degree, knots } = &self.basis else {
             return true;

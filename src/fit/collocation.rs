@@ -1,7 +1,13 @@
 //! The collocation matrix `B[i][j] = B_j(t_i)` as an operator.
 //!
-//! A direction has one matrix, banded for B-splines and dense for polynomial bases: a row for each
-//! data point, a column for each free control point.
+//! A direction has one matrix: a row for each of its n data points, a column for each of its free
+//! control points, as many of them unless the fit is a least-squares one. It is *banded* for
+//! B-splines, p + 1 numbers in a row, and *dense* for polynomial bases. Its rows sum to one, as
+//! bases are normalized, and none of its entries is negative.
+//!
+//! With end copies (knots at the data), the columns of all copies of a control point are added
+//! together (LBW05 (3.2)): the matrix stays square, totally positive and nonsingular. In closed
+//! directions columns are cyclic.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
@@ -12,26 +18,26 @@ use super::linear::banded::Banded;
 use super::linear::columns::Columns;
 use super::linear::qr::Orthogonal;
 
-/// Eigenvalues of matrices with more columns are approximate.
+/// Eigenvalues of matrices with more columns are known to fewer digits, as nobody needs them.
 pub const LONG: usize = 1000;
 
 /// The collocation matrix of one direction.
 #[derive(Clone, Debug)]
 pub enum Collocation {
-    /// Local basis: few entries in each row.
+    /// Of a local basis: few entries in each row.
     Banded(Banded),
-    /// Global basis.
+    /// Of a global basis.
     Dense {
         /// The matrix.
         matrix: DMatrix<f64>,
-        /// Its transpose.
+        /// Its transpose, so that products with both run along columns.
         transposed: DMatrix<f64>,
     },
 }
 
 impl Collocation {
-    /// The matrix of a direction with respect to its free control points: the columns of end
-    /// copies are added to the column of the control point that they copy.
+    /// The matrix of a direction with respect to its free control points: the columns of end copies
+    /// are added to the column of the control point that they copy.
     pub fn new(direction: &Direction) -> Self {
         if direction.basis.is_local() {
             Self::Banded(bands::banded(direction))
@@ -50,7 +56,7 @@ impl Collocation {
         }
     }
 
-    /// Bytes of the matrix of a direction.
+    /// How many bytes the matrix of a direction takes, before it is made.
     pub fn memory(direction: &Direction) -> usize {
         let (rows, columns) = (direction.parameters.len(), direction.free());
         if direction.basis.is_local() {
@@ -87,6 +93,7 @@ impl Collocation {
     }
 
     /// `Y = X Bᵀ`: applies B to each line of `x`, a row-major grid with as many columns as B has.
+    /// The lines of `y` are as long as B has rows.
     pub fn apply_to_lines(&self, x: &[f64], y: &mut [f64]) {
         match self {
             Self::Banded(banded) => {
@@ -99,7 +106,8 @@ impl Collocation {
         }
     }
 
-    /// `Y = X B`: applies Bᵀ to each line of `x`, a row-major grid with as many columns as B has rows.
+    /// `Y = X B`: applies Bᵀ to each line of `x`, a row-major grid with as many columns as B has
+    /// rows. The lines of `y` are as long as B has columns.
     pub fn apply_transposed_to_lines(&self, x: &[f64], y: &mut [f64]) {
         match self {
             Self::Banded(banded) => {
@@ -113,7 +121,7 @@ impl Collocation {
     }
 
     /// `Y = B X`: applies B across the lines of `x`, a row-major grid with as many rows as B has
-    /// columns.
+    /// columns. `y` has as many rows as B.
     pub fn apply_across_lines(&self, x: &[f64], y: &mut [f64]) {
         let line = x.len() / self.columns();
         match self {
@@ -123,6 +131,7 @@ impl Collocation {
     }
 
     /// `Y = Bᵀ X`: applies Bᵀ across the lines of `x`, a row-major grid with as many rows as B has.
+    /// `y` has as many rows as B has columns.
     pub fn apply_transposed_across_lines(&self, x: &[f64], y: &mut [f64]) {
         let line = x.len() / self.rows();
         match self {
@@ -140,7 +149,7 @@ impl Collocation {
         DMatrix::from_column_slice(rows, columns, &lines)
     }
 
-    /// The entries by columns.
+    /// The entries that differ from zero, by columns.
     pub(super) fn by_columns(&self) -> Columns {
         match self {
             Self::Banded(banded) => Columns::new(banded.columns(), banded.entries()),
@@ -151,7 +160,7 @@ impl Collocation {
         }
     }
 
-    /// The eigenvalues, if they can be read off.
+    /// The diagonal, if the matrix is triangular: its eigenvalues.
     pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
         match self {
             Self::Banded(banded) => banded.diagonal_if_triangular(),
@@ -159,7 +168,7 @@ impl Collocation {
         }
     }
 
-    /// `B⁻¹`, for a square matrix.
+    /// `B⁻¹`, for a square matrix: O(n p²) for B-splines, O(n³) for polynomials.
     pub fn inverse(&self) -> Inverse {
         match self {
             Self::Banded(banded) => Inverse::of_collocation(banded),
@@ -167,8 +176,8 @@ impl Collocation {
         }
     }
 
-    /// `(σ B − I)⁻¹`, for a square matrix and σ above 1/λ_min: `exact` if it is near, of matrices that
-    /// are not long.
+    /// `(σ B − I)⁻¹`, for a square matrix and σ above 1/λ_min. Near 1/λ_min, `exact`, matrices that
+    /// are not long are factorized with pivots.
     pub fn shifted_inverse(&self, sigma: f64, exact: bool) -> Option<Inverse> {
         match self {
             Self::Banded(banded) if exact && banded.columns() <= LONG => {
@@ -182,7 +191,7 @@ impl Collocation {
         }
     }
 
-    /// `H Qᵀ`, for a square matrix (Deng13 (9)).
+    /// `H Qᵀ`, for a square matrix (Deng13 (9)): O(n p²) for B-splines, O(n³) for polynomials.
     pub fn orthogonal(&self) -> Orthogonal {
         match self {
             Self::Banded(banded) => Orthogonal::of_banded(banded),
@@ -191,19 +200,20 @@ impl Collocation {
     }
 }
 
-/// A row-major grid is the column-major matrix of its transpose: `Yᵀ = M Xᵀ`.
+/// `Y = X Mᵀ`. A row-major grid is the column-major matrix of its transpose: `Yᵀ = M Xᵀ`.
 fn multiply_lines(matrix: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
     let lines = x.len() / matrix.ncols();
     let x = DMatrixView::from_slice(x, matrix.ncols(), lines);
     DMatrixViewMut::from_slice(y, matrix.nrows(), lines).gemm(1.0, matrix, &x, 0.0);
 }
 
-/// `Yᵀ = Xᵀ Mᵀ`, with the transpose given.
+/// `Y = M X`, or `Yᵀ = Xᵀ Mᵀ` with the transpose of M given.
 fn multiply_across(transposed: &DMatrix<f64>, x: &[f64], y: &mut [f64], line: usize) {
     let x = DMatrixView::from_slice(x, line, transposed.nrows());
     DMatrixViewMut::from_slice(y, line, transposed.ncols()).gemm(1.0, &x, transposed, 0.0);
 }
 
+/// The matrix of a polynomial direction, row by row.
 fn dense(direction: &Direction) -> DMatrix<f64> {
     let columns = direction.free();
     let mut values = vec![0.0; columns];

@@ -14,7 +14,16 @@ use super::parameters::{Parametrization, Parametrized, parameters, rescale};
 use super::points::{Grid, Points};
 
 impl Direction {
-    /// Computes parameters and knots and checks them.
+    /// Computes the parameters and knots of a direction and checks them.
+    ///
+    /// `points` are the data in the arrangement `grid`, some of which may be `missing`; `axis` says
+    /// which direction it is. It takes O(n), and O(n m) where the parameters of a surface are means
+    /// of distances.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong with the number of control points, the parameters, the degree,
+    /// the knots or the weights.
     pub(super) fn new(
         choice: DirectionChoice,
         points: &Points,
@@ -61,6 +70,7 @@ impl Direction {
     }
 }
 
+/// A polynomial direction of degree control points − 1, with parameters scaled to [0, 1].
 fn polynomial(
     kind: Polynomial,
     mut t: Arc<Vec<f64>>,
@@ -78,6 +88,7 @@ fn polynomial(
     ))
 }
 
+/// An open B-spline with as many free control points as data points.
 fn clamped(
     degree: usize,
     choice: Knots,
@@ -107,7 +118,8 @@ fn clamped(
     Ok(Direction::open(basis, t, free, front_copies))
 }
 
-/// Fewer control points than data: knots by PT97 (9.68)–(9.69), unless they are given.
+/// An open B-spline with fewer control points than data points: knots by PT97 (9.68)–(9.69), unless
+/// they are given. All parameters must lie within the knots.
 fn least_squares(
     degree: usize,
     choice: Knots,
@@ -145,6 +157,7 @@ fn least_squares(
     ))
 }
 
+/// A closed B-spline, with periodic knots.
 fn periodic(
     degree: usize,
     choice: &Knots,
@@ -172,7 +185,7 @@ fn periodic(
     Ok(Direction::closed(basis, values, free, period))
 }
 
-/// Checks given knots, and scales parameters to their range unless these are given, too.
+/// Checks given knots, and scales the parameters to their range unless these are given, too.
 fn explicit(
     knots: &[f64],
     degree: usize,
@@ -189,6 +202,7 @@ fn explicit(
     Ok(())
 }
 
+/// Refuses averaged knots of a degree that is not less than the number of points.
 fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
     if degree >= count {
         return Err(Invalid::DegreeTooHigh {
@@ -200,6 +214,8 @@ fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> 
     Ok(())
 }
 
+/// Refuses degrees below 1 or above [`MAX_DEGREE`]; `chosen` says whether it was given as a degree,
+/// rather than by the number of control points.
 fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> {
     let limit = MAX_DEGREE;
     match degree {
@@ -214,6 +230,7 @@ fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> 
     }
 }
 
+/// Refuses parameters so large that knots made of them could overflow.
 fn check_range(values: &[f64], axis: Axis) -> Result<(), Invalid> {
     let ends = [values[0], values[values.len() - 1]];
     if ends.iter().all(|x| x.abs() <= knots::LARGEST) {

@@ -1,9 +1,9 @@
 //! How errors fall, and when they will be within the tolerance.
 //!
-//! Eigenvalues near zero make the error of the basis slow, but nobody waits for them if the data has
-//! little of their vectors: what counts is how the error falls now. Its rate `g = −d ln e / dk` falls
-//! itself, as components with large eigenvalues vanish first: `g(x) = g(k) (x/k)^(−a)`, with a = 0 for
-//! one eigenvalue and a = 1 for many, which is a power law.
+//! Eigenvalues near zero make the error of the basis slow, but nobody waits for them if the data
+//! has little of their vectors: what counts is how the error falls now. Its rate `g = −d ln e / dk`
+//! falls itself, as components with large eigenvalues vanish first: `g(x) = g(k) (x/k)^(−a)`, with
+//! a = 0 for one eigenvalue and a = 1 for many, which is a power law.
 
 /// Errors that are remembered: of long fits every second, fourth … one.
 const MOST: usize = 256;
@@ -57,8 +57,9 @@ impl Decay {
         Some(((index * self.stride) as f64, log))
     }
 
-    /// The level at which the error will be within the tolerance, if the errors so far say it. In the
-    /// long run each level reduces the error at least by the factor `slowest`, if that is known.
+    /// The level at which the error will be within the tolerance, if the errors so far say it. In
+    /// the long run each level reduces the error at least by the factor `slowest`, if that is
+    /// known.
     pub fn end(
         &self,
         level: usize,

@@ -1,4 +1,15 @@
 //! One direction of the parameter domain: its basis at the parameters of the data.
+//!
+//! A direction has n parameters, one for each data point, and n *free* control points (fewer in a
+//! least-squares fit). There can be more basis functions than free control points:
+//!
+//! - open, with knots at the data: `n + p − 1` functions. The first control point belongs to the
+//!   first ⌊p/2⌋ + 1 of them, the last one to the last ones, and these *copies* move together
+//!   (LBW05 (3.2));
+//! - closed: the functions of a period and p more, which belong to the control points of the next
+//!   turn.
+//!
+//! Weights of the functions make the basis rational, `w_j B_j / Σ_k w_k B_k` (LBW05 (3.7)).
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,25 +27,27 @@ pub struct Direction {
     pub basis: Basis,
     /// Strictly increasing parameters of the data, within the domain of the basis.
     pub parameters: Arc<Vec<f64>>,
+    /// The number of free control points.
     free: usize,
+    /// Which functions share control points.
     ends: Ends,
-    /// Weights of the basis functions, for rational bases.
+    /// A weight for each basis function of a rational basis.
     weights: Option<Vec<f64>>,
 }
 
 /// How basis functions share control points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Ends {
-    /// The first control point is repeated so often in front, the last one behind: with knots at
-    /// the data there are more basis functions than data points (LBW05 (3.2)).
+    /// The first control point is repeated `front_copies` times in front, the last one behind: with
+    /// knots at the data there are more basis functions than data points (LBW05 (3.2)).
     Open { front_copies: usize },
     /// The first control points follow the last ones, after a period of the parameters.
     Closed { period: f64 },
 }
 
 impl Direction {
-    /// An open direction without weights: the first control point is repeated `front_copies` times in
-    /// front, and the last one as often behind as there are functions left.
+    /// An open direction without weights: the first control point is repeated `front_copies` times
+    /// in front, and the last one as often behind as there are functions left.
     pub(super) fn open(
         basis: Basis,
         parameters: Arc<Vec<f64>>,
@@ -132,9 +145,9 @@ impl Direction {
         }
     }
 
-    /// The first ones of as many consecutive functions as can differ from zero at a parameter, as far
-    /// as each of these has a control point of its own, next to that of the function before (around
-    /// the end on closed curves).
+    /// The indices j for which each of the functions j … j + p has a control point of its own, next
+    /// to that of the function before it (around the end on closed curves): then a row of the
+    /// collocation matrix that begins with function j needs no sums.
     pub fn own_functions(&self) -> Range<usize> {
         let degree = self.basis.degree();
         match self.ends {
@@ -145,8 +158,9 @@ impl Direction {
         }
     }
 
-    /// Writes the values at `t` of the functions that can differ from zero there, with their
-    /// weights, and returns the index of the first of them.
+    /// Writes the values at `t`, in the domain of the basis, of the functions that can differ from
+    /// zero there, with their weights, into `values` (p + 1 numbers), and returns the index of the
+    /// first of them.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
         let (low, high) = self.basis.domain();
         // The knots of even degree lie between the parameters: where the last one is next to the end of
@@ -157,7 +171,9 @@ impl Direction {
         self.weigh(start, values)
     }
 
-    /// Gives values of the functions from `start` on their weights; returns `start`.
+    /// Makes the values of the functions from `start` on rational, if the direction has weights;
+    /// returns `start`. Weights of any magnitude are right: products that leave the range of
+    /// numbers are scaled.
     pub fn weigh(&self, start: usize, values: &mut [f64]) -> usize {
         if let Some(weights) = &self.weights {
             // w_j B_j / Σ w_k B_k (LBW05 (3.7)).
@@ -193,7 +209,8 @@ impl Direction {
         start
     }
 
-    /// One weight for each basis function.
+    /// One weight for each basis function, if one is given for each of them or for each free
+    /// control point.
     fn complete_weights(&self, weights: Vec<f64>, axis: Axis) -> Result<Vec<f64>, Invalid> {
         for (index, &value) in weights.iter().enumerate() {
             if !(value > 0.0 && value.is_finite()) {

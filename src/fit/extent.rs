@@ -1,27 +1,27 @@
-//! Where numbers lie.
+//! The least and the largest of many numbers, and whether all of them are finite, in one pass.
 
-/// Numbers that are compared side by side.
+/// The number of comparisons side by side.
 const LANES: usize = 8;
 
-/// The least and the largest of some numbers; of none, infinity and minus infinity. Numbers that are
-/// none do not count.
+/// The least and the largest of some numbers. An empty array has the extent from infinity to minus
+/// infinity. NaN is ignored, but for [`is_finite`](Self::is_finite).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
     /// The least.
     pub low: f64,
     /// The largest.
     pub high: f64,
-    /// Whether all are finite.
+    /// Whether all numbers are finite: none of them is infinite or NaN.
     pub is_finite: bool,
 }
 
 impl Extent {
-    /// Of all values.
+    /// The extent of all values.
     pub fn of(values: &[f64]) -> Self {
         pulp::Arch::new().dispatch(Look(values))
     }
 
-    /// From the least to the largest.
+    /// The difference of the largest and the least number, or 0 for an empty array.
     pub fn length(&self) -> f64 {
         if self.low <= self.high {
             self.high - self.low
@@ -31,7 +31,7 @@ impl Extent {
     }
 }
 
-/// A look at all values, compiled for several instruction sets.
+/// The pass over all values, compiled for several instruction sets.
 struct Look<'a>(&'a [f64]);
 
 impl pulp::NullaryFnOnce for Look<'_> {
@@ -48,7 +48,7 @@ impl pulp::NullaryFnOnce for Look<'_> {
                 let x = chunk[k];
                 low[k] = if x < low[k] { x } else { low[k] };
                 high[k] = if x > high[k] { x } else { high[k] };
-                // Zero, unless a number is infinite or none.
+                // Zero, unless the number is infinite or NaN; then NaN.
                 zero[k] += x * 0.0;
             }
         }
@@ -69,6 +69,7 @@ impl pulp::NullaryFnOnce for Look<'_> {
 mod tests {
     use super::*;
 
+    /// The least number, infinity and NaN at every place of arrays of every length.
     #[test]
     fn every_place_counts() {
         for n in 0..40 {

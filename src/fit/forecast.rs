@@ -1,15 +1,15 @@
 //! What is known of the convergence of a fit before its first step.
 
-/// What is known of the convergence before the first step. Rates are factors per level, without a unit;
-/// lengths are in the unit of the data.
+/// What is known of the convergence before the first step. Rates are factors per level, without a
+/// unit; lengths are in the unit of the data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forecast {
     /// The least eigenvalue of the collocation matrix.
     pub lambda_min: Option<f64>,
     /// The relaxation of weighted PIA.
     pub omega: Option<f64>,
-    /// By how much the error shrinks in each iteration, asymptotically. For adaptive fits, and local
-    /// ones of many points, an upper bound: principal submatrices have larger eigenvalues.
+    /// By how much the error shrinks in each iteration, asymptotically. For adaptive fits, and
+    /// local ones of many points, an upper bound: principal submatrices have larger eigenvalues.
     pub rate: Option<f64>,
     /// Local: the least eigenvalue of the block of the matrix that belongs to the adjusted points.
     pub block: Option<f64>,
@@ -19,15 +19,15 @@ pub struct Forecast {
     pub without_data: usize,
     /// Chebyshev: where the interval of its steps begins, if not at the least eigenvalue.
     pub interval: Option<f64>,
-    /// Extended: about how large a distance rounding leaves after `exact_after` iterations, if that is
-    /// more than the tolerance.
+    /// Extended: about how large a distance rounding leaves after `exact_after` iterations, if that
+    /// is more than the tolerance.
     pub rounding: Option<f64>,
 }
 
 impl Forecast {
-    /// How many iterations of a local fit reduce an error to the tolerance, both in data units, by the
-    /// least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up. The block is
-    /// small, so that its least eigenvalue soon dominates.
+    /// How many iterations of a local fit reduce an error to the tolerance, both in data units, by
+    /// the least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up. The block
+    /// is small, so that its least eigenvalue soon dominates.
     pub(super) fn iterations_of_block(&self, error: f64, tolerance: f64) -> Option<usize> {
         let rate = self.rate.filter(|_| self.block.is_some())?;
         let count = (tolerance / error).ln() / rate.ln();

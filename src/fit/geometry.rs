@@ -80,8 +80,8 @@ impl<'a> Geometry<'a> {
         self.is_homogeneous().then(|| weights[index])
     }
 
-    /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row
-    /// by row. Parameters lie in the domains of the bases.
+    /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row by
+    /// row. Parameters lie in the domains of the bases.
     pub fn evaluate(&self, u: &[f64], v: &[f64]) -> Points {
         let grid = Values {
             along: LineValues::new(self.problem.u(), u),

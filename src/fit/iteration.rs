@@ -41,7 +41,8 @@ pub struct Iteration {
     system: Arc<System>,
     engine: Engine,
     level: Level,
-    /// The length of the residual, at level 0 and now, and its relative decrease in the last update.
+    /// The length of the residual, at level 0 and now, and its relative decrease in the last
+    /// update.
     first_length: f64,
     length: f64,
     decrease: f64,
@@ -150,8 +151,8 @@ impl Iteration {
         }
     }
 
-    /// The free control points that the last step moved, where it left others alone. All others
-    /// are to the last bit what they were a level before.
+    /// The free control points that the last step moved, where it left others alone. All others are
+    /// to the last bit what they were a level before.
     pub fn moved(&self) -> Option<&[usize]> {
         let moved = self.update()?.moved()?;
         let some = self.level.iteration > 0 && moved.len() < self.control_points().len();
@@ -184,8 +185,8 @@ impl Iteration {
     }
 
     /// Moves on by `count` levels, or to the first one at which the iteration ends, and tells each
-    /// of them. Nobody sees the control points of the levels between, so that several levels can
-    /// be computed at once. They are the same as by single steps, to the last bit.
+    /// of them. Nobody sees the control points of the levels between, so that several levels can be
+    /// computed at once. They are the same as by single steps, to the last bit.
     pub fn steps(&mut self, count: usize, visit: &mut impl FnMut(Level)) {
         let mut left = count;
         while left > 0 {
@@ -263,7 +264,8 @@ impl Iteration {
         self.level.predicted = self.predicted();
     }
 
-    /// The level at which the fit will end: as was found out beforehand, else by how its errors fall.
+    /// The level at which the fit will end: as was found out beforehand, else by how its errors
+    /// fall.
     fn predicted(&self) -> Option<usize> {
         let Level {
             iteration, error, ..
@@ -318,8 +320,9 @@ impl Iteration {
         }
     }
 
-    /// Whether all control points have a place. At weight zero they are at infinity; and where basis
-    /// functions vanish but for rounding, finite distances say nothing of their control points.
+    /// Whether all control points have a place. At weight zero they are at infinity; and where
+    /// basis functions vanish but for rounding, finite distances say nothing of their control
+    /// points.
     fn has_places(&self) -> bool {
         let problem = self.system.problem();
         let points = self.control_points();

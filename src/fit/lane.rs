@@ -14,8 +14,8 @@ const LONG: usize = 1024;
 /// Lanes of so many numbers are made by several threads.
 const PARALLEL: usize = 100_000;
 
-/// Long lanes start at the beginning of a page or after a third of it or two: so many numbers, whole
-/// cache lines, lie between.
+/// Long lanes start at the beginning of a page or after a third of it or two: so many numbers,
+/// whole cache lines, lie between.
 const THIRD: usize = 168;
 
 /// To be copied.
@@ -27,10 +27,10 @@ static LANES: AtomicUsize = AtomicUsize::new(0);
 /// All values of a coordinate, or of a diagonal of a matrix.
 ///
 /// They start at a cache line: a vector of numbers that lies across two of them takes twice as long
-/// to load, which is as much as everything else in a sweep. And long lanes start at different places of
-/// a memory page. Allocators would start all of them with one, but places at the same distance from
-/// the start of a page share few cache lines, and a load waits for an earlier store to the same place of
-/// another page as if it were the same address ("4K aliasing").
+/// to load, which is as much as everything else in a sweep. And long lanes start at different
+/// places of a memory page. Allocators would start all of them with one, but places at the same
+/// distance from the start of a page share few cache lines, and a load waits for an earlier store
+/// to the same place of another page as if it were the same address ("4K aliasing").
 #[derive(Debug)]
 pub struct Lane {
     numbers: AVec<f64>,

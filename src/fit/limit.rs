@@ -31,7 +31,8 @@ pub enum NoLimit {
     Singular,
 }
 
-/// `Δ_J = Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` for the adjusted points I and the fixed points J (Lin10, Theorem 2).
+/// `Δ_J = Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` for the adjusted points I and the fixed points J (Lin10, Theorem
+/// 2).
 ///
 /// `start` is the iteration at level 0.
 pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {

@@ -11,9 +11,9 @@
 //! X ← X + U Δ        update
 //! ```
 //!
-//! Every method is a choice of the transform `U` and of level 0 (Deng13). A surface is the same loop
-//! with `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ`. A homogeneous fit is the same
-//! loop with one coordinate more, the weight.
+//! Every method is a choice of the transform `U` and of level 0 (Deng13). A surface is the same
+//! loop with `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ`. A homogeneous fit is the
+//! same loop with one coordinate more, the weight.
 //!
 //! # Vocabulary, in the order in which a fit is made
 //!
@@ -22,13 +22,15 @@
 //! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
 //! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
 //! - [`missing`]: grids with holes;
-//! - [`collocation`] and [`tensor`]: `B` as banded or dense operator, and tensor products, over [`linear`];
+//! - [`collocation`] and [`tensor`]: `B` as banded or dense operator, and tensor products, over
+//!   [`linear`];
 //! - [`spectrum`]: eigenvalues and rates;
 //! - [`method`]: the methods, each with its settings, level 0, transform U, stop rule and forecast;
-//! - [`problem`]: a validated fitting problem, a [`setup`] with a method; [`invalid`]: everything that can
-//!   be wrong with one;
+//! - [`problem`]: a validated fitting problem, a [`setup`] with a method; [`invalid`]: everything
+//!   that can be wrong with one;
 //! - [`system`]: a problem with its collocation matrix and its transform, ready to be iterated;
-//! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules; [`decay`]: when it will end;
+//! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules; [`decay`]: when
+//!   it will end;
 //! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
 //! - [`limit`]: where local fits end, in closed form;
@@ -39,8 +41,9 @@
 //! B-spline curve and surface to fit data points*, Science in China F 47 (2004) — **LWD04**;
 //! Delgado, Peña, *Progressive iterative approximation and bases with the fastest convergence
 //! rates*, CAGD 24 (2007) — **DP07**; Lin, *Local progressive-iterative approximation format for
-//! blending curves and patches*, CAGD 27 (2010) — **Lin10**; Deng, Guan, Wang, Deng, *An extension of
-//! a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl, Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
+//! blending curves and patches*, CAGD 27 (2010) — **Lin10**; Deng, Guan, Wang, Deng, *An extension
+//! of a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl,
+//! Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
 pub mod about;
 mod bands;

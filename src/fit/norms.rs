@@ -1,6 +1,17 @@
-//! Distances of a curve from its data, block by block: after a local update only the blocks that it
+//! Distances of a curve from its data.
+//!
+//! ```text
+//! max = max_i ‖Δ_i‖,   rms = √(Σ_i ‖Δ_i‖² / n),   sum = Σ_i ‖Δ_i‖,   Δ = P − B X
+//! ```
+//!
+//! They are computed [block](super::blocks) by block: after a local update only the blocks that it
 //! has touched are measured again, and blocks can be measured anywhere and in any order, with the
-//! same errors to the last bit.
+//! same errors to the last bit. Residuals are scaled by a power of two before they are squared, so
+//! that data of any magnitude have the same errors in their own units.
+//!
+//! In a homogeneous fit residuals are those of `(w P, w)`. Then the distances are those of points,
+//! `‖P_i − C(t_i)‖` with the projected curve C (Lin10, section 3.4), and the largest homogeneous
+//! residual is told apart.
 
 use super::blocks::{BLOCK, Block, Blocks};
 use super::lane::Lane;
@@ -19,8 +30,8 @@ pub struct FitError {
     pub rms: f64,
     /// The sum of the distances (the error of Lin10).
     pub sum: f64,
-    /// The largest distance of the points that do not count in the other numbers: of local fits, those
-    /// that are not adjusted.
+    /// The largest distance of the points that do not count in the other numbers: in local fits the
+    /// fixed ones, in least-squares fits the missing ones, which have none.
     pub fixed_max: Option<f64>,
     /// Homogeneous fits: the largest distance in homogeneous coordinates; the other numbers are
     /// distances of points.
@@ -40,18 +51,22 @@ impl FitError {
     }
 }
 
-/// Measures residuals.
+/// Measures residuals, and remembers the norms of every block.
 #[derive(Debug)]
 pub struct Norms {
     /// A power of two that brings the data to the order of one, so that squares of distances
     /// neither over- nor underflow.
     scale: f64,
+    /// The same for homogeneous coordinates.
     homogeneous_scale: f64,
+    /// Whether the last coordinate is a weight.
     homogeneous: bool,
-    /// Which points count; all, if there is none.
+    /// Which points count; all of them without it.
     counted: Option<Vec<bool>>,
+    /// How many points count.
     count: usize,
     layout: Blocks,
+    /// The norms of each block, as it was last measured.
     blocks: Vec<Block>,
 }
 
@@ -83,7 +98,7 @@ impl Norms {
         }
     }
 
-    /// Measures all points.
+    /// Measures all points, in O(n d).
     pub fn measure(&mut self, data: &Points, residual: &Points) -> FitError {
         for index in 0..self.blocks.len() {
             self.blocks[index] = self.block(index, data, residual);
@@ -91,7 +106,8 @@ impl Norms {
         self.error()
     }
 
-    /// Measures again, after the residual of some points (increasing indices) has changed.
+    /// Measures again, after the residual of the points `changed` (increasing indices) has changed:
+    /// only their blocks.
     pub fn measure_again(
         &mut self,
         data: &Points,
@@ -108,8 +124,8 @@ impl Norms {
         self.error()
     }
 
-    /// The length of the residual, up to a factor: what least-squares fits minimize. In homogeneous
-    /// fits that is not the rms distance of points.
+    /// The Euclidean length of the residual, up to a factor: what least-squares fits minimize. In
+    /// homogeneous fits it is that of homogeneous coordinates, rather than of distances of points.
     pub fn residual_length(&self) -> f64 {
         let squares = |block: &Block| match self.homogeneous {
             true => block.homogeneous_squares,
@@ -118,13 +134,14 @@ impl Norms {
         self.blocks.iter().map(squares).sum::<f64>().sqrt()
     }
 
-    /// The distance of one point, in data units.
+    /// The distance of the curve from data point `index`, in data units.
     pub fn distance(&self, data: &Points, residual: &Points, index: usize) -> f64 {
         let mut square = [0.0];
         self.squares(index, data, residual, &mut square);
         square[0].sqrt() / self.scale
     }
 
+    /// The error by the norms of all blocks.
     fn error(&self) -> FitError {
         let total = Block::total(&self.blocks);
         FitError {
@@ -154,10 +171,12 @@ impl Norms {
         self.scale
     }
 
+    /// The length whose scaled square this is, in data units.
     fn length(&self, square: f64) -> f64 {
         square.sqrt() / self.scale
     }
 
+    /// Measures a block.
     fn block(&self, index: usize, data: &Points, residual: &Points) -> Block {
         let points = self.layout.points(index);
         let start = points.start;
@@ -177,7 +196,7 @@ impl Norms {
         block
     }
 
-    /// Makes the distances of points that do not count zero, and returns the largest of them.
+    /// Sets the squares of points that do not count to zero, and returns the largest of them.
     fn take_out_uncounted(&self, start: usize, squares: &mut [f64]) -> f64 {
         let Some(counted) = &self.counted else {
             return 0.0;
@@ -191,7 +210,7 @@ impl Norms {
         })
     }
 
-    /// Scaled squared distances of consecutive points.
+    /// Writes the squares of the scaled distances of consecutive points from `start` on.
     fn squares(&self, start: usize, data: &Points, residual: &Points, squares: &mut [f64]) {
         if !self.homogeneous {
             return sum_squares(residual.lanes(), start, self.scale, squares);
@@ -219,6 +238,7 @@ impl Norms {
     }
 }
 
+/// Writes `Σ_c (scale Δ_i,c)²` for consecutive points from `start` on.
 fn sum_squares(lanes: &[Lane], start: usize, scale: f64, squares: &mut [f64]) {
     squares.fill(0.0);
     for lane in lanes {
@@ -229,7 +249,7 @@ fn sum_squares(lanes: &[Lane], start: usize, scale: f64, squares: &mut [f64]) {
     }
 }
 
-/// The largest coordinate of data points in homogeneous coordinates.
+/// The largest absolute coordinate of data points that are given in homogeneous coordinates.
 fn projected_magnitude(data: &Points) -> f64 {
     let Some((weights, lanes)) = data.lanes().split_last() else {
         return 0.0;

@@ -1,32 +1,40 @@
-//! Whether long rows of numbers are in order, or zero: many comparisons at a time, as nearly all of them are.
+//! Whether long arrays of numbers are in order, or zero.
+//!
+//! Nearly all of them are, so that every number has to be compared: many at a time, without a
+//! branch for each, and long arrays by several threads. Where the answer is no, the caller looks
+//! for the place.
 
 use rayon::prelude::*;
 
-/// Numbers that a thread compares at a time.
+/// The number of comparisons that a thread does at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Whether each number is less than the one after it; of two and more none is not a number then.
+/// Whether each number is less than the one after it. If so, two or more numbers have no NaN among
+/// them.
 pub fn increases(values: &[f64]) -> bool {
     values.len() < 2 || all_less(&values[..values.len() - 1], &values[1..])
 }
 
-/// Whether no number is greater than the one after it; of two and more none is not a number then.
+/// Whether each number is at most the one after it. If so, two or more numbers have no NaN among
+/// them.
 pub fn never_decreases(values: &[f64]) -> bool {
     values.len() < 2 || all(&values[..values.len() - 1], &values[1..], |a, b| a <= b)
 }
 
-/// Whether each number is less than the other one at its place, as far as both rows reach.
+/// Whether each number is less than the other one at its place, as far as both arrays reach.
 pub fn all_less(these: &[f64], others: &[f64]) -> bool {
     all(these, others, |a, b| a < b)
 }
 
-/// Whether there is nothing but zeros.
+/// Whether all numbers are zero. It stops at the first chunk that has another one.
 pub fn is_zero(values: &[f64]) -> bool {
+    /// The numbers of a chunk.
     const LOOK: usize = 256;
     let mut looks = values.chunks(LOOK);
     looks.all(|values| values.iter().fold(true, |all, x| all & (*x == 0.0)))
 }
 
+/// Whether a comparison is true for all pairs.
 fn all(these: &[f64], others: &[f64], compare: impl Fn(f64, f64) -> bool + Copy + Sync) -> bool {
     let chunk = |(these, others): (&[f64], &[f64])| {
         let pairs = these.iter().zip(others);
@@ -44,6 +52,7 @@ fn all(these: &[f64], others: &[f64], compare: impl Fn(f64, f64) -> bool + Copy 
 mod tests {
     use super::*;
 
+    /// At the ends and in the middle of chunks.
     #[test]
     fn every_number_can_differ_from_zero() {
         for count in [0, 1, 255, 256, 257, 1000] {
@@ -61,6 +70,7 @@ mod tests {
         }
     }
 
+    /// Equal neighbours, descents and NaN at any place, also where threads meet.
     #[test]
     fn every_place_counts() {
         for count in [1, 2, 9, CHUNK + 3, 3 * CHUNK] {

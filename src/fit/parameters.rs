@@ -1,4 +1,15 @@
 //! Parameters of data points: where on the curve each of them lies.
+//!
+//! ```text
+//! uniform        t_i = i / n
+//! chord length   t_i = t_{i−1} + ‖P_i − P_{i−1}‖
+//! centripetal    t_i = t_{i−1} + ‖P_i − P_{i−1}‖^(1/2)        (Lee 1989)
+//! ```
+//!
+//! from t_0 = 0 on. On surfaces the steps of a direction are means over all lines of the other one
+//! (LWD04 (12)–(13)). Closed curves have one step more, from the last point back to the first,
+//! whose end is the *period*. Chord lengths are in data units; polynomial bases scale them to [0,
+//! 1], and B-splines do not care.
 
 use std::sync::Arc;
 
@@ -14,8 +25,8 @@ use super::points::{Grid, Points};
 pub enum Parametrization {
     /// `t_i = i / n`.
     Uniform,
-    /// Steps are the distances of successive points, in data units; on surfaces their mean over
-    /// all lines of the other direction (LWD04 (12)–(13)).
+    /// Steps are the distances of successive points, in data units; on surfaces their mean over all
+    /// lines of the other direction (LWD04 (12)–(13)).
     ChordLength,
     /// Steps are square roots of the distances (Lee 1989), averaged likewise.
     Centripetal,
@@ -28,12 +39,19 @@ pub enum Parametrization {
 pub struct Parametrized {
     /// One for each data point, finite and strictly increasing.
     pub values: Arc<Vec<f64>>,
-    /// How much later a closed curve is back at its first point.
+    /// How much later a closed curve is back at its first point; of an open one the length of its
+    /// range.
     pub period: f64,
 }
 
-/// The parameters of the points of `grid` in direction `axis`. On closed curves the last step leads
-/// back to the first point.
+/// The parameters of the points of `grid` in direction `axis`: one for each line across it. On
+/// closed curves the last step leads back to the first point. Steps between points of which one is
+/// `missing` do not count.
+///
+/// # Errors
+///
+/// Names the first points that are equal, or too close to be told apart, the first explicit value
+/// that does not increase, or the wrong number of explicit values.
 pub fn parameters(
     choice: Parametrization,
     points: &Points,
@@ -64,8 +82,9 @@ pub fn parameters(
     Ok(Parametrized { values, period })
 }
 
-/// Parameters whose steps are a function of the distances of successive points: their mean over the
-/// lines of the other direction.
+/// Parameters whose steps are a function `step` of the distances of successive points: its mean
+/// over the lines of the other direction. There are `steps` of them; `rule` is the name that errors
+/// give.
 fn by_distance(
     points: &Points,
     grid: Grid,
@@ -131,24 +150,26 @@ fn by_distance(
     })
 }
 
-/// Distances that are computed at a time.
+/// The number of distances that are computed at a time.
 const BLOCK: usize = 256;
 
-/// Shorter lines are looked at by one thread.
+/// The distances of shorter lines are computed by one thread.
 const PARALLEL: usize = 100_000;
 
-/// Sums of functions of the distances that lead to each point of a line, over all lines.
+/// Sums over all lines of the steps that lead to each point of a line.
 struct Sums<'a, F> {
     points: &'a Points,
     missing: Option<&'a Missing>,
+    /// The step for a distance.
     step: F,
+    /// The sum for each point of a line; that for the first one stays zero.
     totals: Vec<f64>,
-    /// How many there are of each, if not all.
+    /// How many distances have been added to each sum, if points are missing.
     pairs: Vec<u32>,
 }
 
 impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
-    /// The distances of the successive points of a line.
+    /// Adds the steps between the successive points of a line, the `count` points from `start` on.
     fn add_line(&mut self, start: usize, count: usize) {
         let Self { points, step, .. } = self;
         if self.missing.is_some() || count < PARALLEL {
@@ -165,7 +186,8 @@ impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
         });
     }
 
-    /// The distances between points `from + i` and `to + i`, which belong to step `step_of(i)`.
+    /// Adds the steps between points `from + i` and `to + i` for i below `count`, to the sums
+    /// `step_of(i)`.
     fn add_pairs(
         &mut self,
         from: usize,
@@ -183,6 +205,7 @@ impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
         }
     }
 
+    /// Adds the step for a distance between two points to sum k, unless one of them is missing.
     fn add(&mut self, k: usize, from: usize, to: usize, distance: f64) {
         if let Some(missing) = self.missing {
             if missing.contains(from) || missing.contains(to) {
@@ -194,6 +217,7 @@ impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
     }
 }
 
+/// Given parameters, if there are as many as `expected` and they are finite and strictly increase.
 fn explicit(
     values: Arc<Vec<f64>>,
     expected: usize,
@@ -238,6 +262,10 @@ fn explicit(
 }
 
 /// Maps increasing parameters affinely so that they start at `low` and end at `high`, exactly.
+///
+/// # Errors
+///
+/// [`Invalid::ParameterRange`] if neighbours fall together by rounding, or the range overflows.
 pub fn rescale(t: &mut [f64], low: f64, high: f64, axis: Axis) -> Result<(), Invalid> {
     let (Some(&first), Some(&last)) = (t.first(), t.last()) else {
         return Ok(());
@@ -261,6 +289,7 @@ pub fn rescale(t: &mut [f64], low: f64, high: f64, axis: Axis) -> Result<(), Inv
 mod tests {
     use super::*;
 
+    /// The points of a planar curve.
     fn curve(values: &[[f64; 2]]) -> (Points, Grid) {
         let mut points = Points::new(2);
         values.iter().for_each(|p| points.push(p));
@@ -271,6 +300,7 @@ mod tests {
         (points, grid)
     }
 
+    /// All three rules on distances 5, 1 and 9.
     #[test]
     fn lengths_accumulate() {
         let (points, grid) = curve(&[[0.0, 0.0], [3.0, 4.0], [3.0, 5.0], [12.0, 5.0]]);
@@ -291,6 +321,7 @@ mod tests {
         );
     }
 
+    /// The closing chord belongs to the period, and not to the parameters.
     #[test]
     fn closed_curves_return_to_the_first_point() {
         let (points, grid) = curve(&[[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]]);
@@ -305,6 +336,7 @@ mod tests {
         assert_eq!(uniform.period, 1.0);
     }
 
+    /// Chord length is undefined between equal points.
     #[test]
     fn equal_neighbours_are_named() {
         let (points, grid) = curve(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 0.0]]);
@@ -320,6 +352,7 @@ mod tests {
         assert!(matches!(error, Invalid::EqualPoints { index: 2, .. }));
     }
 
+    /// LWD04 (12)–(13).
     #[test]
     fn surface_steps_are_means_over_the_other_direction() {
         // Rows at heights 0 and 1 (first column) or 0 and 3 (second): mean step 2 in u.
@@ -342,6 +375,7 @@ mod tests {
         assert_eq!(*v, [0.0, (1.0 + 5f64.sqrt()) / 2.0]);
     }
 
+    /// And parameters that would fall together are refused.
     #[test]
     fn rescaling_hits_both_ends() {
         let mut t = vec![3.0, 4.0, 7.1];

@@ -18,8 +18,8 @@ pub(super) struct Plain {
 }
 
 impl Plain {
-    /// Level 0, from given control points, and its error, for which the `counted` points count; all of
-    /// them without it.
+    /// Level 0, from given control points, and its error, for which the `counted` points count; all
+    /// of them without it.
     pub(super) fn start(
         equations: &Equations,
         update: Box<dyn Update>,

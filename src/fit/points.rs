@@ -1,4 +1,8 @@
 //! Ordered points, stored coordinate by coordinate.
+//!
+//! Data points, control points and residuals of R^d with d = 1 to 4 (a weight of homogeneous
+//! coordinates is the last one). The points of a surface are stored row by row: point (i, j) of a
+//! [`Grid`] with c columns has index `i c + j`.
 
 use std::ops::Range;
 
@@ -8,13 +12,13 @@ use super::extent::Extent;
 use super::invalid::Axis;
 use super::lane::{self, Lane};
 
-/// Fewer points are looked at by one thread.
+/// The extents of fewer points are found by one thread.
 const PARALLEL: usize = 100_000;
 
 /// Points of R^d as `d` arrays of coordinates ("lanes") of equal length.
 ///
-/// Kernels run over one coordinate at a time, so each coordinate is contiguous. The points of a
-/// surface are stored row by row: point (i, j) of a grid with `c` columns has index `i·c + j`.
+/// Kernels run over one coordinate at a time, so each coordinate is contiguous. The memory is 8 d
+/// bytes for each point.
 #[derive(Debug, PartialEq)]
 pub struct Points {
     lanes: Vec<Lane>,
@@ -89,7 +93,8 @@ impl Points {
         norm(self.lanes.iter().map(|lane| lane[j] - lane[i]))
     }
 
-    /// Distances between points `from + i` and `to + i`, for each place i of `distances`.
+    /// Writes the distances between points `from + i` and `to + i` to each place i of `distances`,
+    /// several at a time; where squares would over- or underflow, one by one.
     pub fn distances(&self, from: usize, to: usize, distances: &mut [f64]) {
         pulp::Arch::new().dispatch(Squares {
             lanes: &self.lanes,
@@ -160,10 +165,10 @@ impl Clone for Points {
     }
 }
 
-/// Sums of squares like these have neither over- nor underflown where it matters.
+/// Sums of squares within this range have neither overflown nor lost digits to underflow.
 const SAFE: Range<f64> = 1e-240..1e240;
 
-/// Squares of distances, compiled for several instruction sets.
+/// The squares of distances, compiled for several instruction sets.
 struct Squares<'a> {
     lanes: &'a [Lane],
     from: usize,
@@ -188,7 +193,8 @@ impl pulp::NullaryFnOnce for Squares<'_> {
     }
 }
 
-/// Diagonal of the box with these sides; infinite if it exceeds the number range.
+/// The diagonal of the box with these extents, in data units; infinite if it exceeds the range of
+/// numbers.
 pub fn diagonal(extents: &[Extent]) -> f64 {
     norm(extents.iter().map(|extent| extent.length()))
 }
@@ -233,6 +239,7 @@ impl Grid {
 mod tests {
     use super::*;
 
+    /// Where squares of coordinates would over- or underflow, too.
     #[test]
     fn distances_are_right_at_every_magnitude() {
         for exponent in [-300, -160, 0, 160, 300] {

@@ -20,8 +20,8 @@ pub use super::request::{Request, Tolerance, Weights};
 /// Rounding errors of coordinates, relative to the largest.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// A validated fitting problem: a [`Setup`] with a method. It can be iterated, and every error left is
-/// one of arithmetic.
+/// A validated fitting problem: a [`Setup`] with a method. It can be iterated, and every error left
+/// is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// What was asked for; missing points have got a place.
@@ -44,8 +44,8 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong, in this order: the points, the tolerance, the settings of the method,
-    /// the directions, the weights, the start, and whether the method can converge.
+    /// The first thing that is wrong, in this order: the points, the tolerance, the settings of the
+    /// method, the directions, the weights, the start, and whether the method can converge.
     pub fn new(mut request: Request) -> Result<Self, Invalid> {
         let missing = check_points(&mut request)?;
         let extents = request.points.extents();

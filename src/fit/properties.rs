@@ -156,7 +156,8 @@ proptest! {
         }
     }
 
-    /// Every place of the complete net belongs to the control point that it repeats, and to no other.
+    /// Every place of the complete net belongs to the control point that it repeats, and to no
+    /// other.
     #[test]
     fn each_place_of_the_net_occurs_once(mut request in problem(), closed_u: bool, closed_v: bool) {
         request.u.closed = closed_u;

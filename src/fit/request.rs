@@ -22,8 +22,8 @@ pub enum Weights {
     None,
     /// One for each data point: the fit is made in homogeneous coordinates (Lin10, section 2.1).
     Homogeneous(Vec<f64>),
-    /// Fixed weights of the directions are in their [`DirectionChoice`]s; these are a grid of
-    /// fixed weights of a surface, to be separated (LBW05 (3.8)).
+    /// Fixed weights of the directions are in their [`DirectionChoice`]s; these are a grid of fixed
+    /// weights of a surface, to be separated (LBW05 (3.8)).
     FixedGrid(Vec<f64>),
 }
 

@@ -12,9 +12,9 @@ const ELIMINATIONS: usize = 8;
 
 /// A validated fitting problem but for its method, which is a [`Method`](super::method::Method).
 ///
-/// With n rows and m columns of data points (m = 1 of a curve) and as many free control points (fewer of a
-/// least-squares fit), `B X = P` has n · m rows, one for each data point, and a column for each free
-/// control point.
+/// With n rows and m columns of data points (m = 1 of a curve) and as many free control points
+/// (fewer of a least-squares fit), `B X = P` has n · m rows, one for each data point, and a column
+/// for each free control point.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The data points, where missing ones have the place of a neighbour.
@@ -123,9 +123,9 @@ impl Setup {
         self.diagonal
     }
 
-    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are
-    /// nearly parallel: those of polynomial bases, and of open B-splines of even degree unless their
-    /// knots are averaged.
+    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
+    /// are nearly parallel: those of polynomial bases, and of open B-splines of even degree unless
+    /// their knots are averaged.
     pub(super) fn is_clustered(&self) -> bool {
         self.clustered
     }

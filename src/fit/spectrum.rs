@@ -1,8 +1,12 @@
 //! Eigenvalues of collocation matrices, and the rates of convergence that follow from them.
 //!
 //! The eigenvalues of a nonsingular totally positive stochastic matrix are real and lie in (0, 1]
-//! (LBW05, Theorem 2.1): global PIA contracts by `1 − λ_min`. The least eigenvalue of a tensor
-//! product is the product of the least ones.
+//! (LBW05, Theorem 2.1), so that the error of classical PIA, `(I − B)ᵏ` times that of level 0,
+//! shrinks in the long run by `1 − λ_min` in each level. The eigenvalues of a tensor product are
+//! the products of those of both directions, so that its least one is the product of the least
+//! ones.
+//!
+//! λ_min is found by Noda's iteration on banded factorizations, O(n p²) for each of a few shifts.
 
 use nalgebra::{Complex, DVector, Schur};
 
@@ -14,33 +18,43 @@ use super::linear::LineMap;
 use super::setup::Setup;
 use super::tensor::Tensor;
 
-/// Bases that are not totally positive are checked up to this number of points, in O(n³).
+/// Bases that are not totally positive are checked up to this number of control points in a
+/// direction, in O(n³).
 const CHECKED: usize = 60;
 
-/// Most steps of the QR algorithm for each eigenvalue; it takes about two, and with numbers near the
-/// ends of their range it may not end.
+/// The most steps of the QR algorithm for each eigenvalue: it takes about two, and with numbers
+/// near the ends of their range it may not end.
 const MOST_QR_STEPS: usize = 100;
 
-/// Most steps for the least eigenvalue of a block, and when it is known well enough.
+/// The most steps of the inverse iteration for the least eigenvalue of a block.
 const BLOCK_STEPS: usize = 500;
+/// The relative accuracy at which that iteration ends.
 const BLOCK_ACCURACY: f64 = 1e-9;
 
-/// How much of the imaginary part of an eigenvalue can be rounding.
+/// The largest imaginary part of an eigenvalue that can be rounding.
 const REAL: f64 = 1e-9;
 
-/// When an iteration for an eigenvalue ends: relative accuracy, most steps. Of long curves nobody
+/// When a power iteration ends: its relative accuracy, and the most steps. Of long curves nobody
 /// needs more than a few digits.
 fn effort(matrix: &Collocation) -> (f64, usize) {
+    /// The most multiplications.
     const WORK: usize = 200_000_000;
     let n = matrix.columns();
     let accuracy = if n <= LONG { 1e-13 } else { 1e-9 };
     (accuracy, (WORK / matrix.entries()).clamp(20, 5000))
 }
 
-/// The least eigenvalue of the square matrix of one direction.
+/// The least eigenvalue λ_min of the square matrix of one direction, at most 1.
 ///
-/// The inverse of a totally positive matrix has signs like a checkerboard, so that
-/// `M = |B⁻¹| = S B⁻¹ S` with `S = diag(±1)` is non-negative: its largest eigenvalue is 1/λ_min.
+/// The inverse of a totally positive matrix has signs like a checkerboard, so that with
+/// `S = diag(1, −1, 1, …)`
+///
+/// ```text
+/// M = |B⁻¹| = S B⁻¹ S
+/// ```
+///
+/// is a non-negative matrix, whose largest eigenvalue 1/λ_min has a positive eigenvector (Perron).
+/// Of matrices that are not totally positive it is the eigenvalue of least absolute value.
 pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
     // Quadratic B-splines with knots at the data: the diagonal tells, and with equal knot spans
     // all eigenvalues coincide in one Jordan block, which iterations approach very slowly.
@@ -51,9 +65,9 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
     (1.0 / largest).min(1.0)
 }
 
-/// When the iteration by shifts ends: by how much the bound still falls, and how many shifts there
-/// are. Near the end each of them doubles the digits, unless eigenvalues nearly coincide, as they do
-/// for even degrees. Of long curves nobody needs more than a few digits.
+/// When Noda's iteration ends: the relative step below which it does, and the most shifts. Near the
+/// end each shift doubles the digits, unless eigenvalues nearly coincide, as they do for even
+/// degrees. Of long curves nobody needs more than a few digits.
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
         n if n <= LONG => (1e-13, 100),
@@ -62,18 +76,27 @@ fn patience(matrix: &Collocation) -> (f64, usize) {
     }
 }
 
-/// After a larger step the shift is far enough from the eigenvalue for any elimination.
+/// After a relative step larger than this the shift is far enough from the eigenvalue for
+/// elimination without pivots.
 const NEAR: f64 = 1e-3;
 
-/// A step by less than this part is one of the last two: the next one is below rounding.
+/// A relative step less than this is one of the last two: the next one is below rounding.
 const NEARLY: f64 = 1e-7;
 
-/// The largest eigenvalue of M by Noda's iteration (Noda 1971): `(σ I − M) y = x` with positive x,
-/// where σ is the upper bound of Collatz and Wielandt, `max (M x)ᵢ/xᵢ`. Then y is positive as well,
-/// and as `M y = σ y − x` its bound is `σ − min xᵢ/yᵢ`: the bounds fall to the eigenvalue, in the
-/// end quadratically. With `x = S z` it reads `(σ B − I) w = B z`, `y = S w`. What is not found to
-/// the last digit is too large, so that steps that are chosen by it are safe. None if a matrix that
-/// is not totally positive spoils a sign.
+/// The largest eigenvalue of `M = S B⁻¹ S` by Noda's iteration (Noda, Numer. Math. 17 (1971)).
+///
+/// For a positive vector x the bound of Collatz and Wielandt `σ = max_i (M x)_i / x_i` is at least
+/// the eigenvalue. Solve
+///
+/// ```text
+/// (σ I − M) y = x,   or with x = S z, y = S w:   (σ B − I) w = B z
+/// ```
+///
+/// Then y is positive as well, and as `M y = σ y − x` its bound is `σ − min_i x_i / y_i`: the
+/// bounds fall to the eigenvalue, in the end quadratically. What is not found to the last digit is
+/// too large, so that λ_min is too small, and steps that are chosen by it are safe.
+///
+/// `None` if a matrix that is not totally positive spoils a sign.
 fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let n = matrix.columns();
     let (accuracy, shifts) = patience(matrix);
@@ -107,7 +130,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
     (least > 0.0).then_some(largest)
 }
 
-/// The least and the largest quotient of elements.
+/// The least and the largest of the quotients `over_i / under_i`; both are NaN if one of them is.
 fn extremes(over: &[f64], under: &[f64]) -> (f64, f64) {
     let quotients = over.iter().zip(under).map(|(a, b)| a / b);
     quotients.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
@@ -119,8 +142,10 @@ fn extremes(over: &[f64], under: &[f64]) -> (f64, f64) {
     })
 }
 
-/// The least eigenvalue of the block of a matrix that belongs to some points: submatrices of totally
-/// positive matrices are totally positive.
+/// The least eigenvalue of the block `B_II` of a square matrix that belongs to some points I, by
+/// inverse iteration on its dense LU decomposition, in O(|I|³). Principal blocks of totally
+/// positive matrices are totally positive, so that it is real and positive. `None` if the block is
+/// singular.
 pub(super) fn least_eigenvalue_of_block(matrix: &Tensor, points: &[usize]) -> Option<f64> {
     let mut points = points.to_vec();
     points.sort_unstable();
@@ -145,7 +170,8 @@ pub(super) fn least_eigenvalue_of_block(matrix: &Tensor, points: &[usize]) -> Op
     (least > 0.0).then_some(least)
 }
 
-/// The largest eigenvalue of M by power iteration: of matrices that are not totally positive.
+/// The largest absolute value of an eigenvalue of `B⁻¹` by power iteration, for matrices that are
+/// not totally positive; infinite if the matrix is singular.
 fn by_powers(matrix: &Collocation) -> f64 {
     let n = matrix.columns();
     let inverse = matrix.inverse();
@@ -170,11 +196,13 @@ fn by_powers(matrix: &Collocation) -> f64 {
     estimate
 }
 
+/// The diagonal of S: 1, −1, 1, …
 fn alternating(i: usize) -> f64 {
     if i.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// ρ(B Bᵀ), the square of the largest singular value of one direction, by power iteration.
+/// ρ(B Bᵀ), the square of the largest singular value of the matrix of one direction, by power
+/// iteration on `Bᵀ B`.
 pub fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
     let (rows, columns) = (matrix.rows(), matrix.columns());
     // A constant vector is near the largest one; the ripple has a part of every other.
@@ -197,8 +225,14 @@ pub fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
     estimate
 }
 
-/// By how much each step of the Chebyshev semi-iteration on [a, 1] reduces the part of an eigenvalue
-/// λ ≤ a in the long run: `(z + √(z² − 1)) / (z₀ + √(z₀² − 1))` with `z = (1 + a − 2 λ)/(1 − a)`, and z₀ of λ = 0.
+/// By how much each step of the Chebyshev semi-iteration on [a, 1] reduces the part of the error
+/// that belongs to an eigenvalue λ ≤ a, in the long run:
+///
+/// ```text
+/// (z + √(z² − 1)) / (z₀ + √(z₀² − 1)),   z = (1 + a − 2 λ)/(1 − a),   z₀ = (1 + a)/(1 − a)
+/// ```
+///
+/// With λ = a it is `(1 − √a)/(1 + √a)` (Golub, Varga 1961).
 pub fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
     // Both times (1 − a), so that a = 1 is no exception: 1 − λ, the rate of classical PIA.
     let grown = |lambda: f64| {
@@ -208,12 +242,13 @@ pub fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
     grown(lambda) / grown(0.0)
 }
 
+/// The Euclidean length of a vector.
 fn length(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Refuses relaxations `U = ω I` that diverge: some eigenvalue of `I − ω B` is larger than one. `method`
-/// is the name that the error gives.
+/// Refuses relaxations `U = ω I` that diverge: some eigenvalue of `I − ω B` is larger than one.
+/// `method` is the name that the error gives.
 pub(super) fn check_relaxation(
     setup: &Setup,
     method: &'static str,
@@ -241,6 +276,7 @@ pub(super) fn check_real(setup: &Setup, method: &'static str) -> Result<(), Inva
     check_rate(&values, method, 1.0)
 }
 
+/// Refuses relaxations with which some eigenvalue `1 − ω z` of `I − ω B` is larger than one.
 fn check_rate(values: &[Complex<f64>], method: &'static str, omega: f64) -> Result<(), Invalid> {
     let rate = values
         .iter()
@@ -252,9 +288,9 @@ fn check_rate(values: &[Complex<f64>], method: &'static str, omega: f64) -> Resu
     Ok(())
 }
 
-/// Whether the eigenvalues of the collocation matrix have to be looked at: only those of the Wang–Ball
-/// basis are in doubt. The other bases are totally positive, or periodic with a positive diagonal that
-/// dominates.
+/// Whether the eigenvalues of the collocation matrix have to be looked at: only those of the
+/// Wang–Ball basis are in doubt. The other bases are totally positive, or periodic with a positive
+/// diagonal that dominates.
 fn is_doubtful(setup: &Setup) -> bool {
     let wang_ball = |direction: &Direction| {
         matches!(
@@ -271,8 +307,8 @@ fn is_doubtful(setup: &Setup) -> bool {
     small && setup.directions().any(wang_ball)
 }
 
-/// All eigenvalues of the collocation matrix: of a surface the products of those of both directions.
-/// `None` if the QR algorithm does not end.
+/// All eigenvalues of the collocation matrix: of a surface the products of those of both
+/// directions. `None` if the QR algorithm does not end.
 fn eigenvalues(setup: &Setup) -> Option<Vec<Complex<f64>>> {
     let mut products = vec![Complex::new(1.0, 0.0)];
     for direction in setup.directions() {
@@ -299,6 +335,7 @@ mod tests {
     use crate::fit::parameters::Parametrization;
     use crate::fit::points::{Grid, Points};
 
+    /// The matrix of a curve whose points are more or less evenly spaced.
     fn collocation(count: usize, unevenness: f64, basis: BasisChoice) -> Collocation {
         let mut points = Points::new(1);
         (0..count).for_each(|i| points.push(&[i as f64 + unevenness * ((i * 7) as f64).sin()]));
@@ -316,7 +353,8 @@ mod tests {
         Collocation::new(&Direction::new(choice, &points, grid, None, Axis::U).unwrap())
     }
 
-    /// Inner rows of equal knot spans are (1, 4, 1) / 6, so that the least eigenvalue of many is 1/3.
+    /// Inner rows of equal knot spans are (1, 4, 1) / 6, so that the least eigenvalue of many is
+    /// 1/3.
     #[test]
     fn shifts_find_the_least_eigenvalue_of_long_curves() {
         // As accurate as `patience` has it for so many points.

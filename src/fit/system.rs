@@ -10,8 +10,8 @@ use super::tensor::Tensor;
 
 pub use super::forecast::Forecast;
 
-/// A problem ready to be iterated: with its collocation matrix, its transform, and what is known of its
-/// convergence. Iterations of the same problem share one.
+/// A problem ready to be iterated: with its collocation matrix, its transform, and what is known of
+/// its convergence. Iterations of the same problem share one.
 #[derive(Debug)]
 pub struct System {
     problem: Arc<Problem>,

@@ -1,7 +1,10 @@
 //! The collocation matrix of a surface.
 //!
-//! It is the tensor product `B_u ⊗ B_v`, applied one direction after the other and never formed: with
-//! the points as a grid `X`, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`.
+//! It is the tensor product `B_u ⊗ B_v`, applied one direction after the other and never formed:
+//! with the points as a row-major grid X of rows × columns, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`. On n ×
+//! m points with degrees p and q it takes `n m (p + q + 2)` multiplications rather than
+//! `n m (p + 1)(q + 1)`. Eigenvalues and singular values are the products of those of both
+//! directions.
 
 use std::sync::{Arc, OnceLock};
 
@@ -15,7 +18,9 @@ use super::setup::Setup;
 /// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
 #[derive(Clone, Debug)]
 pub struct Tensor {
+    /// The arrangement of the data points: the rows of the matrix.
     data: Grid,
+    /// The arrangement of the free control points: its columns.
     control: Grid,
     /// The matrix of a curve, or of the u direction.
     pub u: Collocation,
@@ -24,7 +29,7 @@ pub struct Tensor {
     columns: OnceLock<Arc<TensorColumns>>,
 }
 
-/// The entries of both matrices by columns.
+/// The entries of the matrices of both directions by columns.
 #[derive(Debug)]
 pub struct TensorColumns {
     /// Of a curve, or of the u direction.
@@ -34,8 +39,9 @@ pub struct TensorColumns {
 }
 
 impl TensorColumns {
-    /// Calls `visit` for every entry (row, value) of the column of control point `index`, where the
-    /// control points stand in so many columns.
+    /// Calls `visit` for every entry (row, value) of the column of control point `index`, where
+    /// `columns` is the number of columns of the grid: the data points in the support of its basis
+    /// function.
     pub fn visit(&self, index: usize, columns: usize, mut visit: impl FnMut(usize, f64)) {
         match &self.v {
             None => {
@@ -66,7 +72,7 @@ impl Tensor {
         }
     }
 
-    /// The entries by columns, sorted when they are first needed.
+    /// The entries by columns. They are sorted when they are first needed, and kept.
     pub fn columns(&self) -> &Arc<TensorColumns> {
         self.columns.get_or_init(|| {
             Arc::new(TensorColumns {
@@ -86,8 +92,8 @@ impl Tensor {
         std::iter::once(&self.u).chain(&self.v)
     }
 
-    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are their
-    /// indices, and `place` says for each index of the grid where in `points` it stands.
+    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are
+    /// their indices, and `place` says for each index of the grid where in `points` it stands.
     pub(super) fn principal_block(
         &self,
         points: &[usize],
@@ -105,7 +111,8 @@ impl Tensor {
         block
     }
 
-    /// Numbers of scratch space that the maps of this matrix need.
+    /// How many numbers of scratch space the maps of this matrix need: none of a curve, of a
+    /// surface those of the largest grid between both directions.
     pub fn scratch(&self) -> usize {
         self.v.as_ref().map_or(0, |_| {
             let between = |grid: Grid, other: Grid| grid.rows * other.columns;
@@ -114,7 +121,8 @@ impl Tensor {
         })
     }
 
-    /// `y = (B_u ⊗ B_v) x` for one coordinate of all control points.
+    /// `y = (B_u ⊗ B_v) x` for one coordinate x of all free control points: y is that of the curve
+    /// or surface at the parameters of all data points.
     pub fn apply(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
         match &self.v {
             None => self.u.apply_to_lines(x, y),
@@ -126,7 +134,8 @@ impl Tensor {
         }
     }
 
-    /// `y = (B_u ⊗ B_v)ᵀ x` for one coordinate of all data points.
+    /// `y = (B_u ⊗ B_v)ᵀ x` for one coordinate x of all data points; y has a number for each free
+    /// control point.
     pub fn apply_transposed(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
         match &self.v {
             None => self.u.apply_transposed_to_lines(x, y),
@@ -145,6 +154,7 @@ mod tests {
     use crate::fit::collocation::tests::{all_directions, matrix};
     use crate::fit::linear::apply_tensor;
 
+    /// Every pair of bases, against matrices that are formed.
     #[test]
     fn tensor_products_equal_kronecker_products() {
         let (rows, columns) = (6, 9);

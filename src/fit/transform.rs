@@ -23,8 +23,8 @@ pub(super) enum Transform {
 }
 
 impl Transform {
-    /// How many numbers of scratch space [`Self::apply`] needs, with this collocation matrix of `count`
-    /// data points.
+    /// How many numbers of scratch space [`Self::apply`] needs, with this collocation matrix of
+    /// `count` data points.
     pub(super) fn scratch(&self, collocation: &Tensor, count: usize) -> usize {
         let image = matches!(self, Self::Transposed { .. });
         collocation.scratch() + if image { count } else { 0 }

@@ -83,8 +83,8 @@ impl Warning {
         few.into_iter().chain(even).collect()
     }
 
-    /// Whether the slowest part of the error will hardly have changed at level `iterations`, the last
-    /// one, although the fit does not end before, at level `predicted`.
+    /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
+    /// last one, although the fit does not end before, at level `predicted`.
     pub(super) fn of_rate(
         forecast: &Forecast,
         predicted: Option<usize>,

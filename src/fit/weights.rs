@@ -26,8 +26,8 @@ pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
     Ok(Points::from_lanes(lanes))
 }
 
-/// Products near the end of the range of numbers have few digits: what they lose must be rounding of
-/// the largest coordinate.
+/// Products near the end of the range of numbers have few digits: what they lose must be rounding
+/// of the largest coordinate.
 fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Result<(), Invalid> {
     let largest = coordinates.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let lost = |i: usize| (products[i] / weights[i] - coordinates[i]).abs();

@@ -1,7 +1,8 @@
 //! The generalized Ball bases: polynomials that are cheaper to evaluate than Bernstein's.
 //!
-//! Both generalize the cubic that Ball used in aircraft design, `(1−t)², 2t(1−t)², 2t²(1−t), t²`, to any degree m,
-//! with the same span as the Bernstein polynomials of degree m. They differ in what they do in the middle.
+//! Both generalize the cubic that Ball used in aircraft design, `(1−t)², 2t(1−t)², 2t²(1−t), t²`,
+//! to any degree m, with the same span as the Bernstein polynomials of degree m. They differ in
+//! what they do in the middle.
 
 use crate::fit::about::About;
 
@@ -64,9 +65,9 @@ pub fn said_ball(degree: usize, t: f64, values: &mut [f64]) {
 /// W_i(t) = W_{m−i}(1 − t)        i ≥ c, i > f
 /// ```
 ///
-/// Degree 4: `(1−t)², 2t(1−t)³, 4t²(1−t)², 2t³(1−t), t²`. It is not totally positive from degree 4 on:
-/// classical PIA is slow with uniform parameters and may diverge with others, and the extended method always
-/// works. It takes O(m); values below 1e-308 become zero.
+/// Degree 4: `(1−t)², 2t(1−t)³, 4t²(1−t)², 2t³(1−t), t²`. It is not totally positive from degree 4
+/// on: classical PIA is slow with uniform parameters and may diverge with others, and the extended
+/// method always works. It takes O(m); values below 1e-308 become zero.
 pub fn wang_ball(degree: usize, t: f64, values: &mut [f64]) {
     let half = degree / 2;
     let s = 1.0 - t;

@@ -4,9 +4,10 @@
 //! B_i(t) = C(m, i) tⁱ (1 − t)^(m−i),   i = 0 … m,   0 ≤ t ≤ 1
 //! ```
 //!
-//! They are the normalized B-basis of the polynomials of degree m, with which PIA converges faster than with any
-//! other normalized totally positive basis of that space (DP07, Theorem 4). At t_i = i/m the eigenvalues of
-//! the collocation matrix are `m! / ((m − i)! mⁱ)`, and the least one is `m!/mᵐ`: slow for high degrees.
+//! They are the normalized B-basis of the polynomials of degree m, with which PIA converges faster
+//! than with any other normalized totally positive basis of that space (DP07, Theorem 4). At t_i =
+//! i/m the eigenvalues of the collocation matrix are `m! / ((m − i)! mⁱ)`, and the least one is
+//! `m!/mᵐ`: slow for high degrees.
 
 use crate::fit::about::About;
 
@@ -18,18 +19,19 @@ pub(super) const ABOUT: About = About {
     source: "DP07, Theorem 4",
 };
 
-/// Writes `B_i(t)`, i = 0 … m, into `values` (m + 1 numbers), for degree m ≤ 1000 and 0 ≤ t ≤ 1, in O(m).
+/// Writes `B_i(t)`, i = 0 … m, into `values` (m + 1 numbers), for degree m ≤ 1000 and 0 ≤ t ≤ 1, in
+/// O(m).
 ///
-/// The product form over- and underflows at m ≈ 1000. Here the largest value, at `i = ⌊(m+1) t⌋`, is
-/// set to one, and the others follow from the ratio of neighbours,
+/// The product form over- and underflows at m ≈ 1000. Here the largest value, at `i = ⌊(m+1) t⌋`,
+/// is set to one, and the others follow from the ratio of neighbours,
 ///
 /// ```text
 /// B_{i+1} / B_i = (m − i)/(i + 1) · t/(1 − t)
 /// ```
 ///
-/// which falls on both sides. Then all are divided by their sum, because Bernstein polynomials sum to
-/// one. The relative error of a value is a few rounding errors times the number of steps from the largest
-/// one; values below 1e-308 become zero.
+/// which falls on both sides. Then all are divided by their sum, because Bernstein polynomials sum
+/// to one. The relative error of a value is a few rounding errors times the number of steps from
+/// the largest one; values below 1e-308 become zero.
 pub fn evaluate(degree: usize, t: f64, values: &mut [f64]) {
     let m = degree as f64;
     let s = 1.0 - t;

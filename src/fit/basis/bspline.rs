@@ -7,9 +7,10 @@
 //! N_i,r(t) = (t − u_i)/(u_{i+r} − u_i) N_i,r−1(t) + (u_{i+r+1} − t)/(u_{i+r+1} − u_{i+1}) N_{i+1,r−1}(t)
 //! ```
 //!
-//! At a parameter in the span [u_s, u_{s+1}) the p + 1 functions N_{s−p,p} … N_s,p differ from zero; they are
-//! computed together, degree by degree, in `3/2 p (p + 1)` divisions and multiplications (the triangular
-//! scheme, PT97, algorithm A2.2). All terms are sums of numbers that are not negative, so that nothing cancels.
+//! At a parameter in the span [u_s, u_{s+1}) the p + 1 functions N_{s−p,p} … N_s,p differ from
+//! zero; they are computed together, degree by degree, in `3/2 p (p + 1)` divisions and
+//! multiplications (the triangular scheme, PT97, algorithm A2.2). All terms are sums of numbers
+//! that are not negative, so that nothing cancels.
 
 use crate::fit::about::About;
 
@@ -59,8 +60,9 @@ pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut 
 pub const BLOCK: usize = 256;
 
 /// Writes the values at each `t_i` of the `degree + 1` B-splines that differ from zero on span
-/// `degree + i` of the given knots: those of function `i + k` to place i of lane k. The same numbers as
-/// [`evaluate`] computes, for as many parameters at a time as the processor can; at most [`BLOCK`].
+/// `degree + i` of the given knots: those of function `i + k` to place i of lane k. The same
+/// numbers as [`evaluate`] computes, for as many parameters at a time as the processor can; at most
+/// [`BLOCK`].
 pub fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut [f64]]) {
     pulp::Arch::new().dispatch(EvaluateRun {
         degree,
@@ -211,7 +213,8 @@ mod tests {
         }
     }
 
-    /// The vectorized evaluation computes the same numbers as that of single parameters, to the last bit.
+    /// The vectorized evaluation computes the same numbers as that of single parameters, to the
+    /// last bit.
     #[test]
     fn runs_are_made_of_single_parameters() {
         for degree in 1..=7 {

@@ -1,10 +1,11 @@
 //! Knots of B-splines: where they are placed, and which given ones are refused.
 //!
-//! With n + 1 parameters `t_0 < … < t_n` and degree p an open B-spline has *clamped* knots: the first and the last
-//! p + 1 are equal to the ends of the parameters, so that the curve begins and ends at control points. The
-//! choices differ in the knots between:
+//! With n + 1 parameters `t_0 < … < t_n` and degree p an open B-spline has *clamped* knots: the
+//! first and the last p + 1 are equal to the ends of the parameters, so that the curve begins and
+//! ends at control points. The choices differ in the knots between:
 //!
-//! - at the data (LBW05 (3.1)): the parameters between, and n + p control points of which n + 1 are free;
+//! - at the data (LBW05 (3.1)): the parameters between, and n + p control points of which n + 1 are
+//!   free;
 //! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
 //! - for least squares (PT97 (9.68)–(9.69)): about as many parameters in every span;
 //! - periodic: at or midway between the parameters, repeated with their period.
@@ -30,14 +31,15 @@ pub enum Knots {
     Explicit(Arc<Vec<f64>>),
 }
 
-/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1 knots for
-/// n + 1 parameters, and n + p functions. Any degree will do, even one above n.
+/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1
+/// knots for n + 1 parameters, and n + p functions. Any degree will do, even one above n.
 pub fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, t[1..t.len() - 1].iter().copied())
 }
 
-/// `u_{j+p} = (t_j + … + t_{j+p−1}) / p`, j = 1 … n − p, ends of multiplicity p + 1 (PT97 (9.8)): n + p + 2
-/// knots for n + 1 parameters, and n + 1 functions. The collocation matrix is nonsingular. Needs p ≤ n.
+/// `u_{j+p} = (t_j + … + t_{j+p−1}) / p`, j = 1 … n − p, ends of multiplicity p + 1 (PT97 (9.8)):
+/// n + p + 2 knots for n + 1 parameters, and n + 1 functions. The collocation matrix is
+/// nonsingular. Needs p ≤ n.
 pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
     let interior = t[1..t.len() - 1]
         .windows(degree)
@@ -65,11 +67,11 @@ pub fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64
     clamped(t, degree, interior)
 }
 
-/// Knots of a closed B-spline with as many control points as asked for: those of a period, from
-/// the start of the domain, and p more on either side.
+/// Knots of a closed B-spline with as many control points as asked for: those of a period, from the
+/// start of the domain, and p more on either side.
 ///
-/// The sites are the parameters, or with fewer control points than parameters interpolated
-/// between them at equal distances. Odd degrees have their knots at the sites, even degrees half a
+/// The sites are the parameters, or with fewer control points than parameters interpolated between
+/// them at equal distances. Odd degrees have their knots at the sites, even degrees half a
 /// parameter before them: at the sites the collocation matrix of an even number of points would be
 /// singular, and further away the last parameters would lie outside of the domain.
 pub fn periodic(t: &[f64], period: f64, degree: usize, control_points: usize) -> Vec<f64> {
@@ -109,9 +111,9 @@ fn clamped(t: &[f64], degree: usize, interior: impl Iterator<Item = f64>) -> Vec
 ///
 /// # Errors
 ///
-/// Names the direction `axis` and the first wrong knot: their number must be count + degree + 1, they must
-/// not decrease, the first and the last degree + 1 must be equal, and no other knot may occur more than
-/// `degree` times.
+/// Names the direction `axis` and the first wrong knot: their number must be count + degree + 1,
+/// they must not decrease, the first and the last degree + 1 must be equal, and no other knot may
+/// occur more than `degree` times.
 pub fn check(knots: &[f64], degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
     let expected = count + degree + 1;
     if knots.len() != expected {
@@ -204,8 +206,8 @@ fn check_clamped(knots: &[f64], degree: usize, axis: Axis) -> Result<(), Invalid
     }
 }
 
-/// Refuses knots with which the collocation matrix is singular (Schoenberg, Whitney 1953): it is nonsingular
-/// exactly if `N_j(t_j) > 0` for every j.
+/// Refuses knots with which the collocation matrix is singular (Schoenberg, Whitney 1953): it is
+/// nonsingular exactly if `N_j(t_j) > 0` for every j.
 ///
 /// On a clamped knot vector that means `knots[j] < t_j < knots[j + p + 1]`, where the first and the
 /// last parameter may lie on the ends.

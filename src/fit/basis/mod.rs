@@ -1,8 +1,9 @@
 //! Bases: the functions that are blended with the control points.
 //!
-//! A curve is `C(t) = Σ_j X_j B_j(t)`. All bases here are normalized, `Σ_j B_j(t) = 1`, and not negative, so that
-//! a curve lies in the convex hull of its control points. A basis is totally positive if all minors of its
-//! collocation matrices are at least zero; then PIA converges (LBW05, Theorem 2.1).
+//! A curve is `C(t) = Σ_j X_j B_j(t)`. All bases here are normalized, `Σ_j B_j(t) = 1`, and not
+//! negative, so that a curve lies in the convex hull of its control points. A basis is totally
+//! positive if all minors of its collocation matrices are at least zero; then PIA converges (LBW05,
+//! Theorem 2.1).
 //!
 //! | basis | functions | at one parameter | totally positive |
 //! |---|---|---|---|
@@ -130,8 +131,8 @@ impl Basis {
     /// Writes the values at `t` of the functions that can differ from zero there into `values`
     /// (`support_width` numbers) and returns the index of the first of them.
     ///
-    /// `t` lies in the [domain](Self::domain); at its right end the basis is continuous from the left. It costs
-    /// O(p²) for B-splines of degree p, and O(m) for polynomials of degree m.
+    /// `t` lies in the [domain](Self::domain); at its right end the basis is continuous from the
+    /// left. It costs O(p²) for B-splines of degree p, and O(m) for polynomials of degree m.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
         match self {
             Self::Polynomial { kind, degree } => {
@@ -150,8 +151,9 @@ impl Basis {
         }
     }
 
-    /// The knot vector with which a CAD kernel stores the curve, functions + degree + 1 numbers. Bernstein
-    /// polynomials are the B-splines without interior knots; the Ball bases are no B-splines.
+    /// The knot vector with which a CAD kernel stores the curve, functions + degree + 1 numbers.
+    /// Bernstein polynomials are the B-splines without interior knots; the Ball bases are no
+    /// B-splines.
     pub fn knots(&self) -> Option<Cow<'_, [f64]>> {
         match self {
             Self::Polynomial {

@@ -158,8 +158,8 @@ fn rate_of_the_uniform_cubic() {
     assert!((1.0 - least - 0.6551).abs() < 5e-5);
 }
 
-/// Columns of end copies and periods are where they belong: the functions reproduce constants
-/// and, on the period, are shifted copies of each other for uniform knots.
+/// Columns of end copies and periods are where they belong: the functions reproduce constants and,
+/// on the period, are shifted copies of each other for uniform knots.
 #[test]
 fn uniform_closed_matrices_are_circulant() {
     for degree in 1..=6 {

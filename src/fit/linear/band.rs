@@ -1,8 +1,9 @@
 //! Square matrices on their way into a factorization: cyclic ones are folded flat.
 //!
-//! The matrix of a closed curve has entries around the corners, which elimination would spread over whole
-//! columns. If its indices are ordered 0, n−1, 1, n−2, …, as on a circle that is pressed flat, neighbours
-//! stay within two places of each other, and the matrix is an ordinary banded one of twice the bandwidth.
+//! The matrix of a closed curve has entries around the corners, which elimination would spread over
+//! whole columns. If its indices are ordered 0, n−1, 1, n−2, …, as on a circle that is pressed
+//! flat, neighbours stay within two places of each other, and the matrix is an ordinary banded one
+//! of twice the bandwidth.
 
 use super::banded::{Banded, Diagonal};
 use crate::fit::order;
@@ -29,12 +30,14 @@ pub fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
     }
 }
 
-/// A square matrix of n rows with rows and columns in an order in which it is banded, and with room for what
-/// factorizing fills in: n (2 l + r + 1) numbers for l entries below and r to the right of the diagonal.
+/// A square matrix of n rows with rows and columns in an order in which it is banded, and with room
+/// for what factorizing fills in: n (2 l + r + 1) numbers for l entries below and r to the right of
+/// the diagonal.
 pub(super) struct Band {
     /// The most entries below the diagonal in a column.
     pub lower: usize,
-    /// The most entries to the right of the diagonal in a row, with those that factorizing can fill in.
+    /// The most entries to the right of the diagonal in a row, with those that factorizing can fill
+    /// in.
     pub upper: usize,
     /// Row by row the entries in columns `i − lower ..= i + upper`.
     pub rows: Vec<f64>,
@@ -43,7 +46,8 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// Copies a matrix. Row operations, swaps or rotations, fill in up to `lower` more entries to the right.
+    /// Copies a matrix. Row operations, swaps or rotations, fill in up to `lower` more entries to
+    /// the right.
     pub(super) fn new(matrix: &Banded) -> Self {
         let n = matrix.rows();
         let (cyclic, fold) = (matrix.is_cyclic(), folded(n));

@@ -1,16 +1,16 @@
 //! Matrices whose rows hold a few consecutive entries each, possibly around the end.
 //!
 //! Nearly everywhere the entries of the next row start one column further on. Such *stretches* of
-//! rows are multiplied many rows at a time: entry k of all rows stands in one array, a *diagonal*, so that each
-//! product is one of arrays:
+//! rows are multiplied many rows at a time: entry k of all rows stands in one array, a *diagonal*,
+//! so that each product is one of arrays:
 //!
 //! ```text
 //! row i:   columns i + s … i + s + W − 1,   offset s of its stretch
 //! y_i   =  Σ_k e_k,i x_{i+s+k},             k = 0 … W − 1, from the first on
 //! ```
 //!
-//! The order of the sum is that of a single row, whatever the path, so that results are the same to the last
-//! bit. A matrix takes n W numbers and a product n W multiplications.
+//! The order of the sum is that of a single row, whatever the path, so that results are the same to
+//! the last bit. A matrix takes n W numbers and a product n W multiplications.
 
 use std::ops::Range;
 
@@ -33,12 +33,14 @@ pub struct Banded {
     reach: usize,
 }
 
-/// Consecutive rows, up to the next stretch, whose entries start at the same distance from the diagonal.
+/// Consecutive rows, up to the next stretch, whose entries start at the same distance from the
+/// diagonal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// The first row.
     pub start: u32,
-    /// The column of entry k of row i is `i + offset + k`, in cyclic matrices but for whole periods.
+    /// The column of entry k of row i is `i + offset + k`, in cyclic matrices but for whole
+    /// periods.
     pub offset: i32,
 }
 
@@ -122,8 +124,8 @@ impl Banded {
         self.reach
     }
 
-    /// The column of the first entry of row `i`. In cyclic matrices it can lie before the first column or
-    /// behind the last one, by a period.
+    /// The column of the first entry of row `i`. In cyclic matrices it can lie before the first
+    /// column or behind the last one, by a period.
     pub fn first(&self, i: usize) -> i64 {
         i as i64 + i64::from(self.offset(i))
     }
@@ -219,9 +221,10 @@ impl Banded {
         self.apply_rows(0..self.rows, x, 0, y);
     }
 
-    /// `y = B x` for some rows, with the inner loop unrolled for the usual widths. `x` holds the columns
-    /// that these rows need, from column `base` on: a cyclic matrix may need columns before the first or
-    /// behind the last one, and wraps around if `x` holds all columns. y has a number for each of the rows.
+    /// `y = B x` for some rows, with the inner loop unrolled for the usual widths. `x` holds the
+    /// columns that these rows need, from column `base` on: a cyclic matrix may need columns before
+    /// the first or behind the last one, and wraps around if `x` holds all columns. y has a number
+    /// for each of the rows.
     #[inline(always)]
     pub fn apply_rows(&self, rows: Range<usize>, x: &[f64], base: i64, y: &mut [f64]) {
         match self.width {
@@ -274,8 +277,8 @@ impl Banded {
         &self.entries[k][rows]
     }
 
-    /// The rows of a span whose columns all lie among `columns` columns from column `base` on: every row but
-    /// those at the ends of cyclic matrices.
+    /// The rows of a span whose columns all lie among `columns` columns from column `base` on:
+    /// every row but those at the ends of cyclic matrices.
     pub fn inside(
         &self,
         offset: i32,
@@ -289,7 +292,8 @@ impl Banded {
         start..inside(low + columns as i64 - self.width as i64 + 1).max(start)
     }
 
-    /// The product of row `i`, in a stretch of this offset, with x, which starts with column `base`.
+    /// The product of row `i`, in a stretch of this offset, with x, which starts with column
+    /// `base`.
     pub fn dot_row(&self, i: usize, offset: i32, x: &[f64], base: i64) -> f64 {
         let first = i as i64 + i64::from(offset) - base;
         let inside = usize::try_from(first).ok();
@@ -312,8 +316,8 @@ impl Banded {
         }
     }
 
-    /// `Y = B X` for a row-major X of `columns` lines of the given length: a line of Y is a sum of multiples of
-    /// lines of X.
+    /// `Y = B X` for a row-major X of `columns` lines of the given length: a line of Y is a sum of
+    /// multiples of lines of X.
     pub fn apply_across(&self, x: &[f64], y: &mut [f64], line: usize) {
         for (i, y) in y.chunks_exact_mut(line).enumerate() {
             for (k, (j, value)) in self.row(i).enumerate() {

@@ -1,12 +1,13 @@
 //! Matrices by columns, for updates by single control points.
 //!
-//! Moving control point j by δ changes the residual by −δ times column j of B: the rows in which its basis
-//! function differs from zero, p + 1 or so of a B-spline of degree p.
+//! Moving control point j by δ changes the residual by −δ times column j of B: the rows in which
+//! its basis function differs from zero, p + 1 or so of a B-spline of degree p.
 
 /// The entries of a matrix that differ from zero, column by column.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// Where the entries of each column start, and, one place more, where those of the last one end.
+    /// Where the entries of each column start, and, one place more, where those of the last one
+    /// end.
     starts: Vec<usize>,
     /// Rows and values.
     entries: Vec<(u32, f64)>,

@@ -1,19 +1,22 @@
-//! LU decomposition of totally positive banded matrices, which needs no pivots: elimination makes no
-//! entry larger (de Boor, Pinkus, *Backward error analysis for totally positive linear systems*, 1977).
+//! LU decomposition of totally positive banded matrices, which needs no pivots: elimination makes
+//! no entry larger (de Boor, Pinkus, *Backward error analysis for totally positive linear systems*,
+//! 1977).
 //!
-//! With at most H entries on each side of the diagonal `B = L U`, where U has ones on its diagonal, is
+//! With at most H entries on each side of the diagonal `B = L U`, where U has ones on its diagonal,
+//! is
 //!
 //! ```text
 //! l_i,j = b_i,j − Σ_k l_i,k u_k,j   (j ≤ i),      u_i,j = (b_i,j − Σ_k l_i,k u_k,j) / l_i,i   (j > i)
 //! ```
 //!
-//! with sums over the at most H columns k before i and j: `2 n H (H + 1)` operations, and `4 n H` for solving for
-//! a line. Each row waits for the one before, so that the time is that of a chain of n dependent steps;
-//! hence reciprocals rather than quotients, rows of a fixed number of entries, and as many lines side by side
-//! as registers hold: several lines take as long as one.
+//! with sums over the at most H columns k before i and j: `2 n H (H + 1)` operations, and `4 n H`
+//! for solving for a line. Each row waits for the one before, so that the time is that of a chain
+//! of n dependent steps; hence reciprocals rather than quotients, rows of a fixed number of
+//! entries, and as many lines side by side as registers hold: several lines take as long as one.
 //!
-//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle: read
-//! backwards a totally positive matrix is one, too. A dense system of 2 H unknowns is left there.
+//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle:
+//! read backwards a totally positive matrix is one, too. A dense system of 2 H unknowns is left
+//! there.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -32,8 +35,8 @@ const LINES: usize = 4;
 /// Lines with fewer numbers in all are solved for by one thread.
 const PARALLEL: usize = 100_000;
 
-/// Matrices with fewer rows are eliminated from one end, without other threads: small fits should not wait
-/// for the threads of large ones.
+/// Matrices with fewer rows are eliminated from one end, without other threads: small fits should
+/// not wait for the threads of large ones.
 const HALVED: usize = 100_000;
 
 /// The number of rows whose entries are loaded together.
@@ -58,8 +61,8 @@ struct Elimination<const H: usize> {
     middle: Option<DenseLu>,
 }
 
-/// The factors `L U` of consecutive rows from one end on, in the order in which they are eliminated. The
-/// diagonal of U is one. The last H rows of U reach into the other half.
+/// The factors `L U` of consecutive rows from one end on, in the order in which they are
+/// eliminated. The diagonal of U is one. The last H rows of U reach into the other half.
 #[derive(Debug)]
 struct Half<const H: usize, const BACK: bool> {
     /// The rows of L.
@@ -103,8 +106,8 @@ pub trait Solver: LineMap {
     fn apply_onto(&self, lines: &mut [&mut [f64]], others: &[&[f64]]);
 }
 
-/// Factorizes a square matrix that needs no pivots and is not cyclic. `None` if there are more than 4 entries on
-/// a side of the diagonal.
+/// Factorizes a square matrix that needs no pivots and is not cyclic. `None` if there are more than
+/// 4 entries on a side of the diagonal.
 pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn Solver>> {
     let filled = given
         .matrix
@@ -231,8 +234,8 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         half
     }
 
-    /// Eliminates the rows of a span one after the other, each by the H rows of U before it, the farthest
-    /// first, and leaves the last H rows of U in `before`.
+    /// Eliminates the rows of a span one after the other, each by the H rows of U before it, the
+    /// farthest first, and leaves the last H rows of U in `before`.
     fn eliminate(
         &mut self,
         Shifted { matrix, sigma, tau }: Shifted<'_>,
@@ -320,8 +323,8 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// Applies `U⁻¹` to N lines in place, where the last `known` places are solutions already, and adds other
-    /// lines to them while they are in registers.
+    /// Applies `U⁻¹` to N lines in place, where the last `known` places are solutions already, and
+    /// adds other lines to them while they are in registers.
     fn backward<const N: usize>(
         &self,
         lines: &mut [&mut [f64]; N],

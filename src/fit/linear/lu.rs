@@ -1,8 +1,9 @@
 //! LU decomposition of banded matrices with partial pivoting.
 //!
-//! With l entries below and r to the right of the diagonal `P B = L U` takes `2 n l (l + r)` operations, and
-//! solving for a line `2 n (2 l + r)`: swapping rows lets U reach l places further to the right. Cyclic
-//! matrices are factorized in the folded order of [`folded`](super::folded), in which they are banded.
+//! With l entries below and r to the right of the diagonal `P B = L U` takes `2 n l (l + r)`
+//! operations, and solving for a line `2 n (2 l + r)`: swapping rows lets U reach l places further
+//! to the right. Cyclic matrices are factorized in the folded order of [`folded`](super::folded),
+//! in which they are banded.
 
 use super::band::{Band, unfolded};
 use super::banded::Banded;
@@ -28,7 +29,8 @@ pub struct BandedLu {
 }
 
 impl BandedLu {
-    /// Factorizes a square matrix, which may be cyclic. A singular one gives infinite or NaN solutions.
+    /// Factorizes a square matrix, which may be cyclic. A singular one gives infinite or NaN
+    /// solutions.
     pub fn new(matrix: &Banded) -> Self {
         let n = matrix.rows();
         let mut band = Band::new(matrix);

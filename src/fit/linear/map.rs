@@ -1,7 +1,8 @@
 //! Linear maps along the lines of a grid.
 //!
-//! The tensor product `U ⊗ V` of two maps, applied to a row-major grid X of n × m numbers, is `U X Vᵀ`: V along
-//! each row, U along each column. It is never formed, as it would take (n m)² numbers.
+//! The tensor product `U ⊗ V` of two maps, applied to a row-major grid X of n × m numbers, is
+//! `U X Vᵀ`: V along each row, U along each column. It is never formed, as it would take (n m)²
+//! numbers.
 
 use std::fmt::Debug;
 
@@ -18,9 +19,10 @@ pub trait LineMap: Debug + Send + Sync {
     }
 }
 
-/// Applies `u ⊗ v` to row-major grids, one for each coordinate: `v` along the rows, `u` along the columns.
-/// Curves have no `v`, and their grids are lines. `scratch` has at least as many numbers as a grid; curves
-/// need none. Columns are transposed into lines and back, which costs less than walking along them.
+/// Applies `u ⊗ v` to row-major grids, one for each coordinate: `v` along the rows, `u` along the
+/// columns. Curves have no `v`, and their grids are lines. `scratch` has at least as many numbers
+/// as a grid; curves need none. Columns are transposed into lines and back, which costs less than
+/// walking along them.
 pub fn apply_tensor(
     u: &impl LineMap,
     v: Option<&impl LineMap>,
@@ -40,8 +42,8 @@ pub fn apply_tensor(
     }
 }
 
-/// Writes the transpose of a row-major matrix, tile by tile: a tile of 32 × 32 numbers fits the nearest
-/// cache both ways.
+/// Writes the transpose of a row-major matrix, tile by tile: a tile of 32 × 32 numbers fits the
+/// nearest cache both ways.
 fn transpose(rows: usize, columns: usize, from: &[f64], to: &mut [f64]) {
     const TILE: usize = 32;
     for top in (0..rows).step_by(TILE) {

@@ -1,11 +1,13 @@
 //! Linear algebra along the lines of a grid: banded matrices, and factorizations that solve.
 //!
-//! A *line* is a contiguous array of numbers, one coordinate of a curve or of a row of a surface. Matrices are
-//! those of one direction: n rows, one for each data point, and as many columns as there are free control
-//! points. With bandwidth w (p + 1 for B-splines of degree p, cyclic for closed ones) they take n w numbers, a
-//! product with a line n w multiplications, and a factorization O(n w²).
+//! A *line* is a contiguous array of numbers, one coordinate of a curve or of a row of a surface.
+//! Matrices are those of one direction: n rows, one for each data point, and as many columns as
+//! there are free control points. With bandwidth w (p + 1 for B-splines of degree p, cyclic for
+//! closed ones) they take n w numbers, a product with a line n w multiplications, and a
+//! factorization O(n w²).
 //!
-//! - `banded`: matrices with a few consecutive entries in each row, made by `pack`, and `columns` of them;
+//! - `banded`: matrices with a few consecutive entries in each row, made by `pack`, and `columns`
+//!   of them;
 //! - `map`: linear maps of lines, and tensor products of them;
 //! - `inverse`: `B⁻¹` by `elimination` without pivots, by banded `lu` or by `dense` LU;
 //! - `qr`: the transform of the extended method;

@@ -1,10 +1,11 @@
 //! From the rows of a matrix as they come to a matrix of the least width, with long stretches.
 //!
-//! B-splines of degree p have p + 1 functions at a parameter, but with knots at the data one of them
-//! vanishes at each, sometimes the first and sometimes the last. Packing leaves out places at either end that are
-//! zero throughout a stretch, so that a cubic takes three numbers in each row rather than four; and where rows
-//! begin differently at every other parameter, as between averaged knots, it joins them again by zeros, as
-//! a few long stretches are multiplied many times faster than many short ones.
+//! B-splines of degree p have p + 1 functions at a parameter, but with knots at the data one of
+//! them vanishes at each, sometimes the first and sometimes the last. Packing leaves out places at
+//! either end that are zero throughout a stretch, so that a cubic takes three numbers in each row
+//! rather than four; and where rows begin differently at every other parameter, as between averaged
+//! knots, it joins them again by zeros, as a few long stretches are multiplied many times faster
+//! than many short ones.
 
 use std::ops::Range;
 
@@ -15,7 +16,8 @@ use crate::fit::order;
 /// If stretches have fewer rows than this on average, they are joined by zeros.
 const LONG: usize = 64;
 
-/// So many stretches are few, whatever their length: rows at the ends of a curve have stretches of their own.
+/// So many stretches are few, whatever their length: rows at the ends of a curve have stretches of
+/// their own.
 const FEW: usize = 16;
 
 /// Consecutive rows whose entries that differ from zero stand at the same places.
@@ -32,9 +34,9 @@ struct Run {
 }
 
 impl Banded {
-    /// Packs rows with `columns` columns. Entry k of all rows stands in `lanes[k]`, and the entries of each
-    /// stretch start at its offset from the diagonal, reduced by the period or not. Zeros at either end
-    /// of a stretch are left out, unless a few of them make the stretches long.
+    /// Packs rows with `columns` columns. Entry k of all rows stands in `lanes[k]`, and the entries
+    /// of each stretch start at its offset from the diagonal, reduced by the period or not. Zeros
+    /// at either end of a stretch are left out, unless a few of them make the stretches long.
     pub fn pack(mut lanes: Vec<Lane>, given: &[Stretch], columns: usize) -> Self {
         let rows = lanes.first().map_or(0, |lane| lane.len());
         let runs = || parts(given, rows).map(|(stretch, rows)| Run::new(stretch, rows, &lanes));
@@ -87,8 +89,8 @@ impl Run {
         }
     }
 
-    /// The same with an offset that leads to a column of the matrix, or, of cyclic matrices, the shorter way
-    /// around.
+    /// The same with an offset that leads to a column of the matrix, or, of cyclic matrices, the
+    /// shorter way around.
     fn reduced(self, columns: usize, cyclic: bool) -> Self {
         let (columns, start) = (columns as i32, self.start as i32);
         let offset = if cyclic {
@@ -101,8 +103,8 @@ impl Run {
     }
 }
 
-/// Joins runs of equal offsets to stretches. With `room`, rows start at that column at the latest and at the
-/// first one at the earliest, so that all of their places are columns of the matrix.
+/// Joins runs of equal offsets to stretches. With `room`, rows start at that column at the latest
+/// and at the first one at the earliest, so that all of their places are columns of the matrix.
 fn stretches(
     runs: &[Run],
     rows: usize,

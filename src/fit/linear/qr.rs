@@ -1,9 +1,11 @@
-//! The transform of the extended method, `U = H Qᵀ` with `B = Q R` and `H = diag(1 / r_ii)` (Deng13 (9)).
+//! The transform of the extended method, `U = H Qᵀ` with `B = Q R` and `H = diag(1 / r_ii)` (Deng13
+//! (9)).
 //!
-//! Q is never formed. For banded matrices it is a product of plane (Givens) rotations, l for each of the n
-//! columns if there are l entries below the diagonal: `O(n l (l + r))` to make and `6 n l` operations for a
-//! line. For dense matrices it is the product of Householder reflections that `nalgebra` keeps: O(n³) and
-//! O(n²). `U B = H R` is upper triangular with ones on the diagonal, so that `I − U B` is nilpotent.
+//! Q is never formed. For banded matrices it is a product of plane (Givens) rotations, l for each
+//! of the n columns if there are l entries below the diagonal: `O(n l (l + r))` to make and `6 n l`
+//! operations for a line. For dense matrices it is the product of Householder reflections that
+//! `nalgebra` keeps: O(n³) and O(n²). `U B = H R` is upper triangular with ones on the diagonal, so
+//! that `I − U B` is nilpotent.
 
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 
@@ -11,8 +13,8 @@ use super::band::{Band, unfolded};
 use super::banded::Banded;
 use super::map::LineMap;
 
-/// `H Qᵀ` of one direction. It does not depend on the signs that a QR decomposition chooses: a sign in a
-/// column of Q is one in a row of R, too.
+/// `H Qᵀ` of one direction. It does not depend on the signs that a QR decomposition chooses: a sign
+/// in a column of Q is one in a row of R, too.
 #[derive(Debug)]
 pub enum Orthogonal {
     /// Of a local basis of degree p: plane rotations, O(n p²) to make and O(n p) to apply.
@@ -33,8 +35,8 @@ pub struct Rotations {
     n: usize,
     /// The most entries of a column below the diagonal.
     lower: usize,
-    /// For each column, the cosines and sines of the rotations that annihilate its entries below the
-    /// diagonal, from the nearest to the farthest.
+    /// For each column, the cosines and sines of the rotations that annihilate its entries below
+    /// the diagonal, from the nearest to the farthest.
     rotations: Vec<(f64, f64)>,
     /// The diagonal of R.
     diagonal: Vec<f64>,
@@ -93,7 +95,8 @@ impl Orthogonal {
 }
 
 impl Rotations {
-    /// Applies `H Qᵀ` to a line in place; `at` says which index stands at each place of the order of rows.
+    /// Applies `H Qᵀ` to a line in place; `at` says which index stands at each place of the order
+    /// of rows.
     fn transform(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
         for k in 0..self.n {
             let rotations = &self.rotations[k * self.lower..(k + 1) * self.lower];

@@ -4,10 +4,11 @@
 //! X⁰ = P,   X ← X + Sᵏ (P − B X),   Sᵏ = diag(1 where ‖Δ_i‖ > threshold, else 0)
 //! ```
 //!
-//! (Lin10, section 6). The points are chosen anew at every level: points that were near enough can move
-//! away again, and freezing them for ever does not converge. A level costs as much as the supports of
-//! the points that move, fewer and fewer of them. The rate of classical PIA, `1 − λ_min`, is an upper
-//! bound. The fit ends when no point is further away than the threshold, even if the tolerance is less.
+//! (Lin10, section 6). The points are chosen anew at every level: points that were near enough can
+//! move away again, and freezing them for ever does not converge. A level costs as much as the
+//! supports of the points that move, fewer and fewer of them. The rate of classical PIA,
+//! `1 − λ_min`, is an upper bound. The fit ends when no point is further away than the threshold,
+//! even if the tolerance is less.
 
 use super::eigenvalues;
 use super::scheme::{Scheme, Scope};

@@ -1,15 +1,16 @@
-//! Chebyshev semi-iteration on [λ_min, 1], or a shorter interval: steps of classical PIA with momentum.
+//! Chebyshev semi-iteration on [λ_min, 1], or a shorter interval: steps of classical PIA with
+//! momentum.
 //!
 //! ```text
 //! X ← X + d,   d ← ρ' ρ d + (2 ρ'/δ) Δ
 //! ```
 //!
-//! (Golub, Varga 1961; [`Recurrence`] has the coefficients). With eigenvalues of B in [λ, 1] the error
-//! shrinks in the long run by `(1 − √λ)/(1 + √λ)` in each level, where classical PIA has `1 − λ`: on
-//! B-splines a third to an eighth of the iterations, for one more vector. The level is an optimal
-//! polynomial in B applied to the error, and errors may rise for some levels; the interval is chosen
-//! so that they do not rise far. Bases that are not totally positive are refused, as their eigenvalues
-//! are not real.
+//! (Golub, Varga 1961; [`Recurrence`] has the coefficients). With eigenvalues of B in [λ, 1] the
+//! error shrinks in the long run by `(1 − √λ)/(1 + √λ)` in each level, where classical PIA has
+//! `1 − λ`: on B-splines a third to an eighth of the iterations, for one more vector. The level is
+//! an optimal polynomial in B applied to the error, and errors may rise for some levels; the
+//! interval is chosen so that they do not rise far. Bases that are not totally positive are
+//! refused, as their eigenvalues are not real.
 
 use super::eigenvalues;
 use super::recurrence::Recurrence;

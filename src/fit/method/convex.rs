@@ -4,11 +4,11 @@
 //! X⁰ = P,   X ← X + ε_k (P − B X),   U = ε_k I,   0 < ε_k ≤ 1
 //! ```
 //!
-//! (LWD04, Algorithm 1). A plain step, ε = 1, is taken if the turning angles of the control polygon keep
-//! their signs; else bisection finds the longest step that keeps them, but for [`NEARNESS`]. The signs of
-//! data that are no convex polygon are kept as they are. Where the control polygon of the interpolant
-//! turns otherwise, steps become shorter and shorter, and the fit stalls with a positive error. A level
-//! costs one application of B, and O(n) for each bisection.
+//! (LWD04, Algorithm 1). A plain step, ε = 1, is taken if the turning angles of the control polygon
+//! keep their signs; else bisection finds the longest step that keeps them, but for [`NEARNESS`].
+//! The signs of data that are no convex polygon are kept as they are. Where the control polygon of
+//! the interpolant turns otherwise, steps become shorter and shorter, and the fit stalls with a
+//! positive error. A level costs one application of B, and O(n) for each bisection.
 
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::{Change, State, Update};
@@ -193,7 +193,8 @@ fn copy(from: &Points, to: &mut Points) {
     }
 }
 
-/// The signs of the turning angles of a polygon, at its inner points and, if it is closed, at its ends.
+/// The signs of the turning angles of a polygon, at its inner points and, if it is closed, at its
+/// ends.
 fn turns(polygon: &Points, closed: bool, scale: f64) -> impl Iterator<Item = i8> + '_ {
     let n = polygon.len();
     let (x, y) = (polygon.lane(0), polygon.lane(1));

@@ -4,9 +4,9 @@
 //! X⁰ = P,   X ← X + B⁻¹ (P − B X),   U = B⁻¹
 //! ```
 //!
-//! B is factorized once, banded in O(n p²) for B-splines and densely in O(n³) for polynomials, and a
-//! level costs O(n p) or O(n²). Further levels refine the solution (iterative refinement), until the
-//! residual shrinks no more: what is left is rounding.
+//! B is factorized once, banded in O(n p²) for B-splines and densely in O(n³) for polynomials, and
+//! a level costs O(n p) or O(n²). Further levels refine the solution (iterative refinement), until
+//! the residual shrinks no more: what is left is rounding.
 
 use super::linear::Linear;
 use super::relaxation::Relaxation;
@@ -28,8 +28,8 @@ pub(super) const ABOUT: About = About {
     source: "PT97, section 9.2.1",
 };
 
-/// Solving once more refines a direct fit, until its residual shrinks by no more than this part: what
-/// is left is rounding.
+/// Solving once more refines a direct fit, until its residual shrinks by no more than this part:
+/// what is left is rounding.
 const REFINED: f64 = 0.5;
 
 /// The method, which has no settings.

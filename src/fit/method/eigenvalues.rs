@@ -15,16 +15,16 @@ pub(super) fn is_small(setup: &Setup) -> bool {
     grid.rows.max(grid.columns) <= FORECAST
 }
 
-/// λ_min of the collocation matrix, if it is not known yet: of a surface the product of those of both
-/// directions.
+/// λ_min of the collocation matrix, if it is not known yet: of a surface the product of those of
+/// both directions.
 pub(super) fn least(setup: &Setup, collocation: &Tensor) -> f64 {
     let directions = collocation.directions();
     let compute = || directions.map(spectrum::least_eigenvalue).product();
     setup.lambda_min().unwrap_or_else(compute)
 }
 
-/// The forecast of classical PIA, whose error shrinks by `1 − λ_min` in the long run (LBW05, Theorem
-/// 2.1), unless there are many points.
+/// The forecast of classical PIA, whose error shrinks by `1 − λ_min` in the long run (LBW05,
+/// Theorem 2.1), unless there are many points.
 pub(super) fn classical(setup: &Setup, collocation: &Tensor) -> Forecast {
     if !is_small(setup) {
         return Forecast::default();

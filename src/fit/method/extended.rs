@@ -1,16 +1,18 @@
-//! Extended PIA: the transform of a QR decomposition makes the fit exact after finitely many levels.
+//! Extended PIA: the transform of a QR decomposition makes the fit exact after finitely many
+//! levels.
 //!
 //! ```text
 //! B = Q R,   H = diag(1 / r_ii),   U = H Qᵀ
 //! X⁰ = U P or P,   X ← X + U (P − B X)
 //! ```
 //!
-//! (Deng13 (9)). `I − U B = I − H R` is strictly upper triangular, so that its power n + 1 vanishes,
-//! whatever the basis and the parameters: the error is zero after n + 1 levels from P, or n from `U P`,
-//! with n the highest index of a control point. On surfaces `U = U_u ⊗ U_v`, and it takes m + n + 1 levels
-//! with highest indices m and n, not (m + 1)(n + 1). The error is not monotone: it can grow by many
-//! orders of magnitude before it vanishes, and rounding of that is what is left; a rehearsal finds out
-//! how much. For B-splines R is banded: O(n p²) to prepare, O(n p) for each level.
+//! (Deng13 (9)). `I − U B = I − H R` is strictly upper triangular, so that its power n + 1
+//! vanishes, whatever the basis and the parameters: the error is zero after n + 1 levels from P, or
+//! n from `U P`, with n the highest index of a control point. On surfaces `U = U_u ⊗ U_v`, and it
+//! takes m + n + 1 levels with highest indices m and n, not (m + 1)(n + 1). The error is not
+//! monotone: it can grow by many orders of magnitude before it vanishes, and rounding of that is
+//! what is left; a rehearsal finds out how much. For B-splines R is banded: O(n p²) to prepare, O(n
+//! p) for each level.
 
 use std::sync::Arc;
 
@@ -52,7 +54,8 @@ pub enum Start {
 }
 
 impl Extended {
-    /// The number of levels after which the error is zero. The start `U P` is one ahead of all others.
+    /// The number of levels after which the error is zero. The start `U P` is one ahead of all
+    /// others.
     fn nilpotency(self, setup: &Setup) -> usize {
         let highest: usize = setup
             .directions()

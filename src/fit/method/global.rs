@@ -1,12 +1,14 @@
-//! Classical progressive iterative approximation: every control point moves by its adjusting vector.
+//! Classical progressive iterative approximation: every control point moves by its adjusting
+//! vector.
 //!
 //! ```text
 //! X⁰ = P,   X ← X + (P − B X),   U = I
 //! ```
 //!
-//! (LBW05 (2.9), DP07 (1)). For a normalized totally positive basis with nonsingular B all eigenvalues
-//! of B lie in (0, 1], so that it converges, in the long run by the factor `1 − λ_min(B)` in each level
-//! (LBW05, Theorem 2.1). A level costs one application of B: O(n p) for B-splines of degree p.
+//! (LBW05 (2.9), DP07 (1)). For a normalized totally positive basis with nonsingular B all
+//! eigenvalues of B lie in (0, 1], so that it converges, in the long run by the factor
+//! `1 − λ_min(B)` in each level (LBW05, Theorem 2.1). A level costs one application of B: O(n p)
+//! for B-splines of degree p.
 
 use super::eigenvalues;
 use super::linear::Linear;

@@ -4,18 +4,18 @@
 //! X ← X + D Aᵀ (P − A X),   A[i][j] = B_j(t_i)
 //! ```
 //!
-//! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are the first
-//! data point, the last, and between them data point `⌊(m+1) i / n⌋` (Deng, Lin 2014); on closed curves
-//! `⌊(m+1) i / (n+1)⌋`. Three choices of D:
+//! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are
+//! the first data point, the last, and between them data point `⌊(m+1) i / n⌋` (Deng, Lin 2014); on
+//! closed curves `⌊(m+1) i / (n+1)⌋`. Three choices of D:
 //!
 //! - [`Variant::Diagonal`]: D = diag(1 / column sums of A) (Lin, Cao, Zhang 2018);
-//! - [`Variant::Lspia`]: D = μ I with 0 < μ < 2/λ_max(AᵀA) (Deng, Lin 2014), by default 1 over the largest
-//!   column sum, as their 2 is on the edge of stability;
+//! - [`Variant::Lspia`]: D = μ I with 0 < μ < 2/λ_max(AᵀA) (Deng, Lin 2014), by default 1 over the
+//!   largest column sum, as their 2 is on the edge of stability;
 //! - [`Variant::ConjugateGradients`]: CGLS for each coordinate, preconditioned with the diagonal D.
 //!
-//! Control points without data (a zero column of A) stay where they are. The fit ends at its minimum, when
-//! the length of the residual has stopped falling, which is hardly ever within the tolerance. A level
-//! costs one application of A and one of Aᵀ.
+//! Control points without data (a zero column of A) stay where they are. The fit ends at its
+//! minimum, when the length of the residual has stopped falling, which is hardly ever within the
+//! tolerance. A level costs one application of A and one of Aᵀ.
 
 use std::sync::Arc;
 
@@ -40,7 +40,8 @@ pub(super) const ABOUT: About = About {
     source: "Deng, Lin, CAD 47 (2014); Lin, Cao, Zhang, CAGD 64 (2018)",
 };
 
-/// A least-squares fit whose residual shrinks by less than this part in one iteration has converged.
+/// A least-squares fit whose residual shrinks by less than this part in one iteration has
+/// converged.
 const STATIONARY: f64 = 1e-6;
 
 /// Column sums below this part of the largest belong to control points without data.

@@ -4,16 +4,16 @@
 //! X⁰ = P,   X ← X + S (P − B X),   U = S = diag(0 or 1)
 //! ```
 //!
-//! (Lin10, sections 2–5). The difference vectors of the selected points I fall to zero, those of the
-//! others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::fit::limit`]). Errors and the stop
-//! rule are those of the selected points; the largest difference vector of the others is told apart.
-//! The rate is `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger
-//! eigenvalues than the matrix; for one point l it is `1 − B_l(t_l)`. A level costs as much as the
-//! supports of the selected points.
+//! (Lin10, sections 2–5). The difference vectors of the selected points I fall to zero, those of
+//! the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::fit::limit`]).
+//! Errors and the stop rule are those of the selected points; the largest difference vector of the
+//! others is told apart. The rate is `1 − λ_min(B_II)`, where principal blocks of totally positive
+//! matrices have larger eigenvalues than the matrix; for one point l it is `1 − B_l(t_l)`. A level
+//! costs as much as the supports of the selected points.
 //!
-//! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9): a row until it is within the
-//! tolerance, then the next one. One pass is not enough, as later rows disturb earlier ones, so that
-//! the sweeps are repeated until all rows are.
+//! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9): a row until it is
+//! within the tolerance, then the next one. One pass is not enough, as later rows disturb earlier
+//! ones, so that the sweeps are repeated until all rows are.
 
 use super::eigenvalues;
 use super::scheme::{Scheme, Scope};

@@ -1,10 +1,11 @@
 //! The methods: one file for each, in which all that is particular to it stands together.
 //!
-//! Every method is a choice of level 0 and of the transform U in `X ← X + U (P − B X)`. What a method is
-//! for the rest of `fit` is the trait [`Scheme`]; what a new method takes is a file with a type that
-//! implements it, and a line in each of [`Method`], [`Method::scheme`] and [`METHODS`].
+//! Every method is a choice of level 0 and of the transform U in `X ← X + U (P − B X)`. What a
+//! method is for the rest of `fit` is the trait [`Scheme`]; what a new method takes is a file with
+//! a type that implements it, and a line in each of [`Method`], [`Method::scheme`] and [`METHODS`].
 //!
-//! - [`global`], [`weighted`], [`transpose`], [`direct`], [`extended`]: U is a fixed linear map ([`linear`]);
+//! - [`global`], [`weighted`], [`transpose`], [`direct`], [`extended`]: U is a fixed linear map
+//!   ([`linear`]);
 //! - [`chebyshev`]: momentum over steps of classical PIA ([`recurrence`]);
 //! - [`local`], [`adaptive`]: only some control points move ([`selection`]);
 //! - [`convex`]: steps that keep the turns of the control polygon;
@@ -108,8 +109,8 @@ impl Method {
         self.about().name
     }
 
-    /// What is doubtful about a fit by what was found out before the first step, if it will end at level
-    /// `predicted`, as far as is known at level 0, and is computed up to level `iterations`.
+    /// What is doubtful about a fit by what was found out before the first step, if it will end at
+    /// level `predicted`, as far as is known at level 0, and is computed up to level `iterations`.
     pub fn warnings(
         &self,
         forecast: &Forecast,

@@ -1,7 +1,8 @@
 //! The coefficients of the Chebyshev semi-iteration.
 
 /// The two-term recurrence of the Chebyshev semi-iteration on an interval [a, 1] of eigenvalues
-/// (Golub, Varga 1961). With the centre `θ = (1 + a)/2`, the half-width `δ = (1 − a)/2` and `σ = θ/δ`:
+/// (Golub, Varga 1961). With the centre `θ = (1 + a)/2`, the half-width `δ = (1 − a)/2` and
+/// `σ = θ/δ`:
 ///
 /// ```text
 /// d⁰ = Δ⁰ / θ,   ρ⁰ = 1/σ

@@ -1,10 +1,10 @@
 //! Fits in advance: what their matrix does to distances before they vanish.
 //!
 //! The extended method is exact after a known number of levels, but its distances grow before they
-//! vanish: `(I − U B)ᵏ` can be as large as 10¹⁵⁰. Chebyshev steps are chosen by eigenvalues, and where
-//! eigenvectors are nearly parallel these say little: with knots at the data and an even degree distances
-//! of 400 points rise by 10⁸⁸. How far they rise depends on the whole matrix, so that the quickest way
-//! to know it is to try.
+//! vanish: `(I − U B)ᵏ` can be as large as 10¹⁵⁰. Chebyshev steps are chosen by eigenvalues, and
+//! where eigenvectors are nearly parallel these say little: with knots at the data and an even
+//! degree distances of 400 points rise by 10⁸⁸. How far they rise depends on the whole matrix, so
+//! that the quickest way to know it is to try.
 
 use super::scheme::Scheme;
 use crate::fit::equations::Equations;
@@ -13,8 +13,8 @@ use crate::fit::equations::Equations;
 const WORK: usize = 50_000_000;
 
 /// About how large a distance rounding leaves at the end of an extended fit, if it is beyond the
-/// tolerance. Of long fits only the beginning is tried: what is left of them is at least the rounding
-/// of the largest distance there.
+/// tolerance. Of long fits only the beginning is tried: what is left of them is at least the
+/// rounding of the largest distance there.
 pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Option<f64> {
     let setup = &equations.setup;
     let levels = equations.forecast.exact_after?;
@@ -47,7 +47,8 @@ pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Op
 /// How far distances may rise in Chebyshev fits, as a multiple of those of level 0.
 const RISE: f64 = 100.0;
 
-/// Above this least eigenvalue distances rise little, unless it is one of many that nearly coincide.
+/// Above this least eigenvalue distances rise little, unless it is one of many that nearly
+/// coincide.
 const WELL_CONDITIONED: f64 = 0.01;
 
 /// Least eigenvalues below this one are rounding.

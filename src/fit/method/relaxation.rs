@@ -1,5 +1,5 @@
-//! What a sweep does with the adjusting vectors of a level: it moves every control point by its own, or
-//! leaves all of them to a transform.
+//! What a sweep does with the adjusting vectors of a level: it moves every control point by its
+//! own, or leaves all of them to a transform.
 
 use super::recurrence::Recurrence;
 

@@ -57,8 +57,8 @@ pub(in crate::fit) struct Progress {
 }
 
 /// A method: how the control points of level 0 are chosen, how they move (the transform U of
-/// `X ← X + U (P − B X)`), when to stop, and what is known beforehand. Functions are called once for
-/// each fit, or for each level; the loops over points are in [`Update`] and the sweeps.
+/// `X ← X + U (P − B X)`), when to stop, and what is known beforehand. Functions are called once
+/// for each fit, or for each level; the loops over points are in [`Update`] and the sweeps.
 pub(in crate::fit) trait Scheme: Debug {
     /// Its entry in the table of methods.
     fn about(&self) -> &'static About;
@@ -73,7 +73,8 @@ pub(in crate::fit) trait Scheme: Debug {
         Ok(())
     }
 
-    /// The numbers of control points in both directions, if there are fewer of them than data points.
+    /// The numbers of control points in both directions, if there are fewer of them than data
+    /// points.
     fn control_points(&self) -> Option<(usize, usize)> {
         None
     }
@@ -127,8 +128,8 @@ pub(in crate::fit) trait Scheme: Debug {
         None
     }
 
-    /// Whether a level within the range of numbers has to be looked at for control points that are not:
-    /// methods that solve for them have large ones where basis functions nearly vanish.
+    /// Whether a level within the range of numbers has to be looked at for control points that are
+    /// not: methods that solve for them have large ones where basis functions nearly vanish.
     fn solves(&self) -> bool {
         false
     }
@@ -153,8 +154,8 @@ pub(in crate::fit) trait Scheme: Debug {
         false
     }
 
-    /// Whether the fit ends for a reason of the method's own: it is neither within the tolerance nor at
-    /// the last allowed level.
+    /// Whether the fit ends for a reason of the method's own: it is neither within the tolerance
+    /// nor at the last allowed level.
     fn stop(&self, _progress: &Progress) -> Option<Outcome> {
         None
     }

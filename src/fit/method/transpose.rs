@@ -4,10 +4,10 @@
 //! X⁰ = P,   X ← X + Bᵀ (P − B X) / ρ(B Bᵀ),   U = Bᵀ / ρ(B Bᵀ)
 //! ```
 //!
-//! (Deng13, Lemma 2.1): the Landweber iteration. The eigenvalues of `U B` are the squares of the singular
-//! values of B over that of the largest, in (0, 1], so that the rate is `1 − 1/κ(B)²` with the condition
-//! number κ(B). Of a surface ρ is the product of those of both directions. A level costs two
-//! applications of B.
+//! (Deng13, Lemma 2.1): the Landweber iteration. The eigenvalues of `U B` are the squares of the
+//! singular values of B over that of the largest, in (0, 1], so that the rate is `1 − 1/κ(B)²` with
+//! the condition number κ(B). Of a surface ρ is the product of those of both directions. A level
+//! costs two applications of B.
 
 use super::linear::Linear;
 use super::relaxation::Relaxation;

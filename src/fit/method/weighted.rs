@@ -4,9 +4,9 @@
 //! X⁰ = P,   X ← X + ω (P − B X),   U = ω I
 //! ```
 //!
-//! (Lu 2010; Deng13, Corollary 2.3). With eigenvalues of B in [λ_min, 1] it converges for 0 < ω < 2, by
-//! the factor `max(|1 − ω λ_min|, |1 − ω|)` in each level, which is least for ω = 2 / (1 + λ_min):
-//! `(1 − λ_min) / (1 + λ_min)`. A level costs as much as one of classical PIA.
+//! (Lu 2010; Deng13, Corollary 2.3). With eigenvalues of B in [λ_min, 1] it converges for 0 < ω <
+//! 2, by the factor `max(|1 − ω λ_min|, |1 − ω|)` in each level, which is least for ω = 2 / (1 +
+//! λ_min): `(1 − λ_min) / (1 + λ_min)`. A level costs as much as one of classical PIA.
 
 use super::eigenvalues;
 use super::linear::Linear;

@@ -1,7 +1,8 @@
 //! The control points of the current level and of the next one.
 //!
-//! Readers may share the control points of a level (an `Arc`), while the iteration goes on. Then the sweep
-//! writes the next level into other memory: such as a reader has given back, if there is any.
+//! Readers may share the control points of a level (an `Arc`), while the iteration goes on. Then
+//! the sweep writes the next level into other memory: such as a reader has given back, if there is
+//! any.
 
 use std::sync::Arc;
 
@@ -17,8 +18,8 @@ pub(super) struct Vectors {
 }
 
 impl Vectors {
-    /// The control points and the steps, to be overwritten. If readers share the control points, they
-    /// keep them, and the sweep takes some that were given back, or new ones.
+    /// The control points and the steps, to be overwritten. If readers share the control points,
+    /// they keep them, and the sweep takes some that were given back, or new ones.
     pub(super) fn writable(
         &mut self,
         returned: &mut Returned,
@@ -31,9 +32,9 @@ impl Vectors {
     }
 }
 
-/// Control points of earlier levels that readers have given back, to be overwritten: memory that has been
-/// used before is quicker than what comes from the operating system, which clears every page. Other
-/// readers may still share some of them.
+/// Control points of earlier levels that readers have given back, to be overwritten: memory that
+/// has been used before is quicker than what comes from the operating system, which clears every
+/// page. Other readers may still share some of them.
 #[derive(Debug, Default)]
 pub(super) struct Returned(Vec<Arc<Points>>);
 

@@ -1,7 +1,7 @@
 //! One level of a curve in one pass.
 //!
-//! Block by block of 1024 points: the rows of B that belong to a block read `X` in the block and p − 1 or so
-//! points around it, so that each number comes from memory once.
+//! Block by block of 1024 points: the rows of B that belong to a block read `X` in the block and p
+//! − 1 or so points around it, so that each number comes from memory once.
 
 use super::buffers::Vectors;
 use super::fused::Rows;
@@ -9,8 +9,9 @@ use super::parts::{Part, columns, ranges};
 use super::pass::{Pass, Way};
 use crate::fit::blocks::{BLOCK, Block, Squares};
 
-/// For each block of the part: `Δ = P − B X`, its norms, and the points X' of the next level. With momentum
-/// the last steps are copied first, as the innermost loop overwrites them by the next ones.
+/// For each block of the part: `Δ = P − B X`, its norms, and the points X' of the next level. With
+/// momentum the last steps are copied first, as the innermost loop overwrites them by the next
+/// ones.
 pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
     let Vectors { x, step } = pass.source;
     let [room] = part.rooms else { return };

@@ -1,4 +1,5 @@
-//! The innermost loop: `Δ = P − B X` for consecutive rows of a banded matrix, with all coordinates at a time.
+//! The innermost loop: `Δ = P − B X` for consecutive rows of a banded matrix, with all coordinates
+//! at a time.
 //!
 //! For row i and coordinate c, with W entries in a row:
 //!
@@ -11,10 +12,10 @@
 //! and the squares are summed up, all of it while it is in registers: a level costs `d (W + 3)`
 //! multiplications for each point, and each number is loaded once.
 //!
-//! The loop is written with vectors of whatever length the processor has ([`pulp`]), as compilers give up
-//! on so many arrays. Sums are kept in [`LANES`] lanes whatever that length is, so that they are the same on
-//! every processor. Rows that are few, unusually long, or reach around the end of a closed curve are computed
-//! one by one, by the same operations.
+//! The loop is written with vectors of whatever length the processor has ([`pulp`]), as compilers
+//! give up on so many arrays. Sums are kept in [`LANES`] lanes whatever that length is, so that
+//! they are the same on every processor. Rows that are few, unusually long, or reach around the end
+//! of a closed curve are computed one by one, by the same operations.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -29,8 +30,8 @@ use crate::fit::method::relaxation::{Coefficients, Step};
 /// Stretches of fewer rows are computed row by row.
 const SHORT: usize = 2 * LANES;
 
-/// What is read and written for some rows: one array for each of the D coordinates, with a number for each
-/// row, but for `x`.
+/// What is read and written for some rows: one array for each of the D coordinates, with a number
+/// for each row, but for `x`.
 pub(super) struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
     pub x: [&'a [f64]; D],
@@ -57,8 +58,8 @@ pub(super) struct Update<'a> {
     pub matrix: &'a Banded,
     /// Where the control points move by their residuals.
     pub step: Step,
-    /// The power of two that residuals are multiplied with before they are squared, against over- and
-    /// underflow.
+    /// The power of two that residuals are multiplied with before they are squared, against over-
+    /// and underflow.
     pub scale: f64,
 }
 
@@ -96,8 +97,8 @@ impl Update<'_> {
         }
     }
 
-    /// Computes rows of a stretch whose columns are all in `x`: those of the first row stand from place
-    /// `first` on. `base` is the first of all given rows.
+    /// Computes rows of a stretch whose columns are all in `x`: those of the first row stand from
+    /// place `first` on. `base` is the first of all given rows.
     fn fused<const D: usize>(
         self,
         rows: Range<usize>,
@@ -187,8 +188,8 @@ impl<const D: usize, const W: usize> WithSimd for Run<'_, '_, '_, D, W> {
 }
 
 impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
-    /// Single rows up to a multiple of [`LANES`] in the block, then vectors of rows, then the rows that are
-    /// left.
+    /// Single rows up to a multiple of [`LANES`] in the block, then vectors of rows, then the rows
+    /// that are left.
     #[inline(always)]
     fn run<S: Simd, const MOMENTUM: bool>(&mut self, simd: S) {
         let Range { start, end } = self.range;
@@ -288,7 +289,8 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
     }
 }
 
-/// Moves the control point of row `i`, where `products` is `(B X)_i`; returns the square of its scaled residual.
+/// Moves the control point of row `i`, where `products` is `(B X)_i`; returns the square of its
+/// scaled residual.
 #[inline(always)]
 fn finish<const D: usize>(
     step: Step,

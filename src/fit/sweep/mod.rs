@@ -1,24 +1,24 @@
 //! Sweeps: residual, update and errors of a level in one pass over memory.
 //!
-//! An iteration on long banded data does few operations on many numbers: a curve of n points in R^d with
-//! B-splines of degree p takes about `2 d (p + 1) n` operations on `3 d n + (p + 1) n` numbers, so that it
-//! takes as long as moving these numbers takes. The plain loop moves them three times. A sweep computes
-//! for each block of points
+//! An iteration on long banded data does few operations on many numbers: a curve of n points in R^d
+//! with B-splines of degree p takes about `2 d (p + 1) n` operations on `3 d n + (p + 1) n`
+//! numbers, so that it takes as long as moving these numbers takes. The plain loop moves them three
+//! times. A sweep computes for each block of points
 //!
 //! ```text
 //! Δ = P − B X,   ‖Δ_i‖²,   X' = X + ω Δ
 //! ```
 //!
-//! while they are in the nearest cache, reading `X`, `P` and `B` and writing `X'` once. `X'` is another
-//! array than `X`, as the next block still needs the old values; it is the control points of the next
-//! level, so that the loop is one step *ahead* of the level that is told.
+//! while they are in the nearest cache, reading `X`, `P` and `B` and writing `X'` once. `X'` is
+//! another array than `X`, as the next block still needs the old values; it is the control points
+//! of the next level, so that the loop is one step *ahead* of the level that is told.
 //!
 //! # Bit for bit
 //!
 //! Every number is computed by the same operations in the same order as in the plain loop, errors
-//! included, so that levels do not depend on the path, on the number of threads, on the instruction set, or
-//! on how many levels were computed at once. No product is fused with a sum (no FMA), whatever the
-//! instructions. The tests hold every sweep to the plain loop, to the last bit.
+//! included, so that levels do not depend on the path, on the number of threads, on the instruction
+//! set, or on how many levels were computed at once. No product is fused with a sum (no FMA),
+//! whatever the instructions. The tests hold every sweep to the plain loop, to the last bit.
 //!
 //! # What can be swept
 //!
@@ -80,8 +80,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan that is fastest, by what was measured: two parts for each thread, so that none waits
-    /// long for the others, and several levels in a pass for curves that are longer than the caches.
+    /// The plan that is fastest, by what was measured: two parts for each thread, so that none
+    /// waits long for the others, and several levels in a pass for curves that are longer than the
+    /// caches.
     pub fn of(system: &System) -> Self {
         let problem = system.problem();
         let (points, is_curve) = (problem.grid().count(), problem.v().is_none());
@@ -95,18 +96,18 @@ impl Plan {
     }
 }
 
-/// The error of a level in data units, and the length of its residual, up to a factor that is the same
-/// for all levels.
+/// The error of a level in data units, and the length of its residual, up to a factor that is the
+/// same for all levels.
 pub type Measured = (FitError, f64);
 
-/// An iteration by sweeps. It holds two sets of control points, n × d numbers each (and two steps for
-/// methods with momentum), between which passes go to and fro.
+/// An iteration by sweeps. It holds two sets of control points, n × d numbers each (and two steps
+/// for methods with momentum), between which passes go to and fro.
 #[derive(Debug)]
 pub struct Sweep {
     relaxation: Relaxation,
     current: Vectors,
-    /// The control points of the next level if the sweep is `ahead`, or their adjusting vectors if the
-    /// method transforms all of them together; else the level from which the last pass began.
+    /// The control points of the next level if the sweep is `ahead`, or their adjusting vectors if
+    /// the method transforms all of them together; else the level from which the last pass began.
     spare: Vectors,
     returned: Returned,
     /// Whether `spare` holds what the next step needs.
@@ -208,8 +209,8 @@ impl Sweep {
         self.plan.levels
     }
 
-    /// Moves on to the next level and measures it. Usually this is one pass, which also computes the
-    /// level after it.
+    /// Moves on to the next level and measures it. Usually this is one pass, which also computes
+    /// the level after it.
     pub fn step(&mut self, system: &System) -> Measured {
         if !self.ahead {
             self.look_ahead(system);
@@ -239,8 +240,8 @@ impl Sweep {
         self.measured(0)
     }
 
-    /// Moves on by `count` levels, at most [`Self::levels`], in one pass; [`Self::measured`] has their
-    /// errors. The control points of the levels between are not kept.
+    /// Moves on by `count` levels, at most [`Self::levels`], in one pass; [`Self::measured`] has
+    /// their errors. The control points of the levels between are not kept.
     pub fn steps(&mut self, system: &System, count: usize) {
         let mut steps = [Step::default(); LEVELS];
         for step in &mut steps[..count] {
@@ -254,8 +255,8 @@ impl Sweep {
         self.ahead = false;
     }
 
-    /// Goes back to the level from which the last pass of `passed` levels began, and takes `count` of
-    /// them instead: the fit has ended between.
+    /// Goes back to the level from which the last pass of `passed` levels began, and takes `count`
+    /// of them instead: the fit has ended between.
     pub fn retake(&mut self, system: &System, passed: usize, count: usize) {
         std::mem::swap(&mut self.current, &mut self.spare);
         self.relaxation.go_back(passed);

@@ -1,8 +1,8 @@
 //! What a pass writes, divided among threads.
 //!
-//! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors. Parts are
-//! halved until there is one for each room, so that all borrow disjoint slices of the same arrays. They
-//! begin and end with whole blocks, so that sums do not depend on the division.
+//! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors.
+//! Parts are halved until there is one for each room, so that all borrow disjoint slices of the
+//! same arrays. They begin and end with whole blocks, so that sums do not depend on the division.
 
 use std::ops::Range;
 
@@ -15,8 +15,9 @@ use crate::fit::points::Points;
 /// The most coordinates d of a point that can be swept.
 pub(super) const LANES: usize = 3;
 
-/// Consecutive lines of the next level and the norms of their points. The slices of points are empty if the
-/// pass only measures, and so are those of coordinates, steps and levels that there are not.
+/// Consecutive lines of the next level and the norms of their points. The slices of points are
+/// empty if the pass only measures, and so are those of coordinates, steps and levels that there
+/// are not.
 pub(super) struct Part<'a> {
     /// The lines, by index: rows of the grid, which of a curve are its points.
     pub lines: Range<usize>,
@@ -62,8 +63,8 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Divides the part into one for each room, and does the work of all of them, on as many threads as
-    /// the pool has.
+    /// Divides the part into one for each room, and does the work of all of them, on as many
+    /// threads as the pool has.
     pub(super) fn divide(self, work: &(impl Fn(Part<'_>) + Sync)) {
         if self.rooms.len() <= 1 {
             return work(self);
@@ -108,7 +109,8 @@ pub(super) fn columns<const D: usize>(points: &Points, range: Range<usize>) -> [
     std::array::from_fn(|c| &points.lane(c)[range.clone()])
 }
 
-/// The same range of each of the first D coordinates, to be written; empty where there is no such range.
+/// The same range of each of the first D coordinates, to be written; empty where there is no such
+/// range.
 pub(super) fn ranges<const D: usize>(
     lanes: &mut [impl AsMut<[f64]>],
     range: Range<usize>,

@@ -1,7 +1,7 @@
 //! What all threads of a pass share.
 //!
-//! A pass reads the control points X of one level, n points of R^d, with P and B, and writes those of a later
-//! level X' elsewhere. Its threads write to disjoint [parts](super::parts).
+//! A pass reads the control points X of one level, n points of R^d, with P and B, and writes those
+//! of a later level X' elsewhere. Its threads write to disjoint [parts](super::parts).
 
 use super::buffers::Vectors;
 use super::fused::Update;
@@ -48,8 +48,8 @@ pub(super) struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    /// The update of a level, with the matrix along a line. Behind the last step of the pass nothing
-    /// moves: that level is only measured.
+    /// The update of a level, with the matrix along a line. Behind the last step of the pass
+    /// nothing moves: that level is only measured.
     pub(super) fn update(&self, matrix: &'a Banded, level: usize) -> Update<'a> {
         Update {
             matrix,

@@ -1,10 +1,10 @@
 //! One level of a surface in one pass.
 //!
-//! `Δ = P − (B_u X) B_vᵀ`: a line of `B_u X` is a sum of the p + 1 lines of X that a row of `B_u` reaches, and
-//! along that line the work is that of a curve with the matrix `B_v`. The grid is worked through in strips
-//! of at most 1024 columns, row after row, so that the lines of X stay in the nearest cache until the last row
-//! that needs them. The Kronecker product is never formed: a level costs `d n m (p_u + p_v + 2)`
-//! multiplications on n × m points.
+//! `Δ = P − (B_u X) B_vᵀ`: a line of `B_u X` is a sum of the p + 1 lines of X that a row of `B_u`
+//! reaches, and along that line the work is that of a curve with the matrix `B_v`. The grid is
+//! worked through in strips of at most 1024 columns, row after row, so that the lines of X stay in
+//! the nearest cache until the last row that needs them. The Kronecker product is never formed: a
+//! level costs `d n m (p_u + p_v + 2)` multiplications on n × m points.
 
 use std::ops::Range;
 
@@ -18,8 +18,8 @@ use crate::fit::blocks::{Block, Squares, Sums};
 use crate::fit::linear::banded::Banded;
 use crate::fit::points::Points;
 
-/// Strip by strip, for each line of the part: its part of `B_u X`, then `Δ`, its norms, and the points of the
-/// next level.
+/// Strip by strip, for each line of the part: its part of `B_u X`, then `Δ`, its norms, and the
+/// points of the next level.
 pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<'_>) {
     let (lines, strips) = pass.layout.unit();
     let units = part.blocks[0].len() / strips;
@@ -35,8 +35,8 @@ pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, v: &Banded, mut part: Part<
     }
 }
 
-/// The points of one block, which are several whole lines, or a part of one line. Writes the squares of their
-/// scaled residuals, and returns what these add up to.
+/// The points of one block, which are several whole lines, or a part of one line. Writes the
+/// squares of their scaled residuals, and returns what these add up to.
 fn block<const D: usize>(
     pass: &Pass<'_>,
     v: &Banded,
@@ -57,8 +57,8 @@ fn block<const D: usize>(
     sums
 }
 
-/// Consecutive points of one line; `place` is that of the first one in its block. Adds their squares to
-/// `sums`.
+/// Consecutive points of one line; `place` is that of the first one in its block. Adds their
+/// squares to `sums`.
 fn segment<const D: usize>(
     pass: &Pass<'_>,
     v: &Banded,
@@ -169,7 +169,8 @@ impl NullaryFnOnce for Combine<'_> {
 }
 
 impl<'a> Combine<'a> {
-    /// Entry k of the row of `B_u`, and the line of X that it is multiplied with, from the column on.
+    /// Entry k of the row of `B_u`, and the line of X that it is multiplied with, from the column
+    /// on.
     #[inline(always)]
     fn product(&self, k: usize) -> (f64, &'a [f64]) {
         let line = (self.u.first(self.row) + k as i64).rem_euclid(self.u.columns() as i64);

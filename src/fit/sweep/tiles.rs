@@ -1,12 +1,13 @@
 //! Several levels of a curve in one pass: tile by tile, each with a margin (overlapped tiling).
 //!
-//! After k levels a control point depends on its neighbours up to k times the reach of a row of B, a few
-//! points on both sides of a tile of two thousand. So each tile is loaded with a margin on both sides, which
-//! shrinks by the reach with every level, and goes through all levels in the nearest caches. Memory is
-//! moved once for up to eight levels; the margins are computed by both neighbours, about one in a hundred.
+//! After k levels a control point depends on its neighbours up to k times the reach of a row of B,
+//! a few points on both sides of a tile of two thousand. So each tile is loaded with a margin on
+//! both sides, which shrinks by the reach with every level, and goes through all levels in the
+//! nearest caches. Memory is moved once for up to eight levels; the margins are computed by both
+//! neighbours, about one in a hundred.
 //!
-//! The levels between are not kept: if one of them is the last of the fit, the pass is taken again with fewer
-//! levels, from control points that it has not touched.
+//! The levels between are not kept: if one of them is the last of the fit, the pass is taken again
+//! with fewer levels, from control points that it has not touched.
 
 use std::ops::Range;
 
@@ -23,16 +24,16 @@ struct Tile<'a, 'b> {
     room: &'b mut Room,
     /// The points that it is to compute, without its margins.
     points: Range<i64>,
-    /// The point that stands first in the room. On closed curves points before the first one are those
-    /// at the end, and points behind the last one those at the start.
+    /// The point that stands first in the room. On closed curves points before the first one are
+    /// those at the end, and points behind the last one those at the start.
     base: i64,
-    /// Whether the control points of the first level have been copied to the room, rather than read from
-    /// where they are.
+    /// Whether the control points of the first level have been copied to the room, rather than read
+    /// from where they are.
     loaded: bool,
 }
 
-/// Takes all tiles of the part through all levels of the pass. Level 0 of a pass has been measured before;
-/// the norms of the others are written to their blocks.
+/// Takes all tiles of the part through all levels of the pass. Level 0 of a pass has been measured
+/// before; the norms of the others are written to their blocks.
 pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     let Part {
         lines,
@@ -105,8 +106,8 @@ impl Tile<'_, '_> {
         range.start.max(0)..range.end.min(self.pass.u.rows() as i64)
     }
 
-    /// The pieces of a level that later levels need, cut at blocks and at the ends of closed curves: their
-    /// points, and the row of B of the first one.
+    /// The pieces of a level that later levels need, cut at blocks and at the ends of closed
+    /// curves: their points, and the row of B of the first one.
     fn pieces(&self, level: usize) -> impl Iterator<Item = (Range<i64>, usize)> + use<> {
         let left = self.pass.steps.len() - level;
         let margin = (left * self.pass.u.reach()) as i64;
@@ -114,8 +115,8 @@ impl Tile<'_, '_> {
         pieces(range, self.pass.u.rows() as i64, BLOCK as i64)
     }
 
-    /// Computes the next level from a level, and the norms of that level for the blocks of the tile; without
-    /// `blocks` they are known already.
+    /// Computes the next level from a level, and the norms of that level for the blocks of the
+    /// tile; without `blocks` they are known already.
     fn level<const D: usize>(&mut self, level: usize, blocks: &mut [Block]) {
         let mut squares = Squares::new();
         for (points, row) in self.pieces(level) {
@@ -130,8 +131,8 @@ impl Tile<'_, '_> {
         std::mem::swap(&mut self.room.front, &mut self.room.back);
     }
 
-    /// Computes the next level at points that belong to consecutive rows of B, from `row` on. Writes the
-    /// squares of their residuals, and returns what these add up to.
+    /// Computes the next level at points that belong to consecutive rows of B, from `row` on.
+    /// Writes the squares of their residuals, and returns what these add up to.
     fn piece<const D: usize>(
         &mut self,
         level: usize,

@@ -1,7 +1,7 @@
 //! Arrays and sums as vectors of whatever length the processor has.
 //!
-//! What stands in a loop that is compiled for every width, dimension and instruction set is compiled
-//! as often; these functions are compiled for few types.
+//! What stands in a loop that is compiled for every width, dimension and instruction set is
+//! compiled as often; these functions are compiled for few types.
 
 use std::array::from_fn;
 
@@ -30,8 +30,9 @@ pub(super) fn vectors_of_mut<'a, S: Simd, const N: usize>(
     arrays.map(|array| &mut S::as_mut_simd_f64s(&mut array[from..]).0[..n])
 }
 
-/// For each array its first n vectors from place `from + k` on, k = 0 … W − 1: what entry k of a row is
-/// multiplied with. Vectors that are not aligned are loaded as quickly on today's processors.
+/// For each array its first n vectors from place `from + k` on, k = 0 … W − 1: what entry k of a
+/// row is multiplied with. Vectors that are not aligned are loaded as quickly on today's
+/// processors.
 #[inline(always)]
 pub(super) fn shifted<S: Simd, const D: usize, const W: usize>(
     arrays: [&[f64]; D],
