@@ -166,10 +166,10 @@ def geometry(server: Server, description: Description) -> None:
         if job["state"] == "failed":
             continue
         for query in LEVELS:
-            description.check("Iteration", server.json(f"{links['self']}/iterations/last{query}"), query)
+            description.check("IterationEvent", server.json(f"{links['self']}/iterations/last{query}"), query)
             result = server.json(links["result"] + query)
             # Other views of a result are those of its iteration.
-            description.check("Iteration" if "view" in query else "FitResult", result, query)
+            description.check("IterationEvent" if "view" in query else "FitResult", result, query)
         if job["method"]["kind"] == "local":
             description.check("Limit", server.json(links["limit"]))
     description.check("JobPage", server.json("/v1/jobs?limit=3"))
@@ -193,13 +193,13 @@ def events(server: Server, description: Description) -> None:
 
 
 def server_sent_events(server: Server, description: Description) -> None:
-    kinds = [kind["properties"] for kind in description.schemas["ServerSentEvent"]["oneOf"]]
-    schemas = {kind["event"]["const"]: kind["data"]["contentSchema"]["$ref"].rsplit("/", 1)[1] for kind in kinds}
+    schemas = {"job": "JobEvent", "iteration": "IterationEvent", "end": "EndEvent"}
     _, text = server.ask("/v1/jobs", jobs()[0], accept="text/event-stream")
     seen = set()
     for block in text.split("\n\n"):
         fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
         if "event" in fields:
+            description.check("ServerSentEvent", fields)
             description.check(schemas[fields["event"]], json.loads(fields["data"]))
             seen.add(fields["event"])
     assert seen == schemas.keys(), seen
@@ -216,7 +216,7 @@ def edits(server: Server, description: Description) -> None:
 
 def server_itself(server: Server, description: Description) -> None:
     for path, schema in [
-        ("/", "Index"),
+        ("/", "Service"),
         ("/livez", "Health"),
         ("/readyz", "Health"),
         ("/problems", "ProblemTypes"),

@@ -15,10 +15,11 @@ use super::query::StreamQuery;
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
 use crate::api::jobs;
+use crate::api::json::read;
 use crate::api::json::read::Limits;
 use crate::api::json::request::JobRequest;
 use crate::api::json::request::edit::EditRequest;
-use crate::api::json::{read, view};
+use crate::api::json::view::job::path;
 use crate::api::language::Language;
 use crate::api::order;
 use crate::api::order::Order;
@@ -217,7 +218,7 @@ impl Posted {
             }
         };
         let headers = response.headers_mut();
-        let location = HeaderValue::from_str(&view::path(&job)).ok();
+        let location = HeaderValue::from_str(&path(&job)).ok();
         headers.extend(location.map(|location| (header::LOCATION, location)));
         if known {
             headers.insert(REPLAYED, HeaderValue::from_static("true"));

@@ -14,7 +14,8 @@ use super::path::Named;
 use super::query::IterationQuery;
 use crate::api::app::App;
 use crate::api::jobs;
-use crate::api::json::view;
+use crate::api::json::view::limit::LimitView;
+use crate::api::json::view::to_bytes;
 use crate::api::language::Language;
 use crate::api::levels;
 use crate::api::problem::{Kind, Problem};
@@ -132,7 +133,7 @@ pub async fn limit(
     let system = job.system().await?;
     let compute = move || {
         let start = Iteration::start(system.get());
-        local_limit(&start).map(|limit| view::limit(system.problem(), &limit))
+        local_limit(&start).map(|limit| to_bytes(&LimitView::new(system.problem(), &limit)))
     };
     let limit = app
         .jobs

@@ -1,35 +1,47 @@
-//! What the server is, what it can do, and how it is.
+//! What the server is, and how it is.
+
+use std::collections::HashMap;
 
 use axum::Json;
 use axum::extract::State;
-use axum::http::{StatusCode, header};
+use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::gauge::ConstGauge;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::Registry;
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::{Value, json};
-use tonic::server::NamedService;
 
 use super::path::Named;
 use crate::api::app::App;
-use crate::api::grpc::service::Service;
-use crate::api::json::numbers::MAX_DIMENSION;
 use crate::api::problem::{Kind, Problem};
-use crate::api::proto::messages::fitting_service_server::FittingServiceServer;
 use crate::api::short::quoted;
-use crate::export::Format;
-use crate::fit::basis::MAX_DEGREE;
-use crate::model::named::Named as _;
-use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
+
+/// What the server is.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "Service")]
+#[schemars(extend("examples" = [{"name": "piad", "version": "0.1.0", "description": "Curve and surface fitting", "links": {"jobs": "/v1/jobs"}}]))]
+pub struct Index {
+    /// Its name.
+    name: &'static str,
+    /// Its version.
+    version: &'static str,
+    /// What it does.
+    description: &'static str,
+    /// Where to go on.
+    #[schemars(with = "HashMap<String, String>")]
+    links: Value,
+}
 
 /// `GET /`
-pub async fn index() -> Json<Value> {
-    Json(json!({
-        "name": "piad",
-        "version": env!("CARGO_PKG_VERSION"),
-        "description": env!("CARGO_PKG_DESCRIPTION"),
-        "links": {
+pub async fn index() -> Json<Index> {
+    Json(Index {
+        name: "piad",
+        version: env!("CARGO_PKG_VERSION"),
+        description: env!("CARGO_PKG_DESCRIPTION"),
+        links: json!({
             "jobs": "/v1/jobs",
             "capabilities": "/v1/capabilities",
             "problems": "/problems",
@@ -38,81 +50,8 @@ pub async fn index() -> Json<Value> {
             "metrics": "/metrics",
             "livez": "/livez",
             "readyz": "/readyz",
-        },
-    }))
-}
-
-/// `GET /v1/capabilities`
-pub async fn capabilities(State(app): State<App>) -> Json<Value> {
-    let config = &app.config;
-    let files = Format::ALL.map(Format::media_type);
-    let levels = ["application/json", "application/x-protobuf"];
-    let results: Vec<_> = levels.into_iter().chain(files).collect();
-    Json(json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "geometry": ["curve", "surface"],
-        "dimensions": (1..=MAX_DIMENSION).collect::<Vec<_>>(),
-        "bases": [
-            {
-                "kind": "bspline",
-                "degree": {"min": 1, "max": MAX_DEGREE},
-                "knots": ["data", "averaged", "explicit"],
-                "closed": true,
-            },
-            {"kind": "bernstein", "degree": {"min": 1, "max": MAX_DEGREE}, "closed": false},
-            {"kind": "said_ball", "degree": {"min": 1, "max": MAX_DEGREE}, "closed": false},
-            {"kind": "wang_ball", "degree": {"min": 1, "max": MAX_DEGREE}, "closed": false},
-        ],
-        "parameters": ["chord_length", "centripetal", "uniform", "explicit"],
-        "rational": ["homogeneous", "fixed"],
-        "methods": methods(),
-        "views": View::names(),
-        "encodings": Encoding::names(),
-        "digits": Digits::names(),
-        "paces": Pace::names(),
-        "stream": Choice::names(),
-        "formats": {
-            "jobs": ["application/json", "application/x-protobuf"],
-            "events": ["text/event-stream", "application/x-ndjson", "application/x-protobuf"],
-            "result": results,
-        },
-        "grpc": {
-            "service": FittingServiceServer::<Service>::NAME,
-            "reflection": ["grpc.reflection.v1", "grpc.reflection.v1alpha"],
-            "health": "grpc.health.v1",
-        },
-        "limits": {
-            "body_bytes": config.max_body.as_u64(),
-            "points": config.max_points,
-            "samples": MOST_SAMPLES,
-            "milestones": MOST_MILESTONES,
-            "iterations": config.max_iterations,
-            "jobs": config.max_jobs,
-            "jobs_per_peer": config.jobs_of_a_peer(),
-            "memory_bytes": config.memory_bytes(),
-            "retained_jobs": config.retain_jobs,
-            "retained_bytes": config.retain_bytes.as_u64(),
-            "retained_seconds": config.retain_age.as_secs(),
-        },
-    }))
-}
-
-/// The methods: their settings, and what they fit. All of them fit curves, also with fixed weights.
-fn methods() -> Value {
-    let method = |kind: &str, settings: &[&str], surface: bool, homogeneous: bool| json!({"kind": kind, "settings": settings, "surface": surface, "homogeneous": homogeneous});
-    let least_squares = ["control_points", "variant", "mu"];
-    json!([
-        method("global", &[], true, true),
-        method("weighted", &["omega"], true, true),
-        method("local", &["indices", "row_by_row"], true, true),
-        method("adaptive", &["threshold"], true, true),
-        method("extended", &["start"], true, true),
-        method("transpose", &[], true, true),
-        method("convex", &[], false, false),
-        method("chebyshev", &[], true, true),
-        method("direct", &[], true, true),
-        method("least_squares", &least_squares, true, true),
-    ])
+        }),
+    })
 }
 
 /// `GET /metrics`: counters, for Prometheus.
@@ -142,9 +81,18 @@ pub async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     Ok(([(header::CONTENT_TYPE, OPEN_METRICS)], text).into_response())
 }
 
+/// How the server is.
+#[derive(Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"status": "ready"}]))]
+pub struct Health {
+    /// The word for it.
+    #[schemars(extend("enum" = ["alive", "ready"]))]
+    status: &'static str,
+}
+
 /// `GET /livez`
-pub async fn livez() -> Json<Value> {
-    Json(json!({"status": "alive"}))
+pub async fn livez() -> Json<Health> {
+    Json(Health { status: "alive" })
 }
 
 /// `GET /readyz`
@@ -154,34 +102,55 @@ pub async fn readyz(State(app): State<App>) -> Response {
             .retry_after(5)
             .into_response();
     }
-    Json(json!({"status": "ready"})).into_response()
+    Json(Health { status: "ready" }).into_response()
 }
 
+/// What the `type` of a problem object stands for.
+#[derive(Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"type": "/problems/queue-full", "title": "The server has as many jobs as it takes", "status": 503, "meaning": "Send the job again after the number of seconds in Retry-After."}]))]
+pub struct ProblemType {
+    /// The type.
+    #[schemars(extend("format" = "uri-reference"))]
+    r#type: String,
+    /// What it is called.
+    title: &'static str,
+    /// The status of answers with it.
+    #[schemars(range(min = 400, max = 599))]
+    status: u16,
+    /// What it means and what to do about it.
+    meaning: &'static str,
+}
+
+impl From<Kind> for ProblemType {
+    fn from(kind: Kind) -> Self {
+        let entry = kind.entry();
+        Self {
+            r#type: kind.path(),
+            title: entry.title,
+            status: entry.status.as_u16(),
+            meaning: entry.meaning,
+        }
+    }
+}
+
+/// All types of problem objects.
+#[derive(Serialize, JsonSchema)]
+#[serde(transparent)]
+#[schemars(extend("examples" = [[]]))]
+pub struct ProblemTypes(Vec<ProblemType>);
+
 /// `GET /problems`: all types of problem objects.
-pub async fn problems() -> Json<Value> {
-    Json(Kind::ALL.into_iter().map(explain).collect())
+pub async fn problems() -> Json<ProblemTypes> {
+    let kinds = Kind::ALL.into_iter();
+    Json(ProblemTypes(kinds.map(ProblemType::from).collect()))
 }
 
 /// `GET /problems/{slug}`: what the `type` of a problem object stands for.
-pub async fn problem(Named(slug): Named<String>) -> Result<(StatusCode, Json<Value>), Problem> {
-    Kind::ALL
-        .into_iter()
-        .find(|kind| kind.entry().slug == slug)
-        .map(|kind| (StatusCode::OK, Json(explain(kind))))
-        .ok_or_else(|| {
-            Problem::new(
-                Kind::NotFound,
-                format!("no problem is called {}", quoted(&slug)),
-            )
-        })
-}
-
-fn explain(kind: Kind) -> Value {
-    let entry = kind.entry();
-    json!({
-        "type": format!("/problems/{}", entry.slug),
-        "title": entry.title,
-        "status": entry.status.as_u16(),
-        "meaning": entry.meaning,
+pub async fn problem(Named(slug): Named<String>) -> Result<Json<ProblemType>, Problem> {
+    let mut kinds = Kind::ALL.into_iter();
+    let known = kinds.find(|kind| kind.entry().slug == slug);
+    known.map(|kind| Json(kind.into())).ok_or_else(|| {
+        let detail = format!("no problem is called {}", quoted(&slug));
+        Problem::new(Kind::NotFound, detail)
     })
 }

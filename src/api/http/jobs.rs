@@ -6,14 +6,13 @@ use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use prost::Message;
 use serde::Deserialize;
-use serde_json::json;
 use uuid::Uuid;
 
 use super::answer::{message, no_store};
 use super::negotiate;
 use super::path::Named;
 use crate::api::app::App;
-use crate::api::json::view;
+use crate::api::json::view::job::{JobPage, JobView};
 use crate::api::language::Language;
 use crate::api::problem::Problem;
 use crate::api::short::quoted;
@@ -66,10 +65,8 @@ pub async fn list(
         let state = state.map_or(String::new(), |state| format!("&state={state}"));
         format!("/v1/jobs?cursor={}&limit={limit}{state}", job.id())
     });
-    let jobs: Vec<_> = jobs.iter().map(|job| view::job(job)).collect();
-    Ok(no_store(
-        Json(json!({"jobs": jobs, "next": next})).into_response(),
-    ))
+    let jobs = jobs.iter().map(|job| JobView::new(job)).collect();
+    Ok(no_store(Json(JobPage { jobs, next }).into_response()))
 }
 
 /// `GET /v1/jobs/{id}`
@@ -86,7 +83,7 @@ pub async fn get(
 /// The job as it stands.
 pub fn show(job: &Job, language: Language) -> Response {
     match language {
-        Language::Json => no_store(Json(view::job(job)).into_response()),
+        Language::Json => no_store(Json(JobView::new(job)).into_response()),
         Language::Protobuf => message(proto::view::job(job).encode_to_vec().into()),
     }
 }

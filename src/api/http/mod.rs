@@ -3,7 +3,7 @@
 //! - [`router`]: the resources and their addresses;
 //! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
-//! - [`info`]: capabilities, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
+//! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`body`]: a request body by its media type; [`intake`]: how it arrives, with limits of size, memory and time;
 //! - [`answer`]: answers, small and large; [`render`]: problems as answers;
@@ -12,6 +12,7 @@
 
 pub mod answer;
 pub mod body;
+pub mod capabilities;
 pub mod cors;
 pub mod create;
 pub mod crowd;

@@ -7,6 +7,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use super::request_id::REQUEST_ID;
+use crate::api::json::view::to_bytes;
 use crate::api::problem::{Kind, Problem};
 
 impl IntoResponse for Problem {
@@ -35,8 +36,7 @@ pub async fn render(request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         let text = id.as_ref().and_then(|id| id.to_str().ok());
-        let json = problem.to_json(text).to_string();
-        *response.body_mut() = Body::from(json);
+        *response.body_mut() = Body::from(to_bytes(&problem.body(text)));
         let headers = response.headers_mut();
         headers.insert(
             header::CONTENT_TYPE,

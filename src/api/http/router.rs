@@ -19,7 +19,8 @@ use tracing::{Span, error, info};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
-    cors, create, crowd, events, geometry, host, info as about, jobs, measure, render, request_id,
+    capabilities, cors, create, crowd, events, geometry, host, info as about, jobs, measure,
+    render, request_id,
 };
 use crate::api::app::App;
 use crate::api::grpc;
@@ -83,7 +84,7 @@ fn resources() -> Resources {
         .get("/docs/{file}", page::file, of_server::reference_file())
         .get(
             "/v1/capabilities",
-            about::capabilities,
+            capabilities::get,
             of_server::capabilities(),
         )
         .post("/v1/jobs", create::job, of_jobs::create())

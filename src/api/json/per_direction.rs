@@ -1,15 +1,18 @@
 //! One value for both directions of a surface, or one for each: `X` or `{"u": X, "v": X}`.
 
 use std::borrow::Cow;
+use std::marker::PhantomData;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Serialize;
 use serde::de::{MapAccess, SeqAccess};
+use serde_json::{Value, json};
 
 use super::read::{Field, Members, Numeral, Of, Read, Reader, Reading};
-use super::schema::each;
 
 /// A value for both directions, or one for each.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
 pub enum PerDirection<T> {
     /// The same for u and v.
     Both(T),
@@ -113,6 +116,44 @@ impl<T: JsonSchema> JsonSchema for PerDirection<T> {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let one = generator.subschema_for::<T>();
-        json_schema!({"anyOf": [one.clone(), each(&one)]})
+        json_schema!({"anyOf": [one, generator.subschema_for::<Pair<T>>()]})
+    }
+}
+
+/// The schema of a value for each direction, under a name of its own: generated clients have a type
+/// for it.
+pub struct Pair<T>(PhantomData<T>);
+
+impl<T: JsonSchema> JsonSchema for Pair<T> {
+    fn schema_name() -> Cow<'static, str> {
+        let name = T::schema_name();
+        let (first, rest) = name.split_at(1);
+        format!("{}{rest}Pair", first.to_uppercase()).into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let one = T::json_schema(generator);
+        let is_boolean = one.get("type").is_some_and(|it| it == "boolean");
+        let example = match one.get("examples") {
+            Some(examples) => examples[0].clone(),
+            None if is_boolean => Value::Bool(true),
+            None => Value::from(8),
+        };
+        let value = |description: &str, generator: &mut SchemaGenerator| {
+            let mut schema = generator.subschema_for::<T>();
+            schema.insert("description".to_owned(), json!(description));
+            schema
+        };
+        json_schema!({
+            "description": "A value for each direction of a surface.",
+            "type": "object",
+            "properties": {
+                "u": value("For u, from row to row.", generator),
+                "v": value("For v, from column to column.", generator),
+            },
+            "required": ["u", "v"],
+            "additionalProperties": false,
+            "examples": [{"u": example, "v": example}],
+        })
     }
 }

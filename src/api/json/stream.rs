@@ -142,7 +142,7 @@ schema_of!(
 );
 schema_of!(
     Encoding,
-    "Encoding",
+    "NumberEncoding",
     names(
         "How arrays of numbers are written: as JSON, or as little-endian numbers of 64 or 32 bits in base64.",
         "json",

@@ -5,10 +5,10 @@
 //! - [`resources`]: routes with their descriptions;
 //! - [`operation`]: what one method of a resource does; `operations`: all of them;
 //! - `parameters`: query parameters and headers;
-//! - `answers`: schemas of what the server sends; those of what it reads are beside the readers;
+//! - [`formats`]: the widths of numbers, for clients in typed languages;
 //! - [`page`]: the reference.
 
-mod answers;
+mod formats;
 pub mod operation;
 pub mod operations;
 pub mod page;
@@ -22,13 +22,19 @@ use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use schemars::SchemaGenerator;
-use schemars::generate::SchemaSettings;
+use schemars::generate::{Contract, SchemaSettings};
 use serde_json::{Map, Value, json};
 
+use crate::api::http::capabilities::Capabilities;
+use crate::api::http::info::{Health, Index, ProblemTypes};
 use crate::api::json::request::JobRequest;
 use crate::api::json::request::edit::EditRequest;
-use crate::api::json::view::to_bytes;
-use crate::api::problem::Kind;
+use crate::api::json::view::events::{EventLine, ServerSentEvent};
+use crate::api::json::view::job::JobPage;
+use crate::api::json::view::level::FitResult;
+use crate::api::json::view::limit::LimitView;
+use crate::api::json::view::{examples, to_bytes};
+use crate::api::problem::{Kind, Problem, ProblemBody};
 use crate::model::stream::StreamSpec;
 use operation::Tag;
 
@@ -36,12 +42,13 @@ const DESCRIPTION: &str = "\
 Fits Bézier, B-spline and NURBS curves and surfaces to ordered data points by progressive iterative approximation, \
 and streams every iteration.
 
-`POST /v1/jobs` makes a fit; with `Accept: text/event-stream` its answer is the event stream of the fit. \
-Requests and answers are JSON, or the messages of `proto/piad/v1/fitting.proto` (`application/x-protobuf`). \
+`POST /v1/jobs` makes a fit and answers with the job, `POST /v1/jobs/stream` with the event stream of the fit. \
 What a request does not say has defaults; what it says and is not understood is refused with a problem object \
-(RFC 9457) that points at it.
+(RFC 9457) that points at it. Limits of a server are told by `/v1/capabilities`.
 
-The `Accept` header chooses among the media types of an answer, and limits of a server are told by `/v1/capabilities`.";
+Each operation is described with one kind of answer. Its `Accept` header may choose others: event streams instead \
+of new jobs, files instead of JSON, and the messages of `proto/piad/v1/fitting.proto` (`application/x-protobuf`), \
+in which jobs and edits may also be sent.";
 
 /// The paths of the document, and its bytes when somebody has asked for them.
 #[derive(Clone, Debug)]
@@ -68,6 +75,16 @@ pub async fn get(Extension(description): Extension<Description>) -> Response {
 
 /// The document, of which `paths` are the resources.
 fn document(paths: Map<String, Value>) -> Value {
+    let mut paths = Value::Object(paths);
+    let mut components = json!({
+        "schemas": schemas(),
+        "parameters": parameters::parameters(),
+        "headers": parameters::headers(),
+        "links": links(),
+        "examples": problem_examples(),
+    });
+    formats::tell(&mut paths);
+    formats::tell(&mut components);
     let tags = Tag::ALL.map(|(tag, text)| json!({"name": tag.name(), "description": text}));
     json!({
         "openapi": "3.1.1",
@@ -84,29 +101,41 @@ fn document(paths: Map<String, Value>) -> Value {
         "servers": [{"url": "/", "description": "This server."}],
         "tags": tags,
         "paths": paths,
-        "components": {
-            "schemas": schemas(),
-            "parameters": parameters::parameters(),
-            "headers": parameters::headers(),
-            "links": links(),
-            "examples": problem_examples(),
-        },
+        "components": components,
     })
 }
 
-/// The schemas of what is read and of what is sent.
+/// The schemas of what is read and of what is sent. What is both is described as it may be read.
 fn schemas() -> Map<String, Value> {
+    let mut requests = generator(Contract::Deserialize);
+    requests.subschema_for::<JobRequest>();
+    requests.subschema_for::<EditRequest>();
+    requests.subschema_for::<StreamSpec>();
+    let mut answers = generator(Contract::Serialize);
+    answers.subschema_for::<JobPage<'_>>();
+    answers.subschema_for::<ServerSentEvent>();
+    answers.subschema_for::<EventLine>();
+    answers.subschema_for::<FitResult<'_>>();
+    answers.subschema_for::<LimitView>();
+    answers.subschema_for::<ProblemBody>();
+    answers.subschema_for::<ProblemTypes>();
+    answers.subschema_for::<Index>();
+    answers.subschema_for::<Health>();
+    answers.subschema_for::<Capabilities>();
+    let mut schemas = requests.take_definitions(true);
+    for (name, schema) in answers.take_definitions(true) {
+        schemas.entry(name).or_insert(schema);
+    }
+    schemas
+}
+
+fn generator(contract: Contract) -> SchemaGenerator {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.definitions_path = "/components/schemas".into();
         settings.meta_schema = None;
+        settings.contract = contract;
     });
-    let mut generator = SchemaGenerator::new(settings);
-    generator.subschema_for::<JobRequest>();
-    generator.subschema_for::<EditRequest>();
-    generator.subschema_for::<StreamSpec>();
-    let mut schemas = generator.take_definitions(true);
-    schemas.extend(answers::schemas());
-    schemas
+    SchemaGenerator::new(settings)
 }
 
 /// The operations that take the id of a job from the job that was made.
@@ -130,13 +159,7 @@ fn links() -> Map<String, Value> {
 fn problem_examples() -> Map<String, Value> {
     let example = |kind: Kind| {
         let entry = kind.entry();
-        let value = json!({
-            "type": format!("/problems/{}", entry.slug),
-            "title": entry.title,
-            "status": entry.status.as_u16(),
-            "detail": entry.meaning,
-            "request_id": "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10",
-        });
+        let value = Problem::new(kind, entry.meaning).body(Some(examples::ID));
         let example = json!({"summary": entry.title, "value": value});
         (entry.slug.to_owned(), example)
     };

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde_json::{Map, Value, json};
 
 use crate::api::language::JSON;
-use crate::api::problem::Kind;
+use crate::api::problem::{Kind, ProblemBody};
 
 /// Where in a description operations stand together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,8 +79,8 @@ impl Operation {
     }
 
     /// The body: JSON with this schema and these examples.
-    pub fn body(mut self, schema: &str, examples: Value) -> Self {
-        let json = json!({"schema": reference("schemas", schema), "examples": examples});
+    pub fn body<T: JsonSchema>(mut self, examples: Value) -> Self {
+        let json = json!({"schema": schema_of::<T>(), "examples": examples});
         let body = json!({"description": "JSON.", "required": true, "content": {JSON: json}});
         self.object.insert("requestBody".to_owned(), body);
         self
@@ -103,8 +104,8 @@ impl Operation {
     }
 
     /// An answer that is a JSON object, and never anything else.
-    pub fn json(self, status: u16, description: &str, schema: &str) -> Self {
-        self.answer(status, description, &[json_of(schema)], &[])
+    pub fn json<T: JsonSchema>(self, status: u16, description: &str) -> Self {
+        self.answer(status, description, &[json_of::<T>()], &[])
     }
 
     /// What can be done with the job in an answer.
@@ -148,9 +149,14 @@ pub fn reference(section: &str, name: &str) -> Value {
     json!({"$ref": format!("#/components/{section}/{name}")})
 }
 
+/// A reference to the schema of a type.
+pub fn schema_of<T: JsonSchema>() -> Value {
+    reference("schemas", &T::schema_name())
+}
+
 /// JSON of this schema as the content of an answer.
-pub fn json_of(schema: &str) -> (&'static str, Value) {
-    (JSON, json!({"schema": reference("schemas", schema)}))
+pub fn json_of<T: JsonSchema>() -> (&'static str, Value) {
+    (JSON, json!({"schema": schema_of::<T>()}))
 }
 
 /// All problems with the same status.
@@ -174,7 +180,7 @@ fn problem_answer(status: u16, kinds: &[Kind]) -> Value {
         "headers": header_references(headers),
         "content": {
             "application/problem+json": {
-                "schema": reference("schemas", "Problem"),
+                "schema": schema_of::<ProblemBody>(),
                 "examples": examples,
             },
         },

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::operation::reference;
+use super::operation::schema_of;
 use super::page;
 use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
@@ -10,7 +10,8 @@ use crate::api::json::stream::SAMPLE_GRID;
 use crate::api::order::LONGEST_KEY;
 use crate::api::whole::LARGEST;
 use crate::export::Format;
-use crate::model::stream::MOST_MILESTONES;
+use crate::job::state::State;
+use crate::model::stream::{Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, View};
 
 /// The parameters, by the names of their components.
 pub(super) fn parameters() -> Map<String, Value> {
@@ -98,7 +99,7 @@ fn lists() -> Vec<Value> {
         query(
             "state",
             "Only jobs in this state.",
-            reference("schemas", "State"),
+            schema_of::<State>(),
             json!("converged"),
         ),
         query(
@@ -122,7 +123,7 @@ fn views() -> Vec<Value> {
         query(
             "view",
             "What is shown: control points, samples, or the errors alone.",
-            reference("schemas", "View"),
+            schema_of::<View>(),
             json!("samples"),
         ),
         query(
@@ -137,13 +138,13 @@ fn views() -> Vec<Value> {
         query(
             "encoding",
             "How arrays of numbers are written in JSON.",
-            reference("schemas", "Encoding"),
+            schema_of::<Encoding>(),
             json!("base64"),
         ),
         query(
             "digits",
             "How many digits coordinates have in JSON.",
-            reference("schemas", "Digits"),
+            schema_of::<Digits>(),
             json!("auto"),
         ),
     ]
@@ -169,7 +170,7 @@ fn streams() -> Vec<Value> {
         query(
             "pace",
             "What a client gets that is slower than the fit: all iterations, or the latest.",
-            reference("schemas", "Pace"),
+            schema_of::<Pace>(),
             json!("latest"),
         ),
         query(
@@ -181,7 +182,7 @@ fn streams() -> Vec<Value> {
         query(
             "on_disconnect",
             "What becomes of the job when the client of this stream goes away.",
-            reference("schemas", "OnDisconnect"),
+            schema_of::<OnDisconnect>(),
             json!("cancel"),
         ),
     ]

@@ -49,6 +49,11 @@ pub struct Entry {
 }
 
 impl Kind {
+    /// The `type` of problems of this kind, where a server explains it.
+    pub fn path(self) -> String {
+        format!("/problems/{}", self.entry().slug)
+    }
+
     /// All kinds.
     pub const ALL: [Self; 27] = [
         Self::NotJson,

@@ -6,24 +6,28 @@
 mod causes;
 mod kind;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::json::view::examples;
 use super::short;
 pub use kind::{Entry, Kind};
 
-/// One thing that is wrong.
-#[derive(Clone, Debug, Serialize)]
+/// One thing that is wrong. It names its place in one way.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"pointer": "/curve/points/2", "detail": "point 2 equals point 1"}]))]
 pub struct FieldError {
-    /// JSON pointer (RFC 6901) into the body.
+    /// A JSON pointer (RFC 6901) into the body.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("format" = "json-pointer"))]
     pub pointer: Option<String>,
-    /// A query parameter.
+    /// The query parameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameter: Option<String>,
-    /// A header.
+    /// The header.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub header: Option<&'static str>,
-    /// A field of a protobuf message, such as `curve.points[34]`.
+    /// The path of a field of a protobuf message, such as `curve.points[34]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
     /// Why it is wrong.
@@ -72,17 +76,26 @@ pub struct Problem {
     retry_after: Option<u32>,
 }
 
-/// The JSON of a problem object.
-#[derive(Serialize)]
-struct ProblemBody<'a> {
+/// What is wrong (RFC 9457).
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(rename = "Problem", example = examples::problem())]
+pub struct ProblemBody {
+    /// The kind of problem; the server explains it there.
+    #[schemars(extend("enum" = Kind::ALL.map(Kind::path)))]
     r#type: String,
+    /// What the kind is called.
     title: &'static str,
+    /// The status of the answer.
+    #[schemars(range(min = 400, max = 599))]
     status: u16,
-    detail: &'a str,
-    #[serde(skip_serializing_if = "<[FieldError]>::is_empty")]
-    errors: &'a [FieldError],
+    /// What is wrong, for people.
+    detail: String,
+    /// The single things that are wrong.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    errors: Vec<FieldError>,
+    /// The id of the request, as X-Request-Id has it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    request_id: Option<&'a str>,
+    request_id: Option<String>,
 }
 
 impl Problem {
@@ -218,21 +231,16 @@ impl Problem {
         self
     }
 
-    /// The object as JSON.
-    pub fn to_json(&self, request_id: Option<&str>) -> serde_json::Value {
-        let Entry {
-            slug,
-            status,
-            title,
-            ..
-        } = self.kind.entry();
-        serde_json::json!(ProblemBody {
-            r#type: format!("/problems/{slug}"),
-            title,
-            status: status.as_u16(),
-            detail: &self.detail,
-            errors: &self.errors,
-            request_id,
-        })
+    /// The object as answers have it.
+    pub fn body(&self, request_id: Option<&str>) -> ProblemBody {
+        let entry = self.kind.entry();
+        ProblemBody {
+            r#type: self.kind.path(),
+            title: entry.title,
+            status: entry.status.as_u16(),
+            detail: self.detail.clone(),
+            errors: self.errors.clone(),
+            request_id: request_id.map(str::to_owned),
+        }
     }
 }

@@ -184,7 +184,7 @@ fn problem(failure: Failure) -> pb::Problem {
     let problem = api::Problem::from(failure);
     let entry = problem.kind().entry();
     pb::Problem {
-        r#type: format!("/problems/{}", entry.slug),
+        r#type: problem.kind().path(),
         title: entry.title.to_owned(),
         status: entry.status.as_u16().into(),
         detail: problem.detail().to_owned(),

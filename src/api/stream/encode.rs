@@ -39,7 +39,7 @@ pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreEr
             Encoding::Protobuf => proto::view::description(&described, &problem, levels),
             _ => {
                 let in_base64 = encoding == Encoding::Base64;
-                view::description(&described, &problem, levels, in_base64)
+                view::events::description(&described, &problem, levels, in_base64)
             }
         };
         off_network(&owner, numbers, describe).await
@@ -50,7 +50,7 @@ pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreEr
 /// The data of the `end` event.
 pub fn end(job: &Job, status: &Status, form: &Form) -> Content {
     match form.is_protobuf() {
-        false => view::end(job, status).into(),
+        false => view::events::end(job, status).into(),
         true => proto::view::end(job, status),
     }
 }

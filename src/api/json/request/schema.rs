@@ -6,8 +6,10 @@ use serde_json::{Value, json};
 use super::edit::IterationRequest;
 use super::method::{Index, Kind, Omega};
 use super::{BasisKind, KnotRule, ParameterRule};
+use crate::api::json::per_direction::Pair;
+use crate::api::json::read::values::Count;
 use crate::api::json::schema::alternatives::{Alternative, Constant, or_name, split};
-use crate::api::json::schema::{each, schema_of};
+use crate::api::json::schema::schema_of;
 use crate::fit::basis::MAX_DEGREE;
 
 /// How data points get their parameters.
@@ -15,7 +17,7 @@ pub(super) enum Parameters {}
 
 schema_of!(
     Parameters,
-    "Parameters",
+    "ParameterChoice",
     json_schema!({
         "description": "How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first.",
         "anyOf": [
@@ -102,11 +104,11 @@ schema_of!(
 /// The number of control points of a least-squares fit.
 pub(super) enum ControlPoints {}
 
-schema_of!(ControlPoints, "ControlPointCount", {
+schema_of!(ControlPoints, "ControlPointCount", generator => {
     let count = json_schema!({"type": "integer", "minimum": 2});
     json_schema!({
         "description": "A number of control points, not greater than that of data points; on surfaces of both directions, or one for each.",
-        "anyOf": [count.clone(), each(&count)],
+        "anyOf": [count, generator.subschema_for::<Pair<Count>>()],
         "examples": [12, {"u": 8, "v": 6}],
     })
 });

@@ -10,7 +10,6 @@ pub mod alternatives;
 pub mod numbers;
 
 use schemars::{Schema, json_schema};
-use serde_json::Value;
 
 /// Gives a type, or a name that stands for a schema, the schema that is written down.
 macro_rules! schema_of {
@@ -30,28 +29,6 @@ macro_rules! schema_of {
     };
 }
 pub(in crate::api) use schema_of;
-
-/// The same schema with a description of what it is for here.
-pub fn described(schema: &Schema, description: &str) -> Schema {
-    let mut schema = schema.clone();
-    schema.insert("description".to_owned(), Value::from(description));
-    schema
-}
-
-/// A value for each direction of a surface.
-pub fn each(value: &Schema) -> Schema {
-    json_schema!({
-        "title": "PerDirection",
-        "description": "One for each direction.",
-        "type": "object",
-        "properties": {
-            "u": described(value, "For u, from row to row."),
-            "v": described(value, "For v, from column to column."),
-        },
-        "required": ["u", "v"],
-        "additionalProperties": false,
-    })
-}
 
 /// One of these names.
 pub fn names(description: &str, usual: &str, names: &[&str]) -> Schema {

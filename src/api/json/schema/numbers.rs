@@ -2,8 +2,9 @@
 
 use schemars::json_schema;
 
-use super::{each, schema_of};
+use super::schema_of;
 use crate::api::json::numbers::{MAX_DIMENSION, PointGrid, PointList};
+use crate::api::json::per_direction::Pair;
 
 /// A data point.
 pub enum Point {}
@@ -65,7 +66,7 @@ schema_of!(SurfaceWeights, "SurfaceWeights", generator => {
         "description": "Rows of weights, one for each data point, or weights of both directions whose products they are.",
         "anyOf": [
             {"title": "Rows", "type": "array", "items": line, "minItems": 2},
-            each(&line),
+            generator.subschema_for::<Pair<Weights>>(),
         ],
         "examples": [[[1, 1], [1, 2]], {"u": [1, 2], "v": [1, 1]}],
     })

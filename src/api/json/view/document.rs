@@ -1,171 +1,161 @@
-//! JSON objects with large arrays of numbers.
+//! JSON documents with large arrays of numbers.
+//!
+//! The arrays are given to the document first. What it gives back stands in the fields of an answer,
+//! which is serialised last, and the numbers are written in its places, now or when they are sent.
 
+use std::io;
+
+use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::Serializer;
+use serde_json::ser::Formatter;
 
+use super::arrays::{NumberArray, Place, PointArray, WeightArray};
 use super::source::Source;
-use super::writer::{Digits, Writer, fits_32_bits};
+use super::writer::{Digits, Shape, Writer, fits_32_bits};
 use crate::job::content::Content;
 
-/// A JSON object that is being written.
+/// Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize)]
+#[schemars(example = Self::Base64)]
+pub enum BinaryEncoding {
+    /// Of 64 bits.
+    #[serde(rename = "base64")]
+    Base64,
+    /// Of 32 bits.
+    #[serde(rename = "base64_f32")]
+    Base64F32,
+}
+
+/// The arrays of a JSON document.
 pub struct Document {
-    writer: Writer,
     digits: Digits,
-    /// Nothing stands in the innermost object or list yet.
-    is_fresh: bool,
-    /// Numbers are not written, but looked at: whether 32 bits are enough for all.
-    measured: Option<bool>,
+    arrays: Vec<Array>,
+}
+
+struct Array {
+    shape: Shape,
+    numbers: Box<dyn Source>,
+    precision: Precision,
+}
+
+/// Which numbers may lose digits.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Precision {
+    /// Coordinates may be rounded.
+    Rounded,
+    /// Other numbers are written in full, or in 32 bits.
+    Full,
+    /// Numbers that lie near each other have 64 bits in any encoding.
+    Exact,
 }
 
 impl Document {
-    /// Begins with the fields of `head`, which are small and at least one. Arrays of about `count`
-    /// numbers will follow.
-    pub fn new(head: &impl Serialize, digits: Digits, count: usize) -> Self {
-        let mut document = Self {
-            writer: Writer::with_capacity(512 + count.saturating_mul(digits.size())),
+    /// A document without arrays.
+    pub fn new(digits: Digits) -> Self {
+        Self {
             digits,
-            is_fresh: false,
-            measured: None,
-        };
-        document.value(head);
-        document.text().pop();
-        document
+            arrays: Vec::new(),
+        }
     }
 
-    /// Writes fields with arrays of numbers; binary ones after their encoding and the shape of
-    /// the first of them. If one of the numbers is too large for 32 bits all of them get 64,
-    /// so that none becomes infinite.
-    pub fn arrays(&mut self, shape: &[usize], fields: impl Fn(&mut Self)) {
-        if matches!(self.digits, Digits::Base64F32) {
-            let start = self.text().len();
-            self.measured = Some(true);
-            fields(self);
-            self.text().truncate(start);
-            if self.measured.take() == Some(false) {
-                self.digits = Digits::Base64;
-            }
-        }
-        let encoding = match self.digits {
-            Digits::Decimal(_) | Digits::Raw => None,
-            Digits::Base64 => Some("base64"),
-            Digits::Base64F32 => Some("base64_f32"),
-        };
-        if let Some(encoding) = encoding {
-            self.field("encoding", &encoding);
-            self.field("shape", &shape);
-        }
-        fields(self);
+    /// An array of points with this shape: the numbers of points and of coordinates.
+    pub fn points(&mut self, shape: &[usize], coordinates: impl Source) -> PointArray {
+        PointArray(self.array(shape, coordinates, Precision::Rounded))
     }
 
-    /// Writes fields with arrays of numbers that have 64 bits in any encoding.
-    pub fn precise(&mut self, fields: impl FnOnce(&mut Self)) {
-        let digits = self.digits;
-        if matches!(digits, Digits::Base64F32) {
+    /// An array of weights with this shape.
+    pub fn weights(&mut self, shape: &[usize], weights: impl Source) -> WeightArray {
+        WeightArray(self.array(shape, weights, Precision::Full))
+    }
+
+    /// A list of so many numbers.
+    pub fn numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
+        NumberArray(self.array(&[count], numbers, Precision::Full))
+    }
+
+    /// A list of so many numbers, which have 64 bits in any encoding.
+    pub fn exact_numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
+        NumberArray(self.array(&[count], numbers, Precision::Exact))
+    }
+
+    fn array(&mut self, shape: &[usize], numbers: impl Source, precision: Precision) -> Place {
+        // If a number is too large for 32 bits all of them get 64, so that none becomes infinite.
+        if matches!(self.digits, Digits::Base64F32)
+            && precision != Precision::Exact
+            && !fits_32_bits(shape.iter().product(), &numbers)
+        {
             self.digits = Digits::Base64;
         }
-        fields(self);
-        self.digits = digits;
-    }
-
-    /// Writes a field that is small.
-    pub fn field(&mut self, name: &str, value: &impl Serialize) {
-        self.key(name);
-        self.value(value);
-    }
-
-    /// Writes a field with an array of coordinates of this shape, the last index running fastest.
-    /// Coordinates are what may be rounded.
-    pub fn coordinates(&mut self, name: &str, shape: &[usize], numbers: impl Source) {
-        self.key(name);
-        self.numbers(shape, numbers, self.digits);
-    }
-
-    /// Writes a field with an array of other numbers.
-    pub fn array(&mut self, name: &str, shape: &[usize], numbers: impl Source) {
-        self.key(name);
-        let digits = match self.digits {
-            Digits::Decimal(_) => Digits::Decimal(None),
-            binary => binary,
-        };
-        self.numbers(shape, numbers, digits);
-    }
-
-    /// Writes a field with an object.
-    pub fn object(&mut self, name: &str, fields: impl FnOnce(&mut Self)) {
-        self.key(name);
-        self.within(b'{', b'}', fields);
-    }
-
-    /// Writes a field with a list of lists.
-    pub fn lists<T>(
-        &mut self,
-        name: &str,
-        items: impl Iterator<Item = T>,
-        mut elements: impl FnMut(&mut Self, T),
-    ) {
-        self.key(name);
-        self.within(b'[', b']', |document| {
-            for item in items {
-                document.separate();
-                document.within(b'[', b']', |document| elements(document, item));
-            }
+        self.arrays.push(Array {
+            shape: shape.into(),
+            numbers: Box::new(numbers),
+            precision,
         });
+        Place(self.arrays.len() as u8 - 1)
     }
 
-    /// Writes an element of a list.
-    pub fn element(&mut self, value: &impl Serialize) {
-        self.separate();
-        self.value(value);
-    }
-
-    /// Writes a point as an element of a list.
-    pub fn point(&mut self, coordinates: impl Iterator<Item = f64>) {
-        self.separate();
-        let coordinates: Vec<f64> = coordinates.collect();
-        self.numbers(&[coordinates.len()], coordinates, self.digits);
-    }
-
-    /// The object is complete.
-    pub fn finish(mut self) -> Content {
-        self.text().push(b'}');
-        self.writer.finish()
-    }
-
-    fn text(&mut self) -> &mut Vec<u8> {
-        self.writer.text()
-    }
-
-    fn within(&mut self, open: u8, close: u8, inner: impl FnOnce(&mut Self)) {
-        self.text().push(open);
-        self.is_fresh = true;
-        inner(self);
-        self.is_fresh = false;
-        self.text().push(close);
-    }
-
-    fn key(&mut self, name: &str) {
-        self.separate();
-        self.value(&name);
-        self.text().push(b':');
-    }
-
-    /// A comma, unless nothing stands before it.
-    fn separate(&mut self) {
-        if !std::mem::take(&mut self.is_fresh) {
-            self.text().push(b',');
+    /// How the arrays so far are written, if they are binary.
+    pub fn encoding(&self) -> Option<BinaryEncoding> {
+        match self.digits {
+            Digits::Decimal(_) | Digits::Raw => None,
+            Digits::Base64 => Some(BinaryEncoding::Base64),
+            Digits::Base64F32 => Some(BinaryEncoding::Base64F32),
         }
     }
 
-    /// The values that are written here always have a JSON form.
-    fn value(&mut self, value: &impl Serialize) {
-        if let Err(error) = serde_json::to_writer(self.text(), value) {
-            tracing::error!(%error, "a value has no JSON form");
+    /// The document of this answer, with the arrays in their places.
+    pub fn finish(self, answer: &impl Serialize) -> Content {
+        let mut text = Vec::with_capacity(1024);
+        let mut serializer = Serializer::with_formatter(&mut text, Marks);
+        if let Err(error) = answer.serialize(&mut serializer) {
+            tracing::error!(%error, "an answer has no JSON form");
+        }
+        let count: usize = self.arrays.iter().map(|array| array.shape.count()).sum();
+        let bytes = text.len() + count.saturating_mul(self.digits.size());
+        let mut writer = Writer::with_capacity(bytes);
+        let mut arrays: Vec<Option<Array>> = self.arrays.into_iter().map(Some).collect();
+        let mut parts = text.split(|byte| *byte == MARK);
+        writer.text().extend(parts.next().unwrap_or_default());
+        for part in parts {
+            let Some((place, after)) = part.split_first() else {
+                continue;
+            };
+            let array = arrays
+                .get_mut(usize::from(*place) - 1)
+                .and_then(Option::take);
+            if let Some(array) = array {
+                let digits = array.precision.digits(self.digits);
+                writer.array(array.shape, array.numbers, digits);
+            }
+            writer.text().extend(after);
+        }
+        writer.finish()
+    }
+}
+
+impl Precision {
+    fn digits(self, digits: Digits) -> Digits {
+        match (self, digits) {
+            (Self::Full | Self::Exact, Digits::Decimal(_)) => Digits::Decimal(None),
+            (Self::Exact, Digits::Base64F32) => Digits::Base64,
+            (_, digits) => digits,
         }
     }
+}
 
-    fn numbers(&mut self, shape: &[usize], numbers: impl Source, digits: Digits) {
-        match &mut self.measured {
-            Some(fits) => *fits &= fits_32_bits(shape.iter().product(), &numbers),
-            None => self.writer.array(shape.into(), numbers, digits),
-        }
+/// JSON as usual, but that a [`Place`] is a mark with the number of its array, counted from 1.
+struct Marks;
+
+/// JSON has no such byte: control characters are escaped in strings, and stand nowhere else.
+const MARK: u8 = 0;
+
+impl Formatter for Marks {
+    fn write_byte_array<W>(&mut self, writer: &mut W, value: &[u8]) -> io::Result<()>
+    where
+        W: ?Sized + io::Write,
+    {
+        let place = value.first().copied().unwrap_or_default();
+        writer.write_all(&[MARK, place + 1])
     }
 }

@@ -5,7 +5,9 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
-use super::{point_index, to_bytes};
+use super::error::PointIndex;
+use super::job::stream;
+use super::to_bytes;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
@@ -42,7 +44,7 @@ impl Serialize for Input<'_> {
         }
         fields.serialize_entry("method", &method(problem))?;
         fields.serialize_entry("stop", &stop(request))?;
-        if let Some(stream) = super::stream(outline) {
+        if let Some(stream) = stream(outline) {
             fields.serialize_entry("stream", &stream)?;
         }
         fields.end()
@@ -202,7 +204,7 @@ fn method(problem: &Problem) -> Value {
             if let Some(selected) = problem.selected() {
                 let indices = selected
                     .iter()
-                    .map(|&index| json!(point_index(index, problem)));
+                    .map(|&index| json!(PointIndex::new(index, problem)));
                 set("indices", indices.collect());
             }
             set("row_by_row", json!(row_by_row));

@@ -22,6 +22,16 @@ pub trait Source: Send + Sync + 'static {
     }
 }
 
+impl Source for Box<dyn Source> {
+    fn fill(&self, start: usize, numbers: &mut [f64]) {
+        self.as_ref().fill(start, numbers);
+    }
+
+    fn fits_32_bits(&self) -> Option<bool> {
+        self.as_ref().fits_32_bits()
+    }
+}
+
 impl Source for Vec<f64> {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         numbers.copy_from_slice(&self[start..start + numbers.len()]);

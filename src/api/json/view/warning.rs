@@ -1,33 +1,57 @@
 //! What is doubtful about a job.
 
+use schemars::JsonSchema;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::api::json::request::places::Places;
-use crate::fit::warning::Warning;
+use crate::fit::invalid::Axis;
+use crate::fit::warning as fit;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
 
-/// A warning as clients see it.
-#[derive(Serialize)]
-pub struct WarningView {
+/// What is doubtful about a fit that is computed even so.
+#[derive(Serialize, JsonSchema)]
+#[schemars(example = example())]
+pub struct Warning {
+    /// What it is. `few_points`: with knots at the data the degree is no less than the number of
+    /// points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
+    /// the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
+    /// `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
+    /// others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
+    /// after the last iteration. `without_data`: control points of a least-squares fit have no data
+    /// and stay. There may be others in later versions.
+    #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
+    /// A JSON pointer into the input of the job.
     pointer: String,
+    /// What is doubtful here, why, and what to do about it.
     detail: String,
 }
 
-/// What is doubtful about a job, as far as is known by now.
-pub fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<WarningView> {
-    let view = |warning: Warning| WarningView {
-        code: warning.code(),
-        pointer: pointer(&warning, outline, outline.bases_differ),
-        detail: warning.detail(),
-    };
-    outline.warnings(levels).map(view).collect()
+impl Warning {
+    /// What is doubtful about a job, as far as is known by now.
+    pub fn of(outline: &Outline, levels: Option<&Levels>) -> Vec<Self> {
+        let view = |warning: fit::Warning| Self {
+            code: warning.code(),
+            pointer: pointer(&warning, outline, outline.bases_differ),
+            detail: warning.detail(),
+        };
+        outline.warnings(levels).map(view).collect()
+    }
 }
 
 /// Where in the job's input the part stands that a warning is about; `each` if directions of surfaces
 /// have bases of their own there.
-pub fn pointer(warning: &Warning, outline: &Outline, each: bool) -> String {
+pub fn pointer(warning: &fit::Warning, outline: &Outline, each: bool) -> String {
     let columns = outline.surface.then_some(outline.grid.columns);
     Places::of_input(columns, each).pointer_to(warning.place())
+}
+
+fn example() -> Value {
+    let warning = fit::Warning::EvenDegree {
+        axis: Axis::U,
+        degree: 4,
+    };
+    json!({"code": warning.code(), "pointer": "/curve/basis/degree", "detail": warning.detail()})
 }

@@ -1,6 +1,8 @@
 //! Single iterations, results, and the limits of local fits.
 
 use super::{Content, OF_A_JOB};
+use crate::api::json::view::level::{FitResult, IterationEvent};
+use crate::api::json::view::limit::LimitView;
 use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use crate::export::Format;
@@ -37,7 +39,7 @@ pub fn iteration() -> Operation {
         "The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for. With `?format=` or an Accept header also as a file.",
     )
     .parameters(&["id", "k", "view", "samples", "encoding", "digits"])
-    .json(200, "The iteration.", "Iteration")
+    .json::<IterationEvent>(200, "The iteration.")
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoSuchIteration, Kind::NoExport])
 }
@@ -65,7 +67,7 @@ pub fn result() -> Operation {
         "The final curve or surface, with all digits. With `?format=` or an Accept header also as a file. Other views of it are those of the iteration `last`.",
     )
     .parameters(&["id", "encoding"])
-    .json(200, "The result.", "FitResult")
+    .json::<FitResult<'_>>(200, "The result.")
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoResult, Kind::NoExport])
 }
@@ -93,7 +95,7 @@ pub fn limit() -> Operation {
         "Local fits adjust some points. In the limit the curve or surface passes the others at a distance, which is known in closed form.",
     )
     .parameters(&["id"])
-    .json(200, "The difference vectors of the fixed points.", "Limit")
+    .json::<LimitView>(200, "The difference vectors of the fixed points.")
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoLimit])
 }

@@ -3,6 +3,9 @@
 use serde_json::{Value, json};
 
 use super::{NEGOTIATION, NEW_JOB, OF_A_JOB, WITH_A_JOB, events, job};
+use crate::api::json::request::JobRequest;
+use crate::api::json::request::edit::EditRequest;
+use crate::api::json::view::job::JobPage;
 use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::openapi::parameters::READER_ON_DISCONNECT;
 use crate::api::problem::Kind;
@@ -55,7 +58,7 @@ pub fn create() -> Operation {
         "Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters.",
     )
     .parameters(&["Prefer", "Idempotency-Key"])
-    .body("JobRequest", job_examples());
+    .body::<JobRequest>(job_examples());
     answered_with_job(operation)
 }
 
@@ -68,7 +71,7 @@ pub fn create_stream() -> Operation {
         "Makes a job as `/v1/jobs` does; the answer is its event stream. Some choices of parameters rule others out; that is answered with 400.",
     )
     .parameters(&[&["Idempotency-Key"], &STREAM[..]].concat())
-    .body("JobRequest", job_examples());
+    .body::<JobRequest>(job_examples());
     answered_with_events(operation)
 }
 
@@ -132,7 +135,7 @@ pub fn edit() -> Operation {
         "Makes a new job that starts from the control points of another one, which may still be running. Parameters and knots stay those of the parent, so that a moved point moves no other. Everything that is not given stays as it is. An Accept header that asks for events has the answer of `/v1/jobs/{id}/edits/stream`, with its parameters.",
     )
     .parameters(&["id", "Prefer", "Idempotency-Key"])
-    .body("EditRequest", edit_examples());
+    .body::<EditRequest>(edit_examples());
     answered_with_job(operation).problems(&[Kind::UnknownJob, Kind::NotFound])
 }
 
@@ -145,7 +148,7 @@ pub fn edit_stream() -> Operation {
         "Makes a new job as `/v1/jobs/{id}/edits` does; the answer is its event stream.",
     )
     .parameters(&[&["id", "Idempotency-Key"], &STREAM[..]].concat())
-    .body("EditRequest", edit_examples());
+    .body::<EditRequest>(edit_examples());
     answered_with_events(operation).problems(&[Kind::UnknownJob, Kind::NotFound])
 }
 
@@ -179,7 +182,7 @@ pub fn list() -> Operation {
         "The jobs that the server has, the newest first.",
     )
     .parameters(&["state", "limit", "cursor"])
-    .answer(200, "A page of the list.", &[json_of("JobPage")], &[])
+    .answer(200, "A page of the list.", &[json_of::<JobPage<'_>>()], &[])
     .problems(&NEGOTIATION)
 }
 
@@ -260,7 +263,7 @@ pub fn input() -> Operation {
     .answer(
         200,
         "The job as it was accepted.",
-        &[json_of("JobRequest")],
+        &[json_of::<JobRequest>()],
         &[],
     )
     .problems(&OF_A_JOB)

@@ -4,7 +4,9 @@ pub mod geometry;
 pub mod jobs;
 pub mod server;
 
-use super::operation::{json_of, reference};
+use super::operation::{json_of, schema_of};
+use crate::api::json::view::events::{EventLine, ServerSentEvent};
+use crate::api::json::view::job::JobView;
 use crate::api::language::{NDJSON, SSE};
 use crate::api::problem::Kind;
 use serde_json::{Value, json};
@@ -14,21 +16,22 @@ type Content = (&'static str, Value);
 
 /// A job.
 fn job() -> [Content; 1] {
-    [json_of("Job")]
+    [json_of::<JobView<'_>>()]
 }
 
 /// An event stream in its two framings of text. For generated clients both are strings; the schema of
 /// single events stands where OpenAPI 3.2 will have it, for this version has no word for streams.
 fn events() -> [Content; 2] {
-    let stream = |description: &str, event: &str| {
+    let stream = |description: &str, event: Value| {
         json!({
             "schema": {"type": "string", "description": description},
-            "x-itemSchema": reference("schemas", event),
+            "x-itemSchema": event,
         })
     };
+    let (event, line) = (schema_of::<ServerSentEvent>(), schema_of::<EventLine>());
     [
-        (SSE, stream("Server-sent events.", "ServerSentEvent")),
-        (NDJSON, stream("An event a line, as JSON.", "EventLine")),
+        (SSE, stream("Server-sent events.", event)),
+        (NDJSON, stream("An event a line, as JSON.", line)),
     ]
 }
 

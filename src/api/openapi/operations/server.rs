@@ -1,5 +1,7 @@
 //! The server itself.
 
+use crate::api::http::capabilities::Capabilities;
+use crate::api::http::info::{Health, Index, ProblemType, ProblemTypes};
 use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use serde_json::json;
@@ -15,7 +17,7 @@ pub fn index() -> Operation {
         "Show what this is",
         "The name of the service, and where to go on.",
     )
-    .json(200, "What this is.", "Index")
+    .json::<Index>(200, "What this is.")
 }
 
 /// `GET /v1/capabilities`
@@ -25,7 +27,7 @@ pub fn capabilities() -> Operation {
         "Show what the server can do",
         "Bases, methods, formats and limits.",
     )
-    .json(200, "What the server can do.", "Capabilities")
+    .json::<Capabilities>(200, "What the server can do.")
 }
 
 /// `GET /problems`
@@ -35,7 +37,7 @@ pub fn problems() -> Operation {
         "List the kinds of problems",
         "All values that the `type` of a problem object may have.",
     )
-    .json(200, "All kinds.", "ProblemTypes")
+    .json::<ProblemTypes>(200, "All kinds.")
 }
 
 /// `GET /problems/{slug}`
@@ -46,7 +48,7 @@ pub fn problem() -> Operation {
         "What the `type` of a problem object stands for.",
     )
     .parameters(&["slug"])
-    .json(200, "The kind.", "ProblemType")
+    .json::<ProblemType>(200, "The kind.")
     .problems(&[Kind::NotFound])
 }
 
@@ -69,7 +71,7 @@ pub fn livez() -> Operation {
         "Ask whether the server lives",
         "It answers while the process is alive.",
     )
-    .json(200, "It lives.", "Health")
+    .json::<Health>(200, "It lives.")
 }
 
 /// `GET /readyz`
@@ -79,7 +81,7 @@ pub fn readyz() -> Operation {
         "Ask whether the server takes work",
         "It answers 503 while the server stops.",
     )
-    .json(200, "It takes work.", "Health")
+    .json::<Health>(200, "It takes work.")
     .problems(&[Kind::Stopping])
 }
 

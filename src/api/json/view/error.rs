@@ -1,0 +1,127 @@
+//! Distances from the data, and the indices of data points.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Serialize;
+
+use super::examples;
+use crate::api::json::request::method::Index;
+use crate::fit::method::Method;
+use crate::fit::norms;
+use crate::fit::problem::Problem;
+use crate::job::outline::Outline;
+
+/// How the data points of a job are numbered, and whether some of them are fixed.
+#[derive(Clone, Copy)]
+pub struct Arrangement {
+    /// On surfaces the number of columns.
+    columns: Option<usize>,
+    local: bool,
+}
+
+impl From<&Problem> for Arrangement {
+    fn from(problem: &Problem) -> Self {
+        Self {
+            columns: problem.v().map(|_| problem.grid().columns),
+            local: matches!(problem.method(), Method::Local(_)),
+        }
+    }
+}
+
+impl From<&Outline> for Arrangement {
+    fn from(outline: &Outline) -> Self {
+        Self {
+            columns: outline.surface.then_some(outline.grid.columns),
+            local: matches!(outline.method, Method::Local(_)),
+        }
+    }
+}
+
+/// Distances from the data points; of local fits from the adjusted ones. Null where a distance is infinite.
+#[derive(Serialize, JsonSchema)]
+#[schemars(example = examples::error())]
+pub struct FitError {
+    /// The largest distance.
+    max: Distance,
+    /// The root mean square of the distances.
+    rms: Distance,
+    /// The sum of the distances.
+    sum: Distance,
+    /// The data point with the largest distance.
+    at: PointIndex,
+    /// Local fits: the largest distance of the points that are not adjusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fixed_max: Option<f64>,
+    /// Homogeneous fits: the largest distance in homogeneous coordinates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    homogeneous: Option<f64>,
+    /// Least squares: the gradient, which is zero at the minimum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient: Option<f64>,
+}
+
+impl FitError {
+    /// The distances of a level from the data.
+    pub fn new(error: &norms::FitError, of: impl Into<Arrangement>) -> Self {
+        let of = of.into();
+        Self {
+            max: Distance(error.max),
+            rms: Distance(error.rms),
+            sum: Distance(error.sum),
+            at: PointIndex::new(error.at, of),
+            fixed_max: error.fixed_max.filter(|_| of.local),
+            homogeneous: error.homogeneous,
+            gradient: error.gradient,
+        }
+    }
+}
+
+/// A distance. It is infinite at a point whose weight is not positive, and null in JSON then.
+#[derive(Clone, Copy, Serialize)]
+struct Distance(f64);
+
+impl JsonSchema for Distance {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Distance".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": ["number", "null"]})
+    }
+}
+
+/// The index of a data point: on surfaces `[row, column]`.
+#[derive(Clone, Copy, Serialize)]
+#[serde(untagged)]
+pub enum PointIndex {
+    /// Of a curve.
+    OfCurve(usize),
+    /// Of a surface: row and column.
+    OfSurface([usize; 2]),
+}
+
+impl PointIndex {
+    /// The index of a point that is numbered row by row.
+    pub fn new(index: usize, of: impl Into<Arrangement>) -> Self {
+        match of.into().columns {
+            None => Self::OfCurve(index),
+            Some(columns) => Self::OfSurface([index / columns, index % columns]),
+        }
+    }
+}
+
+/// Points are numbered in answers as in requests.
+impl JsonSchema for PointIndex {
+    fn schema_name() -> Cow<'static, str> {
+        Index::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Index::json_schema(generator)
+    }
+}

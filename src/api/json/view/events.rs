@@ -1,0 +1,259 @@
+//! What event streams say first and last, and what their events are.
+
+use std::sync::Arc;
+
+use bytes::Bytes;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Serialize;
+use serde_json::json;
+use uuid::Uuid;
+
+use super::arrays::{KnotArray, NumberArray};
+use super::document::{BinaryEncoding, Document};
+use super::error::FitError;
+use super::job::{AppliedMethod, AppliedStop, Geometry, Links, Prediction, failure, path};
+use super::level::{IterationEvent, each, fixed_weights, knots, line, rational};
+use super::warning::Warning;
+use super::writer::Digits;
+use super::{examples, to_bytes};
+use crate::api::json::per_direction::PerDirection;
+use crate::api::json::read::values::Count;
+use crate::api::json::request::{BasisKind, RationalRequest};
+use crate::api::json::schema::schema_of;
+use crate::api::problem::ProblemBody;
+use crate::fit::problem::Problem;
+use crate::job::Job;
+use crate::job::content::Content;
+use crate::job::state::{Levels, Reason, State, Status};
+
+/// The data of the `job` event: all that does not change from iteration to iteration.
+#[derive(Serialize, JsonSchema)]
+#[schemars(example = examples::job_event())]
+pub struct JobEvent<'a> {
+    /// The id of the job.
+    id: Uuid,
+    /// The client's name for it.
+    name: Option<&'a str>,
+    /// Curve or surface.
+    kind: Geometry,
+    /// The number of data points.
+    points: usize,
+    /// The number of coordinates.
+    #[schemars(range(min = 1, max = 3))]
+    dimension: usize,
+    /// The number of control points in each event, end copies included.
+    control_points: PerDirection<Count>,
+    /// The basis.
+    #[schemars(with = "PerDirection<BasisKind>")]
+    basis: PerDirection<&'static str>,
+    /// The degree.
+    degree: PerDirection<Count>,
+    /// Whether it is periodic.
+    closed: PerDirection<bool>,
+    /// How weights are used, if there are any.
+    #[schemars(with = "Option<RationalRequest>")]
+    rational: Option<&'static str>,
+    /// The method, with numbers that were computed for it.
+    method: AppliedMethod,
+    /// How fast it converges, by what is known at iteration 0.
+    predicted: Prediction,
+    /// When it ends.
+    stop: AppliedStop,
+    /// The paths of the job.
+    links: Links,
+    /// What is doubtful about it; some of that is found out only when the job begins to run.
+    warnings: Vec<Warning>,
+    /// How weights, knots and parameters are written, if they are binary: always with 64 bits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    encoding: Option<BinaryEncoding>,
+    /// Fixed weights of the control points, end copies included.
+    weights: Option<PerDirection<NumberArray>>,
+    /// The knots.
+    knots: PerDirection<KnotArray>,
+    /// The parameters of the data points.
+    parameters: PerDirection<NumberArray>,
+}
+
+/// The data of the `job` event. Its arrays are decimal, or of 64 bits in base64.
+pub fn description(
+    job: &Job,
+    problem: &Arc<Problem>,
+    levels: Option<Levels>,
+    in_base64: bool,
+) -> Content {
+    let mut document = Document::new(match in_base64 {
+        true => Digits::Base64,
+        false => Digits::Decimal(None),
+    });
+    let outline = job.outline();
+    let event = JobEvent {
+        id: outline.id,
+        name: outline.label.name.as_deref(),
+        kind: Geometry::of(outline),
+        points: problem.grid().count(),
+        dimension: problem.dimension(),
+        control_points: each(problem, |_, direction| Count(direction.basis.functions())),
+        basis: each(problem, |_, direction| direction.basis.name()),
+        degree: each(problem, |_, direction| Count(direction.basis.degree())),
+        closed: each(problem, |_, direction| direction.is_closed()),
+        rational: rational(problem),
+        method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
+        predicted: Prediction::at_first(levels),
+        stop: AppliedStop::new(outline),
+        links: Links::new(job),
+        warnings: Warning::of(outline, levels.as_ref()),
+        encoding: document.encoding(),
+        weights: fixed_weights(&mut document, problem),
+        knots: knots(&mut document, problem),
+        parameters: each(problem, |axis, _| {
+            let line = line(problem, axis, |it| it.parameters.as_slice().into());
+            document.numbers(line.count(), line)
+        }),
+    };
+    document.finish(&event)
+}
+
+/// The data of the `end` event.
+#[derive(Serialize, JsonSchema)]
+#[schemars(example = examples::end())]
+pub struct EndEvent {
+    /// The final state.
+    #[schemars(with = "State")]
+    state: &'static str,
+    /// Why it ended, where the state does not say it.
+    #[schemars(with = "Option<Reason>")]
+    reason: Option<&'static str>,
+    /// The reason in words, with what is left.
+    detail: Option<String>,
+    /// The number of the last iteration.
+    iterations: usize,
+    /// The distances at that iteration.
+    error: Option<FitError>,
+    /// Seconds from the beginning of the computation to the end.
+    elapsed: Option<f64>,
+    /// Where to go on.
+    links: EndLinks,
+    /// Why it failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problem: Option<ProblemBody>,
+}
+
+/// Paths of a job that has ended.
+#[derive(Serialize, JsonSchema)]
+#[schemars(example = examples::end_links())]
+pub struct EndLinks {
+    /// The job.
+    #[serde(rename = "self")]
+    #[schemars(extend("format" = "uri-reference"))]
+    itself: String,
+    /// The final curve or surface.
+    #[schemars(extend("format" = "uri-reference"))]
+    result: String,
+}
+
+/// The data of the `end` event.
+pub fn end(job: &Job, status: &Status) -> Bytes {
+    let level = status.levels.map(|levels| levels.last);
+    let times = status.started.zip(status.finished);
+    to_bytes(&EndEvent {
+        state: status.state.name(),
+        reason: status.reason.map(Reason::name),
+        detail: status.detail(job.outline().tolerance),
+        iterations: level.map_or(0, |level| level.iteration),
+        error: level.map(|level| FitError::new(&level.error, job.outline())),
+        elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
+        links: EndLinks {
+            itself: path(job),
+            result: format!("{}/result", path(job)),
+        },
+        problem: failure(status),
+    })
+}
+
+/// A server-sent event.
+pub enum ServerSentEvent {}
+
+schema_of!(
+    ServerSentEvent,
+    "ServerSentEvent",
+    json_schema!({
+        "description": "The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. Comments keep quiet streams open.",
+        "type": "object",
+        "properties": {
+            "event": {"description": "What has happened.", "type": "string", "enum": ["job", "iteration", "end"]},
+            "id": {"description": "The number of the iteration, or `end`.", "type": "string", "pattern": "^([0-9]+|end)$"},
+            "data": {
+                "description": "What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
+                "type": "string",
+                "contentMediaType": "application/json",
+            },
+        },
+        "required": ["event", "data"],
+        "examples": [{"event": "iteration", "id": "1", "data": "{\"iteration\":1,\"error\":{…},\"moved\":4,\"control_points\":[…]}"}],
+    })
+);
+
+/// An event as a line of JSON.
+pub enum EventLine {}
+
+schema_of!(EventLine, "EventLine", generator => {
+    let lines = [
+        ("job", generator.subschema_for::<JobLine>()),
+        ("iteration", generator.subschema_for::<IterationLine>()),
+        ("end", generator.subschema_for::<EndLine>()),
+    ];
+    let reference = |(name, line): &(&str, Schema)| Some(((*name).to_owned(), line.get("$ref")?.clone()));
+    let mapping: serde_json::Map<_, _> = lines.iter().filter_map(reference).collect();
+    json_schema!({
+        "description": "An event as a line of JSON: the same as a server-sent event, and no comments.",
+        "oneOf": lines.map(|(_, line)| line),
+        "discriminator": {"propertyName": "event", "mapping": mapping},
+        "examples": [{"event": "iteration", "id": 1, "data": examples::iteration()}],
+    })
+});
+
+enum JobLine {}
+enum IterationLine {}
+enum EndLine {}
+
+schema_of!(JobLine, "JobLine", generator => line_schema::<JobEvent<'_>>(generator, "job", None, json!({
+    "event": "job", "data": examples::job_event(),
+})));
+schema_of!(IterationLine, "IterationLine", generator => line_schema::<IterationEvent>(generator, "iteration", Some(json_schema!({
+    "description": "The number of the iteration.", "type": "integer", "minimum": 0,
+})), json!({
+    "event": "iteration", "id": 1, "data": examples::iteration(),
+})));
+schema_of!(EndLine, "EndLine", generator => line_schema::<EndEvent>(generator, "end", Some(json_schema!({
+    "description": "The id of the event.", "type": "string", "const": "end",
+})), json!({
+    "event": "end", "id": "end", "data": examples::end(),
+})));
+
+/// The line of an event with these data.
+fn line_schema<T: JsonSchema>(
+    generator: &mut SchemaGenerator,
+    name: &str,
+    id: Option<Schema>,
+    example: serde_json::Value,
+) -> Schema {
+    let mut data = generator.subschema_for::<T>();
+    data.insert("description".to_owned(), json!("What is to be said of it."));
+    let mut schema = json_schema!({
+        "description": format!("The `{name}` event as a line."),
+        "type": "object",
+        "properties": {
+            "event": {"description": "What has happened.", "type": "string", "const": name},
+            "data": data,
+        },
+        "required": ["event", "data"],
+        "examples": [example],
+    });
+    if let Some(id) = id {
+        schema.insert("required".to_owned(), json!(["event", "id", "data"]));
+        if let Some(fields) = schema.get_mut("properties") {
+            fields["id"] = id.to_value();
+        }
+    }
+    schema
+}

@@ -1,0 +1,369 @@
+//! Jobs as resources.
+
+use jiff::Timestamp;
+use schemars::{JsonSchema, json_schema};
+use serde::Serialize;
+use uuid::Uuid;
+
+use super::error::FitError;
+use super::examples;
+use super::warning::Warning;
+use crate::api::json::per_direction::PerDirection;
+use crate::api::json::read::values::Count;
+use crate::api::json::request::method::{Kind, StartRequest, VariantRequest};
+use crate::api::json::schema::schema_of;
+use crate::api::problem::{Problem, ProblemBody};
+use crate::fit::method::{Adaptive, Extended, Local, Method, Start, Variant, Weighted};
+use crate::fit::outcome::Stall;
+use crate::fit::system::Forecast;
+use crate::job::Job;
+use crate::job::outline::Outline;
+use crate::job::state::{Levels, Reason, State, Status};
+use crate::model::stream::StreamSpec;
+
+/// A fit as it stands.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "Job", example = examples::job())]
+pub struct JobView<'a> {
+    /// Its id; ids grow with time.
+    id: Uuid,
+    /// The client's name for it.
+    name: Option<&'a str>,
+    /// Curve or surface.
+    kind: Geometry,
+    /// Where it is in its life.
+    #[schemars(with = "State")]
+    state: &'static str,
+    /// Why it ended, where the state does not say it.
+    #[schemars(with = "Option<Reason>")]
+    reason: Option<&'static str>,
+    /// The reason in words, with what is left.
+    detail: Option<String>,
+    /// What is doubtful about it; some of that is found out only when the job begins to run.
+    warnings: Vec<Warning>,
+    /// The number of data points.
+    points: usize,
+    /// The method.
+    method: AppliedMethod,
+    /// When it ends.
+    stop: AppliedStop,
+    /// What its streams are like, if the job says it.
+    stream: Option<&'a StreamSpec>,
+    /// The last iteration so far.
+    iteration: Option<usize>,
+    /// How fast it converges, by what is known at that iteration.
+    predicted: Prediction,
+    /// The distances at that iteration.
+    error: Option<FitError>,
+    /// How far it is.
+    #[schemars(range(min = 0, max = 1))]
+    progress: f64,
+    /// When it was accepted.
+    created_at: Timestamp,
+    /// When it began to run.
+    started_at: Option<Timestamp>,
+    /// When it ended.
+    finished_at: Option<Timestamp>,
+    /// Its paths.
+    links: Links,
+    /// The job of which it is an edit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parent: Option<Parent>,
+    /// Why it failed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problem: Option<ProblemBody>,
+}
+
+impl<'a> JobView<'a> {
+    /// The job as it stands.
+    pub fn new(job: &'a Job) -> Self {
+        let status = job.status();
+        let outline = job.outline();
+        let level = status.levels.map(|levels| levels.last);
+        let forecast = status.levels.map(|levels| levels.forecast);
+        let parent = outline.label.parent;
+        Self {
+            id: outline.id,
+            name: outline.label.name.as_deref(),
+            kind: Geometry::of(outline),
+            state: status.state.name(),
+            reason: status.reason.map(Reason::name),
+            detail: status.detail(outline.tolerance),
+            warnings: Warning::of(outline, status.levels.as_ref()),
+            points: outline.grid.count(),
+            method: AppliedMethod::new(outline, forecast),
+            stop: AppliedStop::new(outline),
+            stream: stream(outline),
+            iteration: level.map(|level| level.iteration),
+            predicted: Prediction {
+                rate: forecast.and_then(|it| it.rate),
+                iterations: level.and_then(|level| level.predicted),
+            },
+            error: level.map(|level| FitError::new(&level.error, outline)),
+            progress: status.progress(outline),
+            created_at: outline.created,
+            started_at: status.started,
+            finished_at: status.finished,
+            links: Links::new(job),
+            parent: parent.map(|it| Parent {
+                id: it.id,
+                iteration: it.iteration,
+            }),
+            problem: failure(&status),
+        }
+    }
+}
+
+/// Why a job has failed.
+pub(super) fn failure(status: &Status) -> Option<ProblemBody> {
+    status.failure.map(|it| Problem::from(it).body(None))
+}
+
+/// A page of the list of jobs.
+#[derive(Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"jobs": [], "next": null}]))]
+pub struct JobPage<'a> {
+    /// Jobs, the newest first.
+    pub jobs: Vec<JobView<'a>>,
+    /// The next page, if there is one.
+    #[schemars(extend("format" = "uri-reference"))]
+    pub next: Option<String>,
+}
+
+/// What is fitted.
+#[derive(Clone, Copy, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(rename = "GeometryKind", example = Self::Curve)]
+pub enum Geometry {
+    /// A curve.
+    Curve,
+    /// A surface.
+    Surface,
+}
+
+impl Geometry {
+    /// What a job fits.
+    pub fn of(outline: &Outline) -> Self {
+        if outline.surface {
+            Self::Surface
+        } else {
+            Self::Curve
+        }
+    }
+}
+
+/// The method of a job, with numbers that were computed for it.
+#[derive(Default, Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"kind": "weighted", "omega": 1.37, "lambda_min": 0.46}]))]
+pub struct AppliedMethod {
+    /// The kind.
+    #[schemars(with = "Kind")]
+    kind: &'static str,
+    /// Weighted: the relaxation; null until it is computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    omega: Option<Option<f64>>,
+    /// Local: how many control points may move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adjusted: Option<Option<usize>>,
+    /// Local: whether rows are swept one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    row_by_row: Option<bool>,
+    /// Adaptive: the distance beyond which control points move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    threshold: Option<f64>,
+    /// Extended: what iteration 0 is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<StartRequest>")]
+    start: Option<&'static str>,
+    /// Least squares: the number of control points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    control_points: Option<PerDirection<Count>>,
+    /// Least squares: the step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<VariantRequest>")]
+    variant: Option<&'static str>,
+    /// The least eigenvalue of the collocation matrix, where it is known; of local fits of few points
+    /// that of their block.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lambda_min: Option<f64>,
+}
+
+impl AppliedMethod {
+    /// The method with its settings, and with the numbers that were computed for it.
+    pub fn new(outline: &Outline, forecast: Option<Forecast>) -> Self {
+        let kind = outline.method.name();
+        let mut view = match &outline.method {
+            &Method::Weighted(Weighted { omega }) => Self {
+                omega: Some(forecast.and_then(|it| it.omega).or(omega)),
+                ..Self::default()
+            },
+            &Method::Local(Local { row_by_row }) => Self {
+                adjusted: Some(outline.adjusted),
+                row_by_row: Some(row_by_row),
+                ..Self::default()
+            },
+            &Method::Adaptive(Adaptive { threshold }) => Self {
+                threshold: Some(threshold),
+                ..Self::default()
+            },
+            &Method::Extended(Extended { start }) => Self {
+                start: Some(match start {
+                    Start::Transformed => "transformed",
+                    Start::Data => "data",
+                }),
+                ..Self::default()
+            },
+            Method::LeastSquares(settings) => Self {
+                control_points: Some(match outline.surface {
+                    false => PerDirection::Both(Count(settings.u)),
+                    true => PerDirection::Each {
+                        u: Count(settings.u),
+                        v: Count(settings.v),
+                    },
+                }),
+                variant: Some(match settings.variant {
+                    Variant::Diagonal => "diagonal",
+                    Variant::Lspia { .. } => "lspia",
+                    Variant::ConjugateGradients => "cg",
+                }),
+                ..Self::default()
+            },
+            _ => Self::default(),
+        };
+        view.kind = kind;
+        view.lambda_min = forecast.and_then(|it| it.block.or(it.lambda_min));
+        view
+    }
+}
+
+/// When the iteration ends.
+#[derive(Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"tolerance": 1e-6, "max_iterations": 1000}]))]
+pub struct AppliedStop {
+    /// The largest allowed distance, in data units.
+    tolerance: f64,
+    /// The last iteration that is computed.
+    max_iterations: usize,
+}
+
+impl AppliedStop {
+    /// The stop rules of a job.
+    pub fn new(outline: &Outline) -> Self {
+        Self {
+            tolerance: outline.tolerance,
+            max_iterations: outline.max_iterations,
+        }
+    }
+}
+
+/// How the streams of a job go if they do not say it themselves.
+pub(super) fn stream(outline: &Outline) -> Option<&StreamSpec> {
+    outline.label.stream.as_deref()
+}
+
+/// What is known of the convergence.
+#[derive(Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"rate": 0.8, "iterations": 60}]))]
+pub struct Prediction {
+    /// The factor by which the error shrinks in each iteration, in the long run.
+    rate: Option<f64>,
+    /// About how many iterations it takes in all; null where nobody knows.
+    iterations: Option<usize>,
+}
+
+impl Prediction {
+    /// What is known at iteration 0.
+    pub fn at_first(levels: Option<Levels>) -> Self {
+        Self {
+            rate: levels.and_then(|levels| levels.forecast.rate),
+            iterations: levels.and_then(|levels| levels.first.predicted),
+        }
+    }
+}
+
+/// The job of which another one is an edit.
+#[derive(Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"id": examples::ID, "iteration": 38}]))]
+pub struct Parent {
+    /// Its id.
+    id: Uuid,
+    /// The iteration from whose control points the edit started.
+    iteration: usize,
+}
+
+/// Paths of a job.
+#[derive(Serialize, JsonSchema)]
+#[schemars(example = examples::links())]
+pub struct Links {
+    /// The job.
+    #[serde(rename = "self")]
+    #[schemars(extend("format" = "uri-reference"))]
+    itself: String,
+    /// Its event stream.
+    #[schemars(extend("format" = "uri-reference"))]
+    events: String,
+    /// The job as it was asked for.
+    #[schemars(extend("format" = "uri-reference"))]
+    input: String,
+    /// The final curve or surface.
+    #[schemars(extend("format" = "uri-reference"))]
+    result: String,
+    /// Where edits are posted.
+    #[schemars(extend("format" = "uri-reference"))]
+    edits: String,
+    /// Where the fixed points of a local fit end.
+    #[schemars(extend("format" = "uri-reference"))]
+    limit: String,
+    /// Where a POST stops it.
+    #[schemars(extend("format" = "uri-reference"))]
+    cancel: String,
+}
+
+impl Links {
+    /// The paths of a job.
+    pub fn new(job: &Job) -> Self {
+        let base = path(job);
+        Self {
+            events: format!("{base}/events"),
+            input: format!("{base}/input"),
+            result: format!("{base}/result"),
+            edits: format!("{base}/edits"),
+            limit: format!("{base}/limit"),
+            cancel: format!("{base}/cancel"),
+            itself: base,
+        }
+    }
+}
+
+/// The path of a job.
+pub fn path(job: &Job) -> String {
+    format!("/v1/jobs/{}", job.id())
+}
+
+schema_of!(
+    State,
+    "JobState",
+    json_schema!({
+        "description": "Where a job is in its life: queued → running → converged (within the tolerance) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.",
+        "type": "string",
+        "enum": State::ALL.map(State::name),
+        "examples": ["converged"],
+    })
+);
+
+schema_of!(
+    Reason,
+    "EndReason",
+    json_schema!({
+        "description": "Why a job ended, where its state does not say it.",
+        "type": "string",
+        "enum": [
+            Reason::Stationary.name(),
+            Reason::Stalled(Stall::Convexity).name(),
+            Reason::Stalled(Stall::Nilpotent).name(),
+            Reason::Stalled(Stall::Rounding).name(),
+            Reason::Stalled(Stall::Diverging).name(),
+        ],
+        "examples": ["stationary"],
+    })
+);

@@ -1,0 +1,37 @@
+//! Where the difference vectors of the fixed points of a local fit end.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::error::PointIndex;
+use crate::fit::limit::LocalLimit;
+use crate::fit::problem::Problem;
+
+/// Where the difference vectors of the fixed points of a local fit end.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "Limit")]
+#[schemars(extend("examples" = [{"points": [0, 3], "differences": [[0.0, 0.0], [0.1, -0.2]], "max": 0.223606797749979}]))]
+pub struct LimitView {
+    /// The fixed data points.
+    points: Vec<PointIndex>,
+    /// Their difference vectors, from the limit to the data point, in the same order.
+    differences: Vec<Vec<f64>>,
+    /// The length of the longest of them.
+    max: f64,
+}
+
+impl LimitView {
+    /// The limit of a fit.
+    pub fn new(problem: &Problem, limit: &LocalLimit) -> Self {
+        let indices = limit.fixed.iter();
+        let vectors = (0..limit.differences.len()).map(|i| limit.differences.point(i));
+        Self {
+            points: indices.map(|&i| PointIndex::new(i, problem)).collect(),
+            max: vectors
+                .clone()
+                .map(|it| it.fold(0.0, f64::hypot))
+                .fold(0.0, f64::max),
+            differences: vectors.map(Iterator::collect).collect(),
+        }
+    }
+}
