@@ -47,13 +47,47 @@ pub enum Place {
     /// The method.
     Method,
     /// A setting of the method.
-    Setting(&'static str),
+    Setting(Setting),
+    /// The matrix of a custom transform in a direction.
+    Transform(Axis),
+    /// One row of it.
+    TransformRow(Axis, usize),
+    /// One entry of it: row and column.
+    TransformEntry(Axis, usize, usize),
     /// One of the indices of a local fit.
     Index(usize),
     /// The absolute tolerance.
     Tolerance,
     /// The tolerance relative to the bounding box.
     RelativeTolerance,
+}
+
+/// A setting of a method that can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// The relaxation ω of weighted PIA.
+    Omega,
+    /// The threshold of adaptive PIA.
+    Threshold,
+    /// The step μ of least-squares PIA.
+    Mu,
+    /// The indices of local PIA.
+    Indices,
+    /// Whether local PIA goes row by row.
+    RowByRow,
+}
+
+impl Setting {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Omega => "omega",
+            Self::Threshold => "threshold",
+            Self::Mu => "mu",
+            Self::Indices => "indices",
+            Self::RowByRow => "row_by_row",
+        }
+    }
 }
 
 /// Why a problem is refused. The text names the index, the value and the rule.
@@ -173,8 +207,8 @@ pub enum Invalid {
     NotSeparable,
     #[error("omega is {value}; weighted PIA converges for omega between 0 and 2 only")]
     Omega { value: f64 },
-    #[error("{name} is {value}; it must be a finite number greater than 0")]
-    NotPositive { name: &'static str, value: f64 },
+    #[error("{name} is {value}; it must be a finite number greater than 0", name = setting.name())]
+    NotPositive { setting: Setting, value: f64 },
     #[error("there is no index to adjust")]
     NoIndices,
     #[error("index {index} is {value}, but there are {count} points")]
@@ -200,6 +234,42 @@ pub enum Invalid {
         "{method} needs a collocation matrix with positive real eigenvalues, and this one, of a basis that is not totally positive, has others; use extended or direct"
     )]
     ComplexSpectrum { method: &'static str },
+    #[error("the transform has {given} rows; it is limited to {limit}")]
+    TransformTooLarge {
+        axis: Axis,
+        given: usize,
+        limit: usize,
+    },
+    #[error(
+        "the transform has {given} rows, but there are {expected} control points: it needs a row and a column for each"
+    )]
+    TransformRows {
+        axis: Axis,
+        given: usize,
+        expected: usize,
+    },
+    #[error(
+        "row {row} of the transform has {given} entries; it needs {expected}, one for each data point"
+    )]
+    TransformColumns {
+        axis: Axis,
+        row: usize,
+        given: usize,
+        expected: usize,
+    },
+    #[error("entry {column} of row {row} is {value}, which is not a finite number")]
+    TransformEntry {
+        axis: Axis,
+        row: usize,
+        column: usize,
+        value: f64,
+    },
+    #[error("a curve has one direction, and its transform one matrix")]
+    TransformOfCurve,
+    #[error(
+        "the transform U diverges: with this basis and these parameters the spectral radius of I − U B is {rate:.3}, and it must be below 1"
+    )]
+    TransformDiverges { rate: f64 },
     #[error("{given} parameters for {expected} points")]
     ParameterCount {
         axis: Axis,
@@ -325,11 +395,11 @@ pub enum Invalid {
 
 impl Invalid {
     /// Refuses a setting that is not a finite number greater than 0.
-    pub(super) fn unless_positive(name: &'static str, value: f64) -> Result<(), Self> {
+    pub(super) fn unless_positive(setting: Setting, value: f64) -> Result<(), Self> {
         if value > 0.0 && value.is_finite() {
             Ok(())
         } else {
-            Err(Self::NotPositive { name, value })
+            Err(Self::NotPositive { setting, value })
         }
     }
 
@@ -375,12 +445,20 @@ impl Invalid {
             Self::Weight { index, .. } | Self::WeightTooSmall { index, .. } => Place::Weight(index),
             Self::AxisWeight { axis, index, .. } => Place::AxisWeight(axis, index),
             Self::AxisWeightCount { axis, .. } => Place::AxisWeights(axis),
-            Self::Omega { .. } => Place::Setting("omega"),
-            Self::NotPositive { name, .. } => Place::Setting(name),
-            Self::NoIndices => Place::Setting("indices"),
+            Self::Omega { .. } => Place::Setting(Setting::Omega),
+            Self::NotPositive { setting, .. } => Place::Setting(setting),
+            Self::NoIndices => Place::Setting(Setting::Indices),
             Self::IndexOutside { index, .. } | Self::IndexRepeated { index } => Place::Index(index),
-            Self::RowsOfCurve => Place::Setting("row_by_row"),
-            Self::StartCount { .. } => Place::Method,
+            Self::RowsOfCurve => Place::Setting(Setting::RowByRow),
+            Self::TransformTooLarge { axis, .. } | Self::TransformRows { axis, .. } => {
+                Place::Transform(axis)
+            }
+            Self::TransformColumns { axis, row, .. } => Place::TransformRow(axis, row),
+            Self::TransformEntry {
+                axis, row, column, ..
+            } => Place::TransformEntry(axis, row, column),
+            Self::TransformOfCurve => Place::Transform(Axis::V),
+            Self::StartCount { .. } | Self::TransformDiverges { .. } => Place::Method,
             Self::NotPlanar { .. } | Self::Diverges { .. } | Self::ComplexSpectrum { .. } => {
                 Place::Method
             }

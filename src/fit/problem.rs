@@ -149,7 +149,18 @@ impl Problem {
             2 * direction.parameters.len() * size_of::<f64>()
                 + demand.matrices * Collocation::memory(direction)
         });
-        directions.sum::<usize>() + arrays
+        directions.sum::<usize>() + arrays + demand.bytes
+    }
+
+    /// Multiplications of one iteration: the measure of how long a step takes.
+    pub fn step_cost(&self) -> usize {
+        self.residual_cost() + self.method().scheme().step_cost(self)
+    }
+
+    /// About how many multiplications prepare the first iteration.
+    pub fn start_cost(&self) -> usize {
+        let method = self.method().scheme().start_cost(self);
+        self.preparation_cost().saturating_add(method)
     }
 }
 

@@ -130,8 +130,8 @@ impl Setup {
         self.clustered
     }
 
-    /// Multiplications of one iteration: the measure of how long a step takes.
-    pub fn step_cost(&self) -> usize {
+    /// Multiplications of the residual `P − B X`, of all coordinates.
+    pub(super) fn residual_cost(&self) -> usize {
         let widths = self
             .directions()
             .map(|direction| direction.basis.support_width());
@@ -140,7 +140,7 @@ impl Setup {
 
     /// About how many multiplications prepare the first iteration: evaluating the basis, and the
     /// eliminations that the spectrum and the method need.
-    pub fn start_cost(&self) -> usize {
+    pub(super) fn preparation_cost(&self) -> usize {
         let each = self.directions().map(|direction| {
             let width = direction.basis.support_width();
             let elimination = direction.parameters.len().saturating_mul(width * width);

@@ -1,8 +1,7 @@
 //! The transform U of the update `X ← X + U Δ`, as far as it is a fixed linear map.
 
-use super::linear::Inverse;
-use super::linear::apply_tensor;
 use super::linear::qr::Orthogonal;
+use super::linear::{DenseMap, Inverse, apply_tensor};
 use super::points::Points;
 use super::tensor::Tensor;
 
@@ -15,6 +14,8 @@ pub(super) enum Transform {
     Orthogonal(Orthogonal, Option<Orthogonal>),
     /// `U = B⁻¹`, of each direction.
     Inverse(Inverse, Option<Inverse>),
+    /// Any matrix, of each direction.
+    Dense(DenseMap, Option<DenseMap>),
     /// `U = Bᵀ / ρ`.
     Transposed {
         /// ρ(B Bᵀ).
@@ -49,6 +50,7 @@ impl Transform {
             }
             Self::Orthogonal(u, v) => apply_tensor(u, v.as_ref(), grid, &mut lanes, scratch),
             Self::Inverse(u, v) => apply_tensor(u, v.as_ref(), grid, &mut lanes, scratch),
+            Self::Dense(u, v) => apply_tensor(u, v.as_ref(), grid, &mut lanes, scratch),
         }
     }
 

@@ -76,7 +76,7 @@ impl Outline {
             created: Timestamp::now(),
             surface: problem.v().is_some(),
             grid: problem.grid(),
-            method: problem.method().clone(),
+            method: problem.method().outline(),
             adjusted: matches!(problem.method(), Method::Local(_)).then(adjusted),
             tolerance: problem.tolerance(),
             max_iterations: problem.max_iterations(),

@@ -117,6 +117,8 @@ pub fn method(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) ->
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),
         Method::LeastSquares(settings) => Kind::LeastSquares(least_squares(settings)),
+        // The contract has no message for it yet.
+        Method::Custom(_) => return pb::Method { kind: None },
     };
     pb::Method { kind: Some(kind) }
 }

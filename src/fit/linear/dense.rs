@@ -1,6 +1,7 @@
-//! LU decomposition of dense matrices with partial pivoting: `P B = L U`, in `2/3 n³` operations.
+//! Dense matrices: as linear maps, and their LU decomposition with partial pivoting, `P B = L U`, in
+//! `2/3 n³` operations.
 
-use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, Dyn};
 
 use super::map::LineMap;
 
@@ -30,5 +31,26 @@ impl LineMap for DenseLu {
             // Singular to working precision: the iteration ends with an overflow.
             view.fill(f64::INFINITY);
         }
+    }
+}
+
+/// A square matrix as a linear map: n² multiplications for a line.
+#[derive(Debug)]
+pub(in crate::fit) struct DenseMap {
+    matrix: DMatrix<f64>,
+}
+
+impl DenseMap {
+    /// The map of a square matrix.
+    pub(in crate::fit) fn new(matrix: DMatrix<f64>) -> Self {
+        Self { matrix }
+    }
+}
+
+impl LineMap for DenseMap {
+    fn apply(&self, lines: &mut [f64]) {
+        let n = self.matrix.nrows();
+        let image = &self.matrix * DMatrixView::from_slice(lines, n, lines.len() / n);
+        lines.copy_from_slice(image.as_slice());
     }
 }

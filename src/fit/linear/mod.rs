@@ -25,5 +25,6 @@ mod pack;
 pub mod qr;
 
 pub use band::{folded, unfolded};
+pub(super) use dense::DenseMap;
 pub use inverse::Inverse;
 pub use map::{LineMap, apply_tensor};

@@ -17,7 +17,7 @@ use super::update::{State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::invalid::Invalid;
+use crate::fit::invalid::{Invalid, Setting};
 use crate::fit::norms::Norms;
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
@@ -43,7 +43,7 @@ impl Scheme for Adaptive {
     }
 
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
-        Invalid::unless_positive("threshold", self.threshold)
+        Invalid::unless_positive(Setting::Threshold, self.threshold)
     }
 
     /// Points that are nearer than the threshold are left alone.

@@ -57,6 +57,7 @@ impl Scheme for Chebyshev {
         Demand {
             vectors: 2,
             matrices: 4,
+            bytes: 0,
         }
     }
 

@@ -69,6 +69,7 @@ impl Scheme for Convex {
         Demand {
             vectors: 1,
             matrices: 1,
+            bytes: 0,
         }
     }
 

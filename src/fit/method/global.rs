@@ -49,6 +49,7 @@ impl Scheme for Global {
         Demand {
             vectors: 0,
             matrices: 1,
+            bytes: 0,
         }
     }
 

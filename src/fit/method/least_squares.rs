@@ -24,7 +24,7 @@ use super::update::{Change, State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::invalid::Invalid;
+use crate::fit::invalid::{Invalid, Setting};
 use crate::fit::lane::Lane;
 use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
@@ -79,7 +79,7 @@ impl Scheme for LeastSquares {
 
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         match self.variant {
-            Variant::Lspia { mu: Some(mu) } => Invalid::unless_positive("mu", mu),
+            Variant::Lspia { mu: Some(mu) } => Invalid::unless_positive(Setting::Mu, mu),
             _ => Ok(()),
         }
     }
@@ -96,6 +96,7 @@ impl Scheme for LeastSquares {
         Demand {
             vectors: 3,
             matrices: 4,
+            bytes: 0,
         }
     }
 

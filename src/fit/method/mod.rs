@@ -4,7 +4,7 @@
 //! method is for the rest of `fit` is the trait [`Scheme`]; what a new method takes is a file with
 //! a type that implements it, and a line in each of [`Method`], [`Method::scheme`] and [`METHODS`].
 //!
-//! - [`global`], [`weighted`], [`transpose`], [`direct`], [`extended`]: U is a fixed linear map
+//! - [`global`], [`weighted`], [`transpose`], [`direct`], [`extended`], [`custom`]: U is a fixed linear map
 //!   ([`linear`]);
 //! - [`chebyshev`]: momentum over steps of classical PIA ([`recurrence`]);
 //! - [`local`], [`adaptive`]: only some control points move ([`selection`]);
@@ -16,6 +16,7 @@
 mod adaptive;
 mod chebyshev;
 mod convex;
+mod custom;
 mod direct;
 mod eigenvalues;
 mod extended;
@@ -28,6 +29,7 @@ mod rehearsal;
 pub(super) mod relaxation;
 mod scheme;
 mod selection;
+mod stability;
 mod transpose;
 pub(super) mod update;
 mod weighted;
@@ -37,6 +39,7 @@ use super::forecast::Forecast;
 use super::warning::Warning;
 
 pub use adaptive::Adaptive;
+pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub use least_squares::{LeastSquares, Variant};
 pub use local::Local;
@@ -66,10 +69,12 @@ pub enum Method {
     Direct,
     /// Fewer control points than data points.
     LeastSquares(LeastSquares),
+    /// U is a given matrix.
+    Custom(Custom),
 }
 
 /// All methods, in the order in which they are listed.
-pub const METHODS: [&About; 10] = [
+pub const METHODS: [&About; 11] = [
     &global::ABOUT,
     &weighted::ABOUT,
     &local::ABOUT,
@@ -80,6 +85,7 @@ pub const METHODS: [&About; 10] = [
     &chebyshev::ABOUT,
     &direct::ABOUT,
     &least_squares::ABOUT,
+    &custom::ABOUT,
 ];
 
 impl Method {
@@ -96,6 +102,16 @@ impl Method {
             Self::Chebyshev => &chebyshev::Chebyshev,
             Self::Direct => &direct::Direct,
             Self::LeastSquares(method) => method,
+            Self::Custom(method) => method,
+        }
+    }
+
+    /// The same without matrices, as lists of fits show it.
+    #[must_use]
+    pub fn outline(&self) -> Self {
+        match self {
+            Self::Custom(_) => Self::Custom(Custom::new(Vec::new(), None)),
+            _ => self.clone(),
         }
     }
 

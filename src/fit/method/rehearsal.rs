@@ -18,7 +18,7 @@ const WORK: usize = 50_000_000;
 pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Option<f64> {
     let setup = &equations.setup;
     let levels = equations.forecast.exact_after?;
-    let steps = levels.min(WORK / setup.step_cost().max(1));
+    let steps = levels.min(WORK / setup.residual_cost().max(1));
     let (mut plain, error) = method.plain(equations, method.level_zero(equations));
     let (mut last, mut largest) = (error.max, error.max);
     for _ in 0..steps {
@@ -79,7 +79,7 @@ fn is_doubtful(equations: &Equations) -> bool {
 /// Whether distances stay low in a fit with these steps, as far as it is tried.
 pub(super) fn stays_low(method: &dyn Scheme, equations: &Equations) -> bool {
     let setup = &equations.setup;
-    let steps = (WORK / setup.step_cost().max(1)).clamp(STEPS.0, STEPS.1);
+    let steps = (WORK / setup.residual_cost().max(1)).clamp(STEPS.0, STEPS.1);
     let (mut plain, _) = method.plain(equations, method.level_zero(equations));
     let first = plain.residual_length();
     for _ in 0..steps.min(setup.max_iterations()) {

@@ -41,6 +41,8 @@ pub(in crate::fit) struct Demand {
     pub vectors: usize,
     /// Matrices as large as the collocation matrix, that one included.
     pub matrices: usize,
+    /// Bytes besides.
+    pub bytes: usize,
 }
 
 /// The errors so far, for the stop rule of a method.
@@ -94,7 +96,19 @@ pub(in crate::fit) trait Scheme: Debug {
         Demand {
             vectors: 1,
             matrices: 4,
+            bytes: 0,
         }
+    }
+
+    /// The multiplications of a level besides those of its residual, as far as they matter.
+    fn step_cost(&self, _setup: &Setup) -> usize {
+        0
+    }
+
+    /// The multiplications before the first level besides those of the collocation matrix and its
+    /// factorization, as far as they matter.
+    fn start_cost(&self, _setup: &Setup) -> usize {
+        0
     }
 
     /// What is known of the convergence before the first step.

@@ -61,6 +61,7 @@ impl Scheme for Weighted {
         Demand {
             vectors: 0,
             matrices: 4,
+            bytes: 0,
         }
     }
 

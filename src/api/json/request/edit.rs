@@ -374,7 +374,10 @@ impl EditPlaces {
             Place::Points => "/points".to_owned(),
             Place::Weights | Place::AxisWeights(_) | Place::AxisWeight(..) => "/weights".to_owned(),
             Place::Method => "/method".to_owned(),
-            Place::Setting(name) => format!("/method/{name}"),
+            Place::Setting(setting) => format!("/method/{}", setting.name()),
+            Place::Transform(_) => "/method/transform".to_owned(),
+            Place::TransformRow(_, row) => format!("/method/transform/{row}"),
+            Place::TransformEntry(_, row, column) => format!("/method/transform/{row}/{column}"),
             Place::Index(index) => format!("/method/indices/{index}"),
             Place::ControlPoints(axis) => format!(
                 "/method/control_points{}",

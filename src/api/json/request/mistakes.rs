@@ -83,7 +83,11 @@ fn correct(request: &mut fit::Request, place: Place) -> bool {
             request.tolerance = usual;
             !same
         }
-        Place::Setting(_) | Place::Index(_) => {
+        Place::Setting(_)
+        | Place::Index(_)
+        | Place::Transform(_)
+        | Place::TransformRow(..)
+        | Place::TransformEntry(..) => {
             // Other methods have other bases, and need all points.
             let alike = request.missing.is_empty()
                 && !matches!(request.method, Method::Global | Method::LeastSquares(_));

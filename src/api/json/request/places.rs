@@ -84,7 +84,10 @@ impl Places {
             Place::AxisWeights(axis) => self.weights(axis),
             Place::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
             Place::Method => "/method".to_owned(),
-            Place::Setting(name) => format!("/method/{name}"),
+            Place::Setting(setting) => format!("/method/{}", setting.name()),
+            Place::Transform(_) => "/method/transform".to_owned(),
+            Place::TransformRow(_, row) => format!("/method/transform/{row}"),
+            Place::TransformEntry(_, row, column) => format!("/method/transform/{row}/{column}"),
             Place::Index(index) => format!("/method/indices/{index}"),
             Place::ControlPoints(axis) => format!(
                 "/method/control_points{}",

@@ -235,6 +235,13 @@ fn method(problem: &Problem) -> Value {
                 set("mu", json!(mu));
             }
         }
+        Method::Custom(ref custom) => {
+            let transform = match custom.v() {
+                None => json!(custom.u()),
+                Some(v) => json!({"u": custom.u(), "v": v}),
+            };
+            set("transform", transform);
+        }
         Method::Global
         | Method::Transpose
         | Method::Convex

@@ -12,7 +12,7 @@ use super::tables::damaged;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -87,13 +87,13 @@ struct DirectionMessage {
 }
 
 /// A method with its settings.
-#[derive(Clone, Copy, PartialEq, Message)]
+#[derive(Clone, PartialEq, Message)]
 pub(super) struct MethodMessage {
-    #[prost(oneof = "MethodCase", tags = "1, 2, 3, 4, 5, 6, 7, 8, 9, 10")]
+    #[prost(oneof = "MethodCase", tags = "1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11")]
     case: Option<MethodCase>,
 }
 
-#[derive(Clone, Copy, PartialEq, Oneof)]
+#[derive(Clone, PartialEq, Oneof)]
 enum MethodCase {
     #[prost(message, tag = "1")]
     Global(Nothing),
@@ -118,6 +118,38 @@ enum MethodCase {
     Direct(Nothing),
     #[prost(message, tag = "10")]
     LeastSquares(LeastSquaresMessage),
+    #[prost(message, tag = "11")]
+    Custom(CustomMessage),
+}
+
+/// The matrices of a custom transform; without `v` that of both directions is `u`.
+#[derive(Clone, PartialEq, Message)]
+struct CustomMessage {
+    #[prost(message, repeated, tag = "1")]
+    u: Vec<RowMessage>,
+    #[prost(message, repeated, tag = "2")]
+    v: Vec<RowMessage>,
+    #[prost(bool, tag = "3")]
+    has_v: bool,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct RowMessage {
+    #[prost(double, repeated, tag = "1")]
+    entries: Vec<f64>,
+}
+
+impl RowMessage {
+    fn of(rows: &[Vec<f64>]) -> Vec<Self> {
+        let row = |entries: &Vec<f64>| Self {
+            entries: entries.clone(),
+        };
+        rows.iter().map(row).collect()
+    }
+
+    fn rows(messages: Vec<Self>) -> Vec<Vec<f64>> {
+        messages.into_iter().map(|row| row.entries).collect()
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]
@@ -375,6 +407,11 @@ impl From<&Method> for MethodMessage {
                     mu,
                 })
             }
+            Method::Custom(ref custom) => MethodCase::Custom(CustomMessage {
+                u: RowMessage::of(custom.u()),
+                v: RowMessage::of(custom.v().unwrap_or_default()),
+                has_v: custom.v().is_some(),
+            }),
         };
         Self { case: Some(case) }
     }
@@ -406,6 +443,10 @@ impl TryFrom<MethodMessage> for Method {
                     VariantCode::ConjugateGradients => Variant::ConjugateGradients,
                 },
             }),
+            MethodCase::Custom(CustomMessage { u, v, has_v }) => {
+                let v = has_v.then(|| RowMessage::rows(v));
+                Self::Custom(Custom::new(RowMessage::rows(u), v))
+            }
         })
     }
 }
