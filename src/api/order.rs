@@ -6,8 +6,8 @@ use bytes::Bytes;
 use sha2::{Digest, Sha256};
 
 use crate::api::app::App;
-use crate::api::json::request::ValidJob;
 use crate::api::json::request::edit::EditRequest;
+use crate::api::json::request::job::ValidJob;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem};
 use crate::api::stream::options::{self, StreamOptions};

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::Fitted;
 use super::error::{ExportError, Place};
+use super::fitted::Fitted;
 use super::text::Text;
 use crate::fit::points::Grid;
 use crate::fit::samples::Samples;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use super::Format;
+use super::format::Format;
 
 /// Why a curve or surface cannot be written in a format.
 #[derive(Clone, Debug, PartialEq, Error)]

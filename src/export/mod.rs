@@ -2,6 +2,7 @@
 //!
 //! [`write()`] is the only entry. It knows nothing of jobs or of HTTP.
 //!
+//! - `fitted`: what is written;
 //! - [`format`](mod@format): the formats and their names; [`error`]: why something cannot be written;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly; `ball`: how polynomials of the Ball bases get there;
@@ -17,6 +18,7 @@
 mod ball;
 pub mod csv;
 pub mod error;
+mod fitted;
 pub mod format;
 mod gltf;
 mod iges;
@@ -27,108 +29,12 @@ mod step;
 mod svg;
 mod text;
 
-use std::sync::Arc;
-
-use jiff::Timestamp;
-
 pub use error::ExportError;
+pub use fitted::Fitted;
 pub use format::{Format, UnknownFormat};
 pub use nurbs::Nurbs;
 
-use crate::fit::basis::{Basis, Polynomial};
-use crate::fit::direction::Direction;
-use crate::fit::points::{Grid, Points};
 use crate::fit::problem::Problem;
-
-/// The program that writes the files.
-const GENERATOR: &str = concat!("piad ", env!("CARGO_PKG_VERSION"));
-
-/// A level of a fit, and what its file should say.
-#[derive(Clone, Copy, Debug)]
-pub struct Fitted<'a> {
-    /// The problem that was fitted.
-    pub problem: &'a Arc<Problem>,
-    /// The free control points of the level, in homogeneous coordinates if the fit is.
-    pub control_points: &'a Arc<Points>,
-    /// The name of the curve or surface; any text.
-    pub name: Option<&'a str>,
-    /// When it was made, for formats that say so. The same level at the same time is the same file.
-    pub created: Timestamp,
-    /// The largest distance from the data at each level from 0 on; drawings show how it falls.
-    pub errors: &'a [f64],
-    /// How many points formats that sample the curve or surface take in each direction, at least
-    /// two; otherwise as many as suit it.
-    pub samples: Option<Grid>,
-}
-
-impl<'a> Fitted<'a> {
-    /// A level without a name.
-    pub fn new(
-        problem: &'a Arc<Problem>,
-        control_points: &'a Arc<Points>,
-        created: Timestamp,
-    ) -> Self {
-        Self {
-            problem,
-            control_points,
-            name: None,
-            created,
-            errors: &[],
-            samples: None,
-        }
-    }
-
-    /// The name, or what it is.
-    fn title(&self) -> &'a str {
-        let kind = match self.problem.v() {
-            None => "curve",
-            Some(_) => "surface",
-        };
-        self.name.filter(|name| !name.is_empty()).unwrap_or(kind)
-    }
-
-    /// What was fitted, in a line of ASCII.
-    fn description(&self) -> String {
-        let problem = self.problem;
-        let rational = problem.is_homogeneous() || problem.directions().any(Direction::is_rational);
-        let rational = if rational { "rational " } else { "" };
-        let u = problem.u();
-        let grid = problem.grid();
-        match problem.v() {
-            None => format!(
-                "{rational}{} curve of degree {}, {} data points",
-                basis_name(&u.basis),
-                u.basis.degree(),
-                grid.rows
-            ),
-            Some(v) => {
-                let (first, second) = (basis_name(&u.basis), basis_name(&v.basis));
-                let bases = match first == second {
-                    true => first.to_owned(),
-                    false => format!("{first} x {second}"),
-                };
-                format!(
-                    "{rational}{bases} surface of degree {} x {}, {} x {} data points",
-                    u.basis.degree(),
-                    v.basis.degree(),
-                    grid.rows,
-                    grid.columns
-                )
-            }
-        }
-    }
-}
-
-fn basis_name(basis: &Basis) -> &'static str {
-    match basis {
-        Basis::BSpline { .. } => "B-spline",
-        Basis::Polynomial { kind, .. } => match kind {
-            Polynomial::Bernstein => "Bezier",
-            Polynomial::SaidBall => "Said-Ball",
-            Polynomial::WangBall => "Wang-Ball",
-        },
-    }
-}
 
 /// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it.
 /// They refuse to load a file with a higher one, and some say so only in their log.

@@ -1,9 +1,9 @@
 //! Wavefront OBJ with free-form geometry (Object Files, appendix B1 of the Advanced Visualizer
 //! manual): the exact B-spline, not a mesh.
 
+use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::{KnotVector, Nurbs};
 use super::text::{Text, one_line};
-use super::{Fitted, GENERATOR};
 
 /// Numbers in a line, before it is continued on the next.
 const PER_LINE: usize = 12;

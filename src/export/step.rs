@@ -6,9 +6,9 @@
 //! representation (readers load such a file, and show nothing); its place is in a geometrically
 //! bounded wireframe or surface representation (ISO 10303-510 and -507).
 
+use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::{KnotVector, Nurbs};
 use super::text::Text;
-use super::{Fitted, GENERATOR};
 
 /// The number of the context of the representation, written by [`product`].
 const CONTEXT: usize = 14;

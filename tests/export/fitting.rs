@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use jiff::Timestamp;
 use piad::api::json::read::{Limits, parse};
-use piad::api::json::request::JobRequest;
+use piad::api::json::request::job::JobRequest;
 use piad::config::Config;
 use piad::export::nurbs::KnotVector;
 use piad::export::{Fitted, Nurbs};

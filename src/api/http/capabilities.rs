@@ -10,7 +10,7 @@ use tonic::server::NamedService;
 use crate::api::app::App;
 use crate::api::grpc::service::Service;
 use crate::api::json::numbers::MAX_DIMENSION;
-use crate::api::json::request::BasisKind;
+use crate::api::json::request::basis::BasisKind;
 use crate::api::json::request::method::Kind as MethodKind;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::api::proto::messages::fitting_service_server::FittingServiceServer;

@@ -27,8 +27,8 @@ use serde_json::{Map, Value, json};
 
 use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, Index, ProblemTypes};
-use crate::api::json::request::JobRequest;
 use crate::api::json::request::edit::EditRequest;
+use crate::api::json::request::job::JobRequest;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
 use crate::api::json::view::level::FitResult;

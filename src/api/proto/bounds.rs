@@ -53,6 +53,15 @@ fn parts_of(call: &str) -> &'static [Part] {
     }
 }
 
+/// Lists have as many elements as there can be, before anything is made of them.
+pub fn check_count(count: usize, most: usize, things: &str, field: &str) -> Result<(), Problem> {
+    if count > most {
+        let detail = format!("{count} {things} are more than {most}, the limit here");
+        return Err(Problem::at_field(field, detail));
+    }
+    Ok(())
+}
+
 /// Refuses a message with more indices in a list than there can be points.
 pub fn check<M: Bounded>(body: &[u8], most: usize) -> Result<(), Problem> {
     count(body, M::PARTS, most, &mut vec![])

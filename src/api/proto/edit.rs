@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 
+use super::bounds::check_count;
 use super::fields::Layout;
 use super::messages as pb;
-use super::request::{Weights, check_count, method, rational, stop};
+use super::method;
+use super::request::{Weights, rational, stop};
 use super::stream;
 use crate::api::json::numbers::{Coordinates, WeightList};
 use crate::api::json::per_direction::PerDirection;
@@ -34,7 +36,7 @@ pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, Layout), P
         points: (!points.is_empty()).then_some(points),
         weights: weights(edit.weights, parent)?,
         rational: rational(edit.rational)?,
-        method: method(edit.method, parent.grid.count())?,
+        method: method::request(edit.method, parent.grid.count())?,
         stop: stop(edit.stop),
         stream: stream.map_err(|problem| problem.within("stream"))?,
     };

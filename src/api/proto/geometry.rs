@@ -8,7 +8,8 @@ use prost::encoding::{WireType, encode_key, encode_varint};
 
 use super::messages::{self as pb, iteration};
 use super::names;
-use super::view::{count, direction, distances};
+use super::names::count;
+use super::view::{direction, distances};
 use crate::api::json::view::source::{Net, NetWeights, Source};
 use crate::api::json::view::writer::{Digits, Writer};
 use crate::api::stream::form::{Form, View};

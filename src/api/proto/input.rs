@@ -4,8 +4,10 @@ use bytes::Bytes;
 use prost::Message;
 
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
+use super::method;
 use super::names;
-use super::view::{count, method, stream_options};
+use super::names::count;
+use super::view::stream_options;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::parameters::Parametrization;
@@ -26,7 +28,7 @@ pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
             Some(v) => Geometry::Surface(surface(request, v)),
         }),
         rational: rational(request).into(),
-        method: Some(method(&request.method, indices, None)),
+        method: Some(method::message(&request.method, indices, None)),
         stop: Some(pb::StopRules {
             rule: Some(match request.tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),

@@ -1,6 +1,6 @@
 //! The model in protobuf messages (`proto/piad/v1/fitting.proto`).
 //!
-//! - [`request`], [`edit`], [`stream`]: what messages ask for; [`bounds`]: lists that are too long;
+//! - [`request`], [`edit`], [`stream`]: what messages ask for; [`method`]: methods; [`bounds`]: lists that are too long;
 //!   [`fields`]: where in a message an error is;
 //! - [`view`], [`geometry`], [`input`]: answers as messages; [`names`]: their enumerations.
 
@@ -9,6 +9,7 @@ pub mod edit;
 pub mod fields;
 pub mod geometry;
 pub mod input;
+pub mod method;
 pub mod names;
 pub mod request;
 pub mod stream;

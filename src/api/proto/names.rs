@@ -1,4 +1,4 @@
-//! Enumerations of the contract and what they stand for.
+//! Numbers and enumerations of the contract and what they stand for.
 
 use super::messages as pb;
 use crate::api::problem::Problem;
@@ -9,6 +9,16 @@ use crate::fit::problem as fit;
 use crate::fit::warning::Warning;
 use crate::job::outline::Outline;
 use crate::job::state::{Reason, State};
+
+/// Numbers of points, which are limited by what a request can carry.
+pub fn count(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+/// A list that is given.
+pub fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
+    (!list.is_empty()).then_some(list)
+}
 
 /// The value of an enumeration; values that are not known are errors of this field.
 pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Problem> {

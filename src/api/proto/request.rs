@@ -4,22 +4,21 @@
 use bytes::Bytes;
 use prost::DecodeError;
 
-use super::bounds::{self, Bounded};
+use super::bounds::{self, Bounded, check_count};
 use super::fields::Layout;
-use super::messages::{self as pb, job_input::Geometry, method, stop_rules::Rule};
-use super::names::known;
+use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
+use super::method;
+use super::names::{known, some};
 use super::stream;
 use crate::api::json::numbers::{MAX_DIMENSION, PointGrid, PointList, RuleOrNumbers, WeightList};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::{Count, Number};
-use crate::api::json::request::method::{
-    Index, Kind as MethodKind, MethodRequest, Omega, StartRequest, VariantRequest,
-};
+use crate::api::json::request::basis::{BasisKind, BasisRequest, KnotRule, ParameterRule};
+use crate::api::json::request::job::{JobRequest, ValidJob};
 use crate::api::json::request::mistakes::Mistakes;
-use crate::api::json::request::{
-    BasisKind, BasisRequest, CurveRequest, JobRequest, KnotRule, ParameterRule, RationalRequest,
-    StopRequest, SurfaceRequest, ValidJob,
-};
+use crate::api::json::request::shape::{CurveRequest, SurfaceRequest};
+use crate::api::json::request::stop::StopRequest;
+use crate::api::json::request::weights::RationalRequest;
 use crate::api::problem::{Kind, Problem};
 use crate::api::text;
 use crate::config::Config;
@@ -82,7 +81,7 @@ fn job(input: pb::JobInput, most_points: usize) -> Result<JobRequest, Problem> {
     let stream = input.stream.map(stream::spec).transpose();
     let stream = mistakes.keep(stream.map_err(|problem| problem.within("stream")));
     let rational = mistakes.keep(rational(input.rational));
-    let method = mistakes.keep(method(input.method, most_points));
+    let method = mistakes.keep(method::request(input.method, most_points));
     if !mistakes.none() {
         return Err(mistakes.problem());
     }
@@ -172,20 +171,6 @@ fn points(dimension: u32, flat: &[f64], most: usize, root: &str) -> Result<Point
     check_count(count, most, "points", &format!("{root}.points"))?;
     let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
     Ok(Points::from_lanes((0..dimension).map(lane)))
-}
-
-/// Lists have as many elements as there can be, before anything is made of them.
-pub(in crate::api) fn check_count(
-    count: usize,
-    most: usize,
-    things: &str,
-    field: &str,
-) -> Result<(), Problem> {
-    if count > most {
-        let detail = format!("{count} {things} are more than {most}, the limit here");
-        return Err(Problem::at_field(field, detail));
-    }
-    Ok(())
 }
 
 fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Problem> {
@@ -328,86 +313,4 @@ pub(in crate::api) fn stop(stop: Option<pb::StopRules>) -> Option<StopRequest> {
         relative_tolerance,
         max_iterations: stop.max_iterations.map(count),
     })
-}
-
-pub(in crate::api) fn method(
-    method: Option<pb::Method>,
-    most_points: usize,
-) -> Result<Option<MethodRequest>, Problem> {
-    use method::Kind as K;
-    let Some(method) = method else {
-        return Ok(None);
-    };
-    let Some(kind) = method.kind else {
-        return Err(Problem::at_field("method", "it has no kind"));
-    };
-    if let K::Local(local) = &kind {
-        let field = "method.local.indices";
-        check_count(local.indices.len(), most_points, "indices", field)?;
-    }
-    let request = match kind {
-        K::Global(_) => MethodRequest::of(MethodKind::Global),
-        K::Weighted(weighted) => MethodRequest {
-            omega: weighted.omega.map(Omega::Given),
-            ..MethodRequest::of(MethodKind::Weighted)
-        },
-        K::Local(local) => MethodRequest {
-            indices: some(local.indices).map(|indices| {
-                let indices = indices.into_iter();
-                indices.map(|index| Index::Flat(index as usize)).collect()
-            }),
-            row_by_row: Some(local.row_by_row),
-            ..MethodRequest::of(MethodKind::Local)
-        },
-        K::Adaptive(adaptive) => MethodRequest {
-            threshold: Some(Number(adaptive.threshold)),
-            ..MethodRequest::of(MethodKind::Adaptive)
-        },
-        K::Extended(extended) => MethodRequest {
-            start: match known(extended.start, "method.extended.start")? {
-                pb::method::Start::Unspecified => None,
-                pb::method::Start::Transformed => Some(StartRequest::Transformed),
-                pb::method::Start::Data => Some(StartRequest::Data),
-            },
-            ..MethodRequest::of(MethodKind::Extended)
-        },
-        K::Transpose(_) => MethodRequest::of(MethodKind::Transpose),
-        K::Convex(_) => MethodRequest::of(MethodKind::Convex),
-        K::Chebyshev(_) => MethodRequest::of(MethodKind::Chebyshev),
-        K::Direct(_) => MethodRequest::of(MethodKind::Direct),
-        K::LeastSquares(settings) => {
-            least_squares(settings, MethodRequest::of(MethodKind::LeastSquares))?
-        }
-    };
-    Ok(Some(request))
-}
-
-fn least_squares(
-    settings: pb::method::LeastSquares,
-    plain: MethodRequest,
-) -> Result<MethodRequest, Problem> {
-    let (u, v) = (settings.control_points_u, settings.control_points_v);
-    let control_points = match v {
-        0 => PerDirection::Both(Count(u as usize)),
-        v => PerDirection::Each {
-            u: Count(u as usize),
-            v: Count(v as usize),
-        },
-    };
-    Ok(MethodRequest {
-        control_points: Some(control_points),
-        variant: match known(settings.variant, "method.least_squares.variant")? {
-            pb::method::Variant::Unspecified => None,
-            pb::method::Variant::Diagonal => Some(VariantRequest::Diagonal),
-            pb::method::Variant::Lspia => Some(VariantRequest::Lspia),
-            pb::method::Variant::Cg => Some(VariantRequest::Cg),
-        },
-        mu: settings.mu.map(Number),
-        ..plain
-    })
-}
-
-/// A list that is given.
-fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
-    (!list.is_empty()).then_some(list)
 }

@@ -1,8 +1,8 @@
 //! What a stream is like, in messages.
 
+use super::bounds::check_count;
 use super::messages as pb;
 use super::names::known;
-use super::request::check_count;
 use crate::api::problem::Problem;
 use crate::model::stream::{
     Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec, View,

@@ -7,15 +7,14 @@ use jiff::Timestamp;
 use prost::Message;
 
 use super::fields::Layout;
-use super::messages::{self as pb, method::Kind, stop_rules::Rule};
-use super::{names, stream};
+use super::messages::{self as pb, stop_rules::Rule};
+use super::names::{self, count};
+use super::{method, stream};
 use crate::api::json::view::warning::pointer;
 use crate::api::problem as api;
 use crate::fit::direction::Direction;
 use crate::fit::iteration::Level;
-use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
-};
+use crate::fit::method::Method;
 use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
 use crate::fit::system::Forecast;
@@ -24,11 +23,6 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
-
-/// Numbers of points, which are limited by what a request can carry.
-pub fn count(number: usize) -> u32 {
-    u32::try_from(number).unwrap_or(u32::MAX)
-}
 
 /// The job as a resource.
 pub fn job(job: &Job) -> pb::Job {
@@ -48,7 +42,7 @@ pub fn job(job: &Job) -> pb::Job {
         reason: names::reason(status.reason).into(),
         rows: count(outline.grid.rows),
         columns: count(outline.grid.columns),
-        method: Some(method(&outline.method, Vec::new(), forecast)),
+        method: Some(method::message(&outline.method, Vec::new(), forecast)),
         computed: Some(computed(outline, forecast)),
         stop: Some(stop(outline)),
         stream: stream_options(outline),
@@ -90,52 +84,6 @@ pub fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
 /// How the streams of a job go if they do not say it themselves.
 pub fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
     outline.label.stream.as_deref().map(stream::options)
-}
-
-/// The method with its settings, and the ω that was computed for it.
-pub fn method(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
-    use pb::method as m;
-    let kind = match *method {
-        Method::Global => Kind::Global(m::Global {}),
-        Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {
-            omega: forecast.and_then(|it| it.omega).or(omega),
-        }),
-        Method::Local(Local { row_by_row }) => Kind::Local(m::Local {
-            indices,
-            row_by_row,
-        }),
-        Method::Adaptive(Adaptive { threshold }) => Kind::Adaptive(m::Adaptive { threshold }),
-        Method::Extended(Extended { start }) => Kind::Extended(m::Extended {
-            start: match start {
-                Start::Transformed => m::Start::Transformed,
-                Start::Data => m::Start::Data,
-            }
-            .into(),
-        }),
-        Method::Transpose => Kind::Transpose(m::Transpose {}),
-        Method::Convex => Kind::Convex(m::Convex {}),
-        Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
-        Method::Direct => Kind::Direct(m::Direct {}),
-        Method::LeastSquares(settings) => Kind::LeastSquares(least_squares(settings)),
-        // The contract has no message for it yet.
-        Method::Custom(_) => return pb::Method { kind: None },
-    };
-    pb::Method { kind: Some(kind) }
-}
-
-fn least_squares(settings: LeastSquares) -> pb::method::LeastSquares {
-    use pb::method::Variant as V;
-    let (variant, mu) = match settings.variant {
-        Variant::Diagonal => (V::Diagonal, None),
-        Variant::Lspia { mu } => (V::Lspia, mu),
-        Variant::ConjugateGradients => (V::Cg, None),
-    };
-    pb::method::LeastSquares {
-        control_points_u: count(settings.u),
-        control_points_v: count(settings.v),
-        variant: variant.into(),
-        mu,
-    }
 }
 
 /// What a level says about the end.
@@ -225,7 +173,7 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
         u: Some(direction(problem.u(), true)),
         v: problem.v().map(|v| direction(v, true)),
         rational: names::rational(problem).into(),
-        method: Some(method(&outline.method, Vec::new(), forecast)),
+        method: Some(method::message(&outline.method, Vec::new(), forecast)),
         computed: Some(computed(outline, forecast)),
         predicted: Some(prediction(forecast, first)),
         stop: Some(stop(outline)),

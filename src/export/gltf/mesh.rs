@@ -1,7 +1,7 @@
 //! Vertices, normals and triangles of a surface; vertices of a curve.
 
-use super::single;
 use crate::export::error::ExportError;
+use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::sampling::{Jet, Site, cross, length, minus, steps_between, unit};
 use crate::fit::points::Grid;
@@ -130,6 +130,17 @@ fn around(index: usize, rows: usize, columns: usize, jets: &[Jet]) -> [f64; 3] {
         }
     }
     sum
+}
+
+/// A coordinate in single precision.
+pub(super) fn single(value: f64) -> Result<f32, ExportError> {
+    let rounded = value as f32;
+    if rounded.is_finite() {
+        Ok(rounded)
+    } else {
+        let format = Format::Gltf;
+        Err(ExportError::SinglePrecision { format, value })
+    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ mod mesh;
 use serde_json::{Value, json};
 
 use super::error::ExportError;
+use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::Nurbs;
-use super::{Fitted, Format, GENERATOR};
 use mesh::Mesh;
 
 /// Codes of the specification: component types (3.6.2.2), buffer view targets (5.11.5) and modes
@@ -165,15 +165,4 @@ fn container(document: &Value, mut binary: Vec<u8>) -> Vec<u8> {
     file.extend(b"BIN\0");
     file.extend(binary);
     file
-}
-
-/// A coordinate in single precision.
-fn single(value: f64) -> Result<f32, ExportError> {
-    let rounded = value as f32;
-    if rounded.is_finite() {
-        Ok(rounded)
-    } else {
-        let format = Format::Gltf;
-        Err(ExportError::SinglePrecision { format, value })
-    }
 }

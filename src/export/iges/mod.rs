@@ -3,9 +3,9 @@
 mod sections;
 
 use super::error::ExportError;
+use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::{KnotVector, Nurbs};
 use super::text::Text;
-use super::{Fitted, GENERATOR};
 use sections::{MOST_LINES, Parameters, directory_entry, fixed_lines};
 
 /// The curve or surface as an IGES file.

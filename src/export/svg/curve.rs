@@ -1,8 +1,8 @@
 //! Drawing a curve.
 
-use super::surface::Scene;
+use super::layout::{Data, dot_radius, shows_net};
+use super::scene::{Piece, Scene};
 use super::view::{Canvas, Projected, View};
-use super::{Data, dot_radius, shows_net};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::sampling::steps_between;
 use crate::export::text::Text;
@@ -10,9 +10,6 @@ use crate::fit::points::Grid;
 
 /// The most pieces of which a curve is drawn.
 const MOST_PIECES: usize = 4096;
-
-/// A cubic Bézier piece.
-pub(super) type Piece = [Projected; 4];
 
 /// The curve through as many samples as are asked for, or as cubic pieces with the right end points
 /// and tangents: at their number not to be told from the curve at any magnification that makes sense.

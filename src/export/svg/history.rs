@@ -1,6 +1,6 @@
 //! How the distance from the data has fallen, level by level, on a logarithmic scale.
 
-use super::{MARGIN, WIDTH};
+use super::layout::{MARGIN, WIDTH};
 use crate::export::text::Text;
 
 /// The height of the plot with its labels.

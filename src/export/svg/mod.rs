@@ -6,26 +6,21 @@
 
 mod curve;
 mod history;
+mod layout;
+mod scene;
 mod surface;
 mod view;
 
-use super::Fitted;
 use super::error::ExportError;
+use super::fitted::Fitted;
 use super::nurbs::Nurbs;
 use super::text::{Text, one_line};
-use crate::fit::geometry::Geometry;
-use crate::fit::problem::Problem;
-use surface::Scene;
+use layout::{Data, MARGIN, WIDTH, shows_net};
+use scene::Scene;
 use view::{Canvas, View};
 
-/// The width of the drawing.
-const WIDTH: f64 = 800.0;
-/// Free space on all sides.
-const MARGIN: f64 = 24.0;
 /// The height of the caption.
 const CAPTION: f64 = 88.0;
-/// Drawings show up to about so many data points, and nets of up to so many control points.
-const MOST_POINTS: usize = 2500;
 /// Characters of a name that fit into a line.
 const TITLE: usize = 84;
 
@@ -131,19 +126,6 @@ fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &Data, top
     }
 }
 
-fn shows_net(nurbs: &Nurbs) -> bool {
-    nurbs.points.len() <= MOST_POINTS
-}
-
-/// How large data points are drawn: so that many of them leave something of the rest to be seen.
-fn dot_radius(count: usize) -> f64 {
-    match count {
-        0..=80 => 3.0,
-        81..=300 => 2.0,
-        _ => 1.5,
-    }
-}
-
 /// The bounding box of the control points, with four digits.
 fn extent(nurbs: &Nurbs) -> String {
     let lanes = nurbs.points.lanes().iter();
@@ -168,34 +150,6 @@ fn rounded(x: f64) -> String {
             }
         }
         _ => format!("{x:.3e}"),
-    }
-}
-
-/// The data points that are drawn.
-struct Data {
-    places: Vec<[f64; 3]>,
-    /// One point in so many is drawn.
-    stride: usize,
-}
-
-impl Data {
-    fn new(problem: &Problem) -> Self {
-        let geometry = Geometry::new(problem, problem.data());
-        let count = problem.grid().count();
-        let stride = count.div_ceil(MOST_POINTS);
-        let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
-        let place = |index| {
-            let mut place = [0.0; 3];
-            for (x, coordinate) in place.iter_mut().zip(geometry.place(index)) {
-                *x = coordinate;
-            }
-            place
-        };
-        let indices = (0..count).step_by(stride).filter(known);
-        Self {
-            places: indices.map(place).collect(),
-            stride,
-        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Drawing a surface: its faces, its control net and the data, the far ones first.
 
-use super::curve::Piece;
+use super::layout::{Data, dot_radius, shows_net};
+use super::scene::{Part, Scene};
 use super::view::{Canvas, Projected, View};
-use super::{Data, dot_radius, shows_net};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::sampling::{cross, minus, steps_between, unit};
 use crate::export::text::Text;
@@ -17,49 +17,6 @@ const LEAST_LINED: f64 = 5.0;
 
 /// The colour of a face in full light.
 const COLOUR: [f64; 3] = [140.0, 186.0, 230.0];
-
-/// What is drawn.
-pub(super) enum Scene {
-    /// A curve in cubic pieces.
-    Curve(Vec<Piece>),
-    /// Parts of a surface, the far ones first.
-    Surface(Vec<Part>),
-}
-
-/// A part of the drawing of a surface.
-pub(super) enum Part {
-    /// A cell of a grid on the surface, and the light on it.
-    Face([Projected; 4], f64),
-    /// An edge of the control net.
-    Edge([Projected; 2]),
-    /// A data point.
-    Dot(Projected),
-}
-
-impl Scene {
-    /// All places of the curve or of the faces.
-    pub(super) fn places(&self) -> impl Iterator<Item = Projected> + '_ {
-        let pieces: &[Piece] = match self {
-            Self::Curve(pieces) => pieces,
-            Self::Surface(_) => &[],
-        };
-        self.outline().chain(pieces.iter().flatten().copied())
-    }
-
-    /// Places that are on the page only if the whole scene is.
-    pub(super) fn outline(&self) -> impl Iterator<Item = Projected> + '_ {
-        let (pieces, parts): (&[Piece], &[Part]) = match self {
-            Self::Curve(pieces) => (pieces, &[]),
-            Self::Surface(parts) => (&[], parts),
-        };
-        let faces = parts.iter().filter_map(|part| match part {
-            Part::Face(corners, _) => Some(corners),
-            _ => None,
-        });
-        let ends = pieces.iter().flat_map(|piece| [piece[0], piece[3]]);
-        ends.chain(faces.flatten().copied())
-    }
-}
 
 /// Draws the parts, each over those before it.
 pub(super) fn draw(text: &mut Text, parts: &[Part], canvas: &Canvas) {

@@ -1,6 +1,6 @@
 //! From space to the page.
 
-use super::{MARGIN, WIDTH};
+use super::layout::{MARGIN, WIDTH};
 use crate::export::error::ExportError;
 use crate::export::nurbs::Nurbs;
 use crate::export::sampling::{cross, dot};

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 
+use super::invalid::invalid;
+use super::job::{LONGEST_NAME, ValidJob, check_name, fitting_stream};
 use super::method::{Index, MethodRequest};
 use super::mistakes::Mistakes;
-use super::{
-    LONGEST_NAME, RationalRequest, StopRequest, ValidJob, check_name, fitting_stream, invalid,
-    schema, surface_weights,
-};
+use super::schema;
+use super::stop::StopRequest;
+use super::weights::{RationalRequest, no_weights, surface_weights};
 use crate::api::json::numbers::{Coordinates, WeightList};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::{Element, Number};
@@ -290,7 +291,7 @@ fn set_weights(
     let Some(weights) = weights else {
         return match rational {
             None => Ok(()),
-            Some(_) => Err(super::no_weights()),
+            Some(_) => Err(no_weights()),
         };
     };
     if let Some(v) = &mut request.v {

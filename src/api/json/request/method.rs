@@ -5,7 +5,8 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::de::SeqAccess;
 
-use super::{invalid, schema};
+use super::invalid::invalid;
+use super::schema;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::{Count, Element, Number};
 use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading, names, object};

@@ -1,6 +1,6 @@
 //! All that is wrong with a request, as far as one mistake does not follow from another.
 
-use super::invalid;
+use super::invalid::invalid;
 use crate::api::json::read::MOST_MISTAKES;
 use crate::api::problem::Problem;
 use crate::fit::basis::knots::Knots;
@@ -8,7 +8,10 @@ use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{Axis, Invalid, Place};
 use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
-use crate::fit::problem::{self as fit, Weights};
+use crate::fit::problem::{self as fit, Tolerance, Weights};
+
+/// What the largest distance is compared with if nobody says it; the right one where a wrong one was given.
+pub(super) const DEFAULT_TOLERANCE: Tolerance = Tolerance::Relative(1e-6);
 
 /// Of problems with so many points more than one mistake is looked for, which takes a copy.
 const MOST_COPIED: usize = 10_000;
@@ -78,7 +81,7 @@ fn correct(request: &mut fit::Request, place: Place) -> bool {
     let (u, v) = (&mut request.u, &mut request.v);
     match place {
         Place::Tolerance | Place::RelativeTolerance => {
-            let usual = super::DEFAULT_TOLERANCE;
+            let usual = DEFAULT_TOLERANCE;
             let same = request.tolerance == usual;
             request.tolerance = usual;
             !same

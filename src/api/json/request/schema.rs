@@ -3,9 +3,9 @@
 use schemars::{Schema, json_schema};
 use serde_json::{Value, json};
 
+use super::basis::{BasisKind, KnotRule, ParameterRule};
 use super::edit::IterationRequest;
 use super::method::{Index, Kind, Omega};
-use super::{BasisKind, KnotRule, ParameterRule};
 use crate::api::json::per_direction::Pair;
 use crate::api::json::read::values::Count;
 use crate::api::json::schema::alternatives::{Alternative, Constant, or_name, split};

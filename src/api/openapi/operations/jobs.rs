@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::{NEGOTIATION, NEW_JOB, OF_A_JOB, WITH_A_JOB, events, job};
-use crate::api::json::request::JobRequest;
 use crate::api::json::request::edit::EditRequest;
+use crate::api::json::request::job::JobRequest;
 use crate::api::json::view::job::JobPage;
 use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::openapi::parameters::READER_ON_DISCONNECT;

@@ -1,0 +1,149 @@
+//! The JSON of bases, knots and parameters.
+
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+
+use super::invalid::invalid;
+use super::schema;
+use crate::api::json::numbers::RuleOrNumbers;
+use crate::api::json::read::values::Count;
+use crate::api::json::read::{Read, names, object};
+use crate::api::problem::Problem;
+use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
+use crate::fit::direction::BasisChoice;
+use crate::fit::parameters::Parametrization;
+
+const DEFAULT_DEGREE: usize = 3;
+
+/// The functions that are blended with the control points.
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[schemars(rename = "Basis", transform = schema::basis, example = schema::example_basis())]
+pub(in crate::api) struct BasisRequest {
+    /// The kind of the basis.
+    pub(in crate::api) kind: BasisKind,
+    /// The degree.
+    #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
+    pub(in crate::api) degree: Option<Count>,
+    /// Where the pieces meet.
+    #[schemars(with = "Option<schema::KnotChoice>")]
+    pub(in crate::api) knots: Option<RuleOrNumbers<KnotRule>>,
+}
+
+/// A kind of basis.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(rename_all = "snake_case")]
+#[schemars(example = &"bspline")]
+pub(in crate::api) enum BasisKind {
+    Bspline,
+    Bernstein,
+    SaidBall,
+    WangBall,
+}
+
+/// Where the knots of a B-spline are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::api) enum KnotRule {
+    Data,
+    Averaged,
+}
+
+/// How data points get their parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::api) enum ParameterRule {
+    ChordLength,
+    Centripetal,
+    Uniform,
+}
+
+object!(
+    BasisRequest,
+    "an object with a kind, or the name of a kind",
+    [kind, degree, knots],
+    of_name: |name, at| BasisKind::reader().text(name, at).map(BasisRequest::of)
+);
+names!(BasisKind, "kind of basis", [
+    "bspline" => Bspline,
+    "bernstein" => Bernstein,
+    "said_ball" => SaidBall,
+    "wang_ball" => WangBall,
+]);
+names!(KnotRule, "rule for knots", ["data" => Data, "averaged" => Averaged]);
+names!(ParameterRule, "rule for parameters", [
+    "chord_length" => ChordLength,
+    "centripetal" => Centripetal,
+    "uniform" => Uniform,
+]);
+
+impl BasisRequest {
+    /// A basis of this kind, with its usual degree and knots.
+    pub(in crate::api) fn of(kind: BasisKind) -> Self {
+        Self {
+            kind,
+            degree: None,
+            knots: None,
+        }
+    }
+
+    /// A B-spline of this degree.
+    pub(super) fn of_degree(degree: Count) -> Self {
+        Self {
+            degree: Some(degree),
+            ..Self::of(BasisKind::Bspline)
+        }
+    }
+}
+
+pub(super) fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Problem> {
+    let Some(request) = request else {
+        return Ok(BasisChoice::BSpline {
+            degree: DEFAULT_DEGREE,
+            knots: Knots::Usual,
+        });
+    };
+    let kind = match request.kind {
+        BasisKind::Bspline => {
+            return Ok(BasisChoice::BSpline {
+                degree: request
+                    .degree
+                    .map_or(DEFAULT_DEGREE, |Count(degree)| degree),
+                knots: knots(request.knots),
+            });
+        }
+        BasisKind::Bernstein => Polynomial::Bernstein,
+        BasisKind::SaidBall => Polynomial::SaidBall,
+        BasisKind::WangBall => Polynomial::WangBall,
+    };
+    let degree = request.degree.map(|_| "degree");
+    let given = degree.into_iter().chain(request.knots.map(|_| "knots"));
+    let wrong = given.map(|field| {
+        let detail = format!(
+            "a {} basis has no {field} to choose: its degree is control points − 1",
+            kind.name()
+        );
+        invalid(&format!("{pointer}/{field}"), detail)
+    });
+    Problem::of_all(wrong).map_or(Ok(BasisChoice::Polynomial(kind)), Err)
+}
+
+fn knots(request: Option<RuleOrNumbers<KnotRule>>) -> Knots {
+    match request {
+        None => Knots::Usual,
+        Some(RuleOrNumbers::Numbers(knots)) => Knots::Explicit(Arc::new(knots)),
+        Some(RuleOrNumbers::Rule(KnotRule::Data)) => Knots::Data,
+        Some(RuleOrNumbers::Rule(KnotRule::Averaged)) => Knots::Averaged,
+    }
+}
+
+pub(super) fn parametrization(request: Option<RuleOrNumbers<ParameterRule>>) -> Parametrization {
+    match request {
+        None => Parametrization::ChordLength,
+        Some(RuleOrNumbers::Numbers(values)) => Parametrization::Explicit(Arc::new(values)),
+        Some(RuleOrNumbers::Rule(rule)) => match rule {
+            ParameterRule::ChordLength => Parametrization::ChordLength,
+            ParameterRule::Centripetal => Parametrization::Centripetal,
+            ParameterRule::Uniform => Parametrization::Uniform,
+        },
+    }
+}

@@ -1,0 +1,52 @@
+//! What all drawings have in common: their size, and how much of the data and the net they show.
+
+use crate::export::nurbs::Nurbs;
+use crate::fit::geometry::Geometry;
+use crate::fit::problem::Problem;
+
+/// The width of the drawing.
+pub(super) const WIDTH: f64 = 800.0;
+/// Free space on all sides.
+pub(super) const MARGIN: f64 = 24.0;
+/// Drawings show up to about so many data points, and nets of up to so many control points.
+const MOST_POINTS: usize = 2500;
+pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
+    nurbs.points.len() <= MOST_POINTS
+}
+
+/// How large data points are drawn: so that many of them leave something of the rest to be seen.
+pub(super) fn dot_radius(count: usize) -> f64 {
+    match count {
+        0..=80 => 3.0,
+        81..=300 => 2.0,
+        _ => 1.5,
+    }
+}
+
+/// The data points that are drawn.
+pub(super) struct Data {
+    pub(super) places: Vec<[f64; 3]>,
+    /// One point in so many is drawn.
+    pub(super) stride: usize,
+}
+
+impl Data {
+    pub(super) fn new(problem: &Problem) -> Self {
+        let geometry = Geometry::new(problem, problem.data());
+        let count = problem.grid().count();
+        let stride = count.div_ceil(MOST_POINTS);
+        let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
+        let place = |index| {
+            let mut place = [0.0; 3];
+            for (x, coordinate) in place.iter_mut().zip(geometry.place(index)) {
+                *x = coordinate;
+            }
+            place
+        };
+        let indices = (0..count).step_by(stride).filter(known);
+        Self {
+            places: indices.map(place).collect(),
+            stride,
+        }
+    }
+}
