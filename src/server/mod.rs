@@ -39,7 +39,6 @@ use crate::job::counters::Counters;
 use crate::job::scheduler::Scheduler;
 use crate::job::service::{Jobs, Limits};
 use crate::job::store::embedded::EmbeddedStore;
-use crate::job::store::memory::MemoryStore;
 use crate::job::store::{Retention, Store};
 use accept::Doors;
 use activity::Times;
@@ -119,13 +118,11 @@ fn times(config: &Config) -> Times {
 }
 
 fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
-    match &config.data_dir {
-        DataDir::Memory => Ok(Arc::new(MemoryStore::default())),
-        DataDir::Directory(directory) => {
-            let store = EmbeddedStore::open(directory, counters.clone());
-            Ok(Arc::new(store.map_err(io::Error::other)?))
-        }
-    }
+    let store = match &config.data_dir {
+        DataDir::Memory => EmbeddedStore::in_memory(counters.clone()),
+        DataDir::Directory(directory) => EmbeddedStore::open(directory, counters.clone()),
+    };
+    Ok(Arc::new(store.map_err(io::Error::other)?))
 }
 
 fn limits(config: &Config) -> Limits {

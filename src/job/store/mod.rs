@@ -2,7 +2,6 @@
 
 pub mod blame;
 pub mod embedded;
-pub mod memory;
 
 use std::sync::Arc;
 use std::time::Duration;

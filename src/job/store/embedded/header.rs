@@ -9,8 +9,8 @@ use prost::{Enumeration, Message};
 use uuid::Uuid;
 
 use super::super::{Key, Made, Record, StoreError};
+use super::error::damaged;
 use super::input::MethodMessage;
-use super::tables::damaged;
 use super::warning::WarningMessage;
 use crate::fit::iteration::Level;
 use crate::fit::norms::FitError;

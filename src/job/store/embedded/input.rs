@@ -7,8 +7,8 @@ use std::sync::Arc;
 use prost::{Enumeration, Message, Oneof};
 
 use super::super::StoreError;
+use super::error::damaged;
 use super::header::number;
-use super::tables::damaged;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{

@@ -1,15 +1,20 @@
 //! A store in one file, of the embedded ACID database redb.
 //!
 //! - [`tables`]: what stands in the file, and the version of that;
+//! - [`database`]: the open file, and what is read from it;
 //! - [`writer`]: the one thread that writes, many writes in a commit;
-//! - [`opening`]: the file is found whole, or refused with a reason; [`quiet`]: panics of the database;
+//! - [`opening`]: the file is found whole, or refused with a reason; [`memory_file`]: a file in memory;
+//! - [`error`], [`quiet`]: errors and panics of the database;
 //! - [`room`]: what is kept back for when the disk is full;
 //! - [`header`], [`warning`], [`input`]: records and problems as protobuf messages, so that fields can be added.
 //!
 //! Reads see what was committed. Lists wait for the writes before them.
 
+mod database;
+mod error;
 mod header;
 mod input;
+mod memory_file;
 mod opening;
 mod quiet;
 mod room;
@@ -29,17 +34,17 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
 use crate::job::state::Status;
+use database::JobDatabase;
 pub use opening::OpenError;
 use room::Room;
-use tables::File;
 use writer::{Change, Outcome, Write, Writer};
 
 /// The name of the file in the data directory.
 const FILE: &str = "piad.redb";
 
-/// Jobs in a file.
+/// Jobs in a file, on a disk or in memory.
 pub struct EmbeddedStore {
-    file: Arc<File>,
+    database: Arc<JobDatabase>,
     writer: Writer,
 }
 
@@ -47,10 +52,19 @@ impl EmbeddedStore {
     /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
     /// go back to the queue, or fail if that has happened too often.
     pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
-        let file = Arc::new(File::open(directory, FILE)?);
-        let writer = Writer::start(Arc::clone(&file), Room::new(directory), counters);
+        let database = Arc::new(JobDatabase::open(directory, FILE)?);
+        let room = Some(Room::new(directory));
+        let writer = Writer::start(Arc::clone(&database), room, counters);
         let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
-        Ok(Self { file, writer })
+        Ok(Self { database, writer })
+    }
+
+    /// Makes a store in memory, which ends with the process.
+    pub fn in_memory(counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::in_memory()?);
+        let writer = Writer::start(Arc::clone(&database), None, counters);
+        let writer = writer.map_err(OpenError::Recovery)?;
+        Ok(Self { database, writer })
     }
 
     /// A write that takes its place in the order of writes now.
@@ -71,10 +85,10 @@ impl EmbeddedStore {
     /// Reads off the threads that serve the network.
     async fn read<T: Send + 'static>(
         &self,
-        read: impl FnOnce(&File) -> Result<T, StoreError> + Send + 'static,
+        read: impl FnOnce(&JobDatabase) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, StoreError> {
-        let file = Arc::clone(&self.file);
-        let read = tokio::task::spawn_blocking(move || file.read(read));
+        let database = Arc::clone(&self.database);
+        let read = tokio::task::spawn_blocking(move || database.read(read));
         read.await
             .unwrap_or_else(|error| Err(StoreError::Failed(error.to_string())))
     }
@@ -134,28 +148,28 @@ impl Store for EmbeddedStore {
     }
 
     async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
-        self.read(move |file| file.record(id)).await
+        self.read(move |database| database.record(id)).await
     }
 
     async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
-        self.read(move |file| file.problem(id)).await
+        self.read(move |database| database.problem(id)).await
     }
 
     async fn result(&self, id: Uuid) -> Result<Option<Arc<Points>>, StoreError> {
-        self.read(move |file| file.result(id)).await
+        self.read(move |database| database.result(id)).await
     }
 
     async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
         self.write(Change::Nothing, drop).await?;
-        self.read(move |file| file.list(selection)).await
+        self.read(move |database| database.list(selection)).await
     }
 
     async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
-        self.read(File::unfinished).await
+        self.read(JobDatabase::unfinished).await
     }
 
     async fn made(&self, key: &str) -> Result<Option<Made>, StoreError> {
         let key = key.to_owned();
-        self.read(move |file| file.made(&key)).await
+        self.read(move |database| database.made(&key)).await
     }
 }

@@ -1,4 +1,4 @@
-//! Opening the file, or making it; what is wrong with it is said in words.
+//! Opening a database, or making it; what is wrong with it is said in words.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -11,11 +11,19 @@ use thiserror::Error;
 use tracing::{debug, warn};
 
 use super::super::StoreError;
+use super::memory_file::MemoryFile;
 use super::quiet;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the file that are kept in memory. Most jobs are read once.
 const CACHE: usize = 32 << 20;
+
+/// The same of a file that is in memory itself: what is copied anew for each read are small pages that
+/// lead to the others.
+const CACHE_IN_MEMORY: usize = 4 << 20;
+
+/// What a file in memory is called.
+const MEMORY: &str = ":memory:";
 
 /// Files up to this size are read from end to end at the start, to find damage before anybody does.
 const CHECKED: u64 = 1 << 30;
@@ -69,6 +77,40 @@ pub enum OpenError {
     },
 }
 
+/// Where the file of a database is.
+pub(super) enum Medium {
+    /// On a disk, under this path.
+    Disk(PathBuf),
+    /// In memory, as long as the store lives.
+    Memory(MemoryFile),
+}
+
+impl Medium {
+    /// Opens a database that was open before.
+    pub(super) fn open_again(&self) -> Result<Database, OpenError> {
+        let mut builder = Database::builder();
+        match self {
+            Self::Disk(path) => attempt(path, || Ok(builder.set_cache_size(CACHE).open(path)?)),
+            Self::Memory(file) => attempt(Path::new(MEMORY), || open_memory(file)),
+        }
+    }
+}
+
+/// Makes a database in memory.
+pub(super) fn make_in_memory(file: &MemoryFile) -> Result<Database, OpenError> {
+    attempt(Path::new(MEMORY), || {
+        let database = open_memory(file)?;
+        make_tables(&database)?;
+        Ok(database)
+    })
+}
+
+fn open_memory(file: &MemoryFile) -> Result<Database, redb::Error> {
+    let mut builder = Database::builder();
+    builder.set_cache_size(CACHE_IN_MEMORY);
+    Ok(builder.create_with_backend(file.clone())?)
+}
+
 /// Opens the file in a directory, or makes it if it is not there, and checks its version.
 pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, OpenError> {
     let of_directory = |reason| OpenError::Directory {
@@ -109,14 +151,6 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
         }),
         None => Err(broken(path, "it is a database, but not of jobs")),
     }
-}
-
-/// Opens a file that was open before.
-pub(super) fn open_again(path: &Path) -> Result<Database, OpenError> {
-    attempt(path, || {
-        let mut builder = Database::builder();
-        Ok(builder.set_cache_size(CACHE).open(path)?)
-    })
 }
 
 /// Makes the file under another name first: whatever has its name is complete.

@@ -14,11 +14,13 @@ use uuid::Uuid;
 
 use super::super::blame::Crash;
 use super::super::{Ended, Key, Made, Record, Retention, StoreError};
+use super::database::JobDatabase;
+use super::error::{closed, damaged, unwritable};
 use super::header::{Header, KeyMessage};
 use super::input::{Input, PointsMessage};
 use super::quiet;
 use super::room::Room;
-use super::tables::{self, File, HEADERS, INPUTS, KEYS, RESULTS, SLACK, damaged};
+use super::tables::{HEADERS, INPUTS, KEYS, RESULTS, SLACK};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
@@ -87,19 +89,19 @@ pub(super) struct Writer {
 impl Writer {
     /// Puts what was running in a crash back into the queue, and starts the thread.
     pub(super) fn start(
-        file: Arc<File>,
-        room: Room,
+        database: Arc<JobDatabase>,
+        room: Option<Room>,
         counters: Counters,
     ) -> Result<Self, StoreError> {
         let mut pen = Pen {
-            file,
+            database,
             room,
             counters,
             ended: Ended::default(),
         };
         let mut recovered = pen.recover();
-        if matches!(recovered, Err(StoreError::Full(_))) && pen.room.release() {
-            pen.file.reopen()?;
+        if matches!(recovered, Err(StoreError::Full(_))) && pen.release_room() {
+            pen.database.reopen()?;
             recovered = pen.recover();
         }
         recovered?;
@@ -139,8 +141,9 @@ pub(super) fn gone() -> StoreError {
 
 /// What the thread works with.
 struct Pen {
-    file: Arc<File>,
-    room: Room,
+    database: Arc<JobDatabase>,
+    /// `None` for a store in memory.
+    room: Option<Room>,
     counters: Counters,
     ended: Ended,
 }
@@ -189,7 +192,8 @@ impl Pen {
             let outcomes = changes
                 .map(|change| self.apply(change, tables, &mut counts))
                 .collect::<Result<Vec<Outcome>, StoreError>>()?;
-            if writes.iter().any(|write| write.change.needs().is_some()) {
+            let grows = writes.iter().any(|write| write.change.needs().is_some());
+            if grows && self.room.is_some() {
                 tables.leave_slack()?;
             }
             Ok(outcomes)
@@ -201,7 +205,7 @@ impl Pen {
                     .iter()
                     .any(|it| matches!(it, Outcome::Removed(true)))
                 {
-                    self.room.was_left(0);
+                    self.was_left(0);
                 }
                 for (write, outcome) in writes.drain(..).zip(outcomes) {
                     // The client may have gone away.
@@ -211,13 +215,13 @@ impl Pen {
             }
             Err(error) => {
                 // After an I/O error redb takes no more writes until it is opened again.
-                if let Err(error) = self.file.reopen() {
+                if let Err(error) = self.database.reopen() {
                     error!(%error, "the store could not be opened again");
                 }
                 if let ([write], StoreError::Full(_)) = (writes.as_slice(), &error) {
                     if write.change.needs().is_some() {
-                        self.room.was_missing();
-                    } else if self.room.release() {
+                        self.room.iter_mut().for_each(Room::was_missing);
+                    } else if self.release_room() {
                         return self.commit(writes);
                     }
                 }
@@ -233,9 +237,12 @@ impl Pen {
 
     /// Answers what needs more room than there is, without trying.
     fn refuse_without_room(&mut self, writes: &mut Vec<Write>) {
+        let Some(room) = &mut self.room else {
+            return;
+        };
         let (tried, refused) = std::mem::take(writes).into_iter().partition(|write| {
             let needs = write.change.needs();
-            needs.is_none_or(|bytes| self.room.admits(bytes))
+            needs.is_none_or(|bytes| room.admits(bytes))
         });
         *writes = tried;
         let refused: Vec<Write> = refused;
@@ -252,16 +259,16 @@ impl Pen {
         work: impl FnOnce(&mut Tables<'_>) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
         let transaction = || {
-            let database = self.file.database();
-            let database = database.as_ref().ok_or_else(tables::closed)?;
-            let transaction = database.begin_write()?;
+            let redb = self.database.redb();
+            let redb = redb.as_ref().ok_or_else(closed)?;
+            let transaction = redb.begin_write()?;
             let value = work(&mut Tables::open(&transaction)?)?;
             transaction.commit()?;
             Ok(value)
         };
         quiet::catch(transaction).unwrap_or_else(|panic| {
             error!(panic, "the database panicked while it was written");
-            Err(damaged("the database does not understand its own pages"))
+            Err(unwritable())
         })
     }
 
@@ -270,9 +277,21 @@ impl Pen {
             Count::Add(at, id, bytes) => self.ended.add(at, id, bytes),
             Count::Remove(at, id) => {
                 let bytes = self.ended.remove(at, id);
-                self.room.was_left(bytes);
+                self.was_left(bytes);
             }
         }
+    }
+
+    /// So many bytes of jobs were deleted.
+    fn was_left(&mut self, bytes: u64) {
+        if let Some(room) = &mut self.room {
+            room.was_left(bytes);
+        }
+    }
+
+    /// Makes room for what must be possible; says whether that has helped.
+    fn release_room(&mut self) -> bool {
+        self.room.as_mut().is_some_and(Room::release)
     }
 
     /// After a start: what was running goes back to the queue, and what has ended is counted. This reads

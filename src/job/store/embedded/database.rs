@@ -1,0 +1,221 @@
+//! The open database: reading jobs, and opening it again after an error.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use parking_lot::{RwLock, RwLockReadGuard};
+use prost::Message;
+use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
+use tracing::error;
+use uuid::Uuid;
+
+use super::super::{Made, Record, Selection, StoreError};
+use super::error::{closed, damaged};
+use super::header::{Header, KeyMessage};
+use super::input::{Input, PointsMessage};
+use super::memory_file::MemoryFile;
+use super::opening::{self, Medium, OpenError};
+use super::quiet;
+use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+
+/// How long those who read the file may hold it when it is opened again.
+const MOST_READING: Duration = Duration::from_secs(5);
+
+/// The database of a store. It is opened again when an I/O error or a panic has made it unusable.
+pub(super) struct JobDatabase {
+    medium: Medium,
+    /// `None` after a failure until it could be opened again.
+    redb: RwLock<Option<Database>>,
+}
+
+impl JobDatabase {
+    /// Opens the database in a file of a directory, or makes it, and checks its version.
+    pub(super) fn open(directory: &Path, name: &str) -> Result<Self, OpenError> {
+        let path = directory.join(name);
+        let redb = opening::open_or_make(directory, &path)?;
+        Ok(Self::new(Medium::Disk(path), redb))
+    }
+
+    /// Makes a database in memory.
+    pub(super) fn in_memory() -> Result<Self, OpenError> {
+        let file = MemoryFile::default();
+        let redb = opening::make_in_memory(&file)?;
+        Ok(Self::new(Medium::Memory(file), redb))
+    }
+
+    fn new(medium: Medium, redb: Database) -> Self {
+        let redb = RwLock::new(Some(redb));
+        Self { medium, redb }
+    }
+
+    /// Reads. If the database panics, as it does where pages are damaged, only this read fails.
+    pub(super) fn read<T>(
+        &self,
+        read: impl FnOnce(&Self) -> Result<T, StoreError>,
+    ) -> Result<T, StoreError> {
+        quiet::catch(|| read(self)).unwrap_or_else(|panic| {
+            error!(panic, "the database panicked while it was read");
+            let works = quiet::catch(|| self.made("").is_ok()).unwrap_or(false);
+            if !works && let Err(error) = self.reopen() {
+                error!(%error, "the store could not be opened again");
+            }
+            Err(damaged("pages of the database do not fit together"))
+        })
+    }
+
+    /// The database of redb, to begin a transaction.
+    pub(super) fn redb(&self) -> RwLockReadGuard<'_, Option<Database>> {
+        self.redb.read()
+    }
+
+    /// Opens the database again after an error, with what was committed before it.
+    pub(super) fn reopen(&self) -> Result<(), StoreError> {
+        let mut redb = self.redb.write();
+        // The lock on the file goes with the old one, and with the last of those who still read it.
+        if let Err(panic) = quiet::catch(|| drop(redb.take())) {
+            error!(panic, "the database panicked while it was closed");
+        }
+        let begin = Instant::now();
+        let opened = loop {
+            match self.medium.open_again() {
+                Err(OpenError::InUse(_)) if begin.elapsed() < MOST_READING => {
+                    sleep(Duration::from_millis(5));
+                }
+                opened => break opened,
+            }
+        };
+        *redb = Some(opened.map_err(|error| StoreError::Failed(error.to_string()))?);
+        Ok(())
+    }
+
+    /// A job without its points.
+    pub(super) fn record(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+        self.get(HEADERS, id, |bytes| {
+            Header::decode(bytes).map_err(damaged)?.into_record()
+        })
+    }
+
+    /// The problem of a job.
+    pub(super) fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
+        self.get(INPUTS, id, |bytes| {
+            let request = Input::decode(bytes).map_err(damaged)?.into_request()?;
+            Problem::new(request).map(Arc::new).map_err(damaged)
+        })
+    }
+
+    /// The free control points of the last level of a job.
+    pub(super) fn result(&self, id: Uuid) -> Result<Option<Arc<Points>>, StoreError> {
+        self.get(RESULTS, id, |bytes| {
+            let points = PointsMessage::decode(bytes).map_err(damaged)?;
+            points.into_points().map(Arc::new)
+        })
+    }
+
+    /// Jobs, the newest first.
+    pub(super) fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
+        let end = selection.before.unwrap_or(Uuid::max()).as_u128();
+        let mut records = Vec::new();
+        let headers = self.table(HEADERS)?;
+        for entry in headers.range(..end)?.rev() {
+            if records.len() == selection.limit {
+                break;
+            }
+            let record = Header::decode(entry?.1.value())
+                .map_err(damaged)?
+                .into_record()?;
+            let state = record.status.state;
+            if selection.state.is_none_or(|wanted| wanted == state) {
+                records.push(record);
+            }
+        }
+        Ok(records)
+    }
+
+    /// Jobs that have not ended, the oldest first.
+    pub(super) fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
+        let mut records = Vec::new();
+        for entry in self.table(HEADERS)?.iter()? {
+            let header = Header::decode(entry?.1.value()).map_err(damaged)?;
+            let record = header.into_record()?;
+            if !record.status.state.is_final() {
+                records.push(record);
+            }
+        }
+        Ok(records)
+    }
+
+    /// The job that was made for a key.
+    pub(super) fn made(&self, key: &str) -> Result<Option<Made>, StoreError> {
+        let keys = self.table(KEYS)?;
+        let Some(bytes) = keys.get(key)? else {
+            return Ok(None);
+        };
+        let made = KeyMessage::decode(bytes.value())
+            .map_err(damaged)?
+            .into_made()?;
+        Ok((!made.is_forgotten()).then_some(made))
+    }
+
+    /// A table as it is now. Its pages are not used again as long as it lives. What `ReadOnlyTable`
+    /// itself returns may outlive it and does not keep them: what the trait returns may not.
+    fn table<K: redb::Key + 'static>(
+        &self,
+        table: TableDefinition<K, &'static [u8]>,
+    ) -> Result<impl ReadableTable<K, &'static [u8]> + use<K>, StoreError> {
+        let redb = self.redb();
+        let redb = redb.as_ref().ok_or_else(closed)?;
+        Ok(redb.begin_read()?.open_table(table)?)
+    }
+
+    fn get<T>(
+        &self,
+        table: TableDefinition<u128, &'static [u8]>,
+        id: Uuid,
+        decode: impl FnOnce(&[u8]) -> Result<T, StoreError>,
+    ) -> Result<Option<T>, StoreError> {
+        let table = self.table(table)?;
+        let value = table.get(id.as_u128())?;
+        value.map(|bytes| decode(bytes.value())).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use redb::Table;
+
+    use super::*;
+
+    type Results<'a> = Table<'a, u128, &'static [u8]>;
+
+    #[test]
+    fn what_is_being_decoded_can_be_deleted() {
+        let database = JobDatabase::in_memory().unwrap();
+        let write = |change: &dyn Fn(&mut Results<'_>)| {
+            let redb = database.redb();
+            let transaction = redb.as_ref().unwrap().begin_write().unwrap();
+            change(&mut transaction.open_table(RESULTS).unwrap());
+            transaction.commit().unwrap();
+        };
+        for length in [200, 3800, 100_000] {
+            let (id, bytes) = (Uuid::from_u128(length), vec![7; length as usize]);
+            let insert = |table: &mut Results<'_>, id| {
+                table.insert(id, bytes.as_slice()).unwrap();
+            };
+            write(&|table| insert(table, length));
+            let read = database.get(RESULTS, id, |read| {
+                write(&|table| drop(table.remove(length).unwrap()));
+                // Later commits use the pages of the removed value again, unless they are read.
+                for other in 1..6 {
+                    write(&|table| insert(table, length + other));
+                }
+                Ok(read.to_vec())
+            });
+            assert_eq!(read.unwrap(), Some(bytes));
+            assert_eq!(database.get(RESULTS, id, |_| Ok(())).unwrap(), None);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Errors of the database and of what stands in it.
+
+use std::io::ErrorKind;
+
+use redb::{StorageError, TableError};
+
+use super::super::StoreError;
+
+/// After a failure there is no database until it could be opened again.
+pub(super) fn closed() -> StoreError {
+    StoreError::Failed("the database could not be opened again after an error".to_owned())
+}
+
+/// The database panicked in a write, as it does where pages that it changes are damaged.
+pub(super) fn unwritable() -> StoreError {
+    StoreError::Failed(
+        "pages of the database that are to be changed do not fit together".to_owned(),
+    )
+}
+
+/// What was read makes no sense.
+pub(super) fn damaged(reason: impl ToString) -> StoreError {
+    StoreError::Failed(format!("a record cannot be read: {}", reason.to_string()))
+}
+
+impl From<redb::Error> for StoreError {
+    fn from(error: redb::Error) -> Self {
+        let text = error.to_string();
+        let full = [
+            ErrorKind::StorageFull,
+            ErrorKind::QuotaExceeded,
+            ErrorKind::FileTooLarge,
+        ];
+        match error {
+            redb::Error::Io(reason) if full.contains(&reason.kind()) => Self::Full(text),
+            _ => Self::Failed(text),
+        }
+    }
+}
+
+impl From<StorageError> for StoreError {
+    fn from(error: StorageError) -> Self {
+        redb::Error::from(error).into()
+    }
+}
+
+impl From<TableError> for StoreError {
+    fn from(error: TableError) -> Self {
+        redb::Error::from(error).into()
+    }
+}
+
+impl From<redb::TransactionError> for StoreError {
+    fn from(error: redb::TransactionError) -> Self {
+        redb::Error::from(error).into()
+    }
+}
+
+impl From<redb::CommitError> for StoreError {
+    fn from(error: redb::CommitError) -> Self {
+        redb::Error::from(error).into()
+    }
+}
