@@ -32,6 +32,8 @@ pub mod peer;
 pub mod places;
 pub mod recent;
 pub mod run;
+#[cfg(test)]
+mod samples;
 pub mod scheduler;
 pub mod service;
 pub mod state;

@@ -1,47 +1,8 @@
 //! Readers that share a run.
 
 use super::*;
-use crate::fit::basis::knots::Knots;
-use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::method::Method;
-use crate::fit::parameters::Parametrization;
-use crate::fit::points::{Grid, Points};
-use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::job::samples::problem;
 use crate::job::scheduler::Scheduler;
-
-fn problem() -> Problem {
-    let mut points = Points::new(2);
-    (0..20).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
-    let u = DirectionChoice {
-        basis: BasisChoice::BSpline {
-            degree: 3,
-            knots: Knots::Data,
-        },
-        parameters: Parametrization::Uniform,
-        closed: false,
-        control_points: None,
-        weights: None,
-    };
-    let grid = Grid {
-        rows: 20,
-        columns: 1,
-    };
-    Problem::new(Request {
-        points: Arc::new(points),
-        grid,
-        u,
-        v: None,
-        missing: Vec::new(),
-        weights: Weights::None,
-        method: Method::Global,
-        selected: None,
-        start: None,
-        lambda_min: None,
-        tolerance: Tolerance::Absolute(0.0),
-        max_iterations: 10,
-    })
-    .unwrap()
-}
 
 /// Waits for a frame that is on its way.
 async fn arrives(reader: &Attached, index: usize) {

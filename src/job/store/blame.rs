@@ -79,38 +79,15 @@ impl Record {
 
 #[cfg(test)]
 mod tests {
-    use uuid::Uuid;
-
     use super::*;
-    use crate::fit::method::Method;
-    use crate::fit::points::Grid;
-    use crate::job::outline::{Label, Outline};
+    use crate::job::samples;
     use crate::job::suspects::PARTS;
 
     fn running() -> Record {
-        let outline = Outline {
-            id: Uuid::now_v7(),
-            label: Label::default(),
-            created: Timestamp::now(),
-            surface: false,
-            grid: Grid {
-                rows: 4,
-                columns: 1,
-            },
-            method: Method::Global,
-            adjusted: None,
-            tolerance: 0.0,
-            max_iterations: 1,
-            memory: 1,
-            step_cost: 1,
-            warnings: Vec::new(),
-            bases_differ: false,
-        };
+        let status = Status::running();
         Record {
-            outline,
-            status: Status::running(),
-            crashes: 0,
-            watched: false,
+            status,
+            ..samples::queued()
         }
     }
 

@@ -199,3 +199,6 @@ impl Ended {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

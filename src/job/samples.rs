@@ -1,0 +1,58 @@
+//! Samples for unit tests.
+
+use std::sync::Arc;
+
+use crate::fit::basis::knots::Knots;
+use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::method::Method;
+use crate::fit::parameters::Parametrization;
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::job::outline::{Label, Outline};
+use crate::job::state::Status;
+use crate::job::store::Record;
+
+/// A curve through 20 points of a sine.
+pub(crate) fn problem() -> Problem {
+    let mut points = Points::new(2);
+    (0..20).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
+    let u = DirectionChoice {
+        basis: BasisChoice::BSpline {
+            degree: 3,
+            knots: Knots::Data,
+        },
+        parameters: Parametrization::Uniform,
+        closed: false,
+        control_points: None,
+        weights: None,
+    };
+    let grid = Grid {
+        rows: 20,
+        columns: 1,
+    };
+    Problem::new(Request {
+        points: Arc::new(points),
+        grid,
+        u,
+        v: None,
+        missing: Vec::new(),
+        weights: Weights::None,
+        method: Method::Global,
+        selected: None,
+        start: None,
+        lambda_min: None,
+        tolerance: Tolerance::Absolute(0.0),
+        max_iterations: 10,
+    })
+    .unwrap()
+}
+
+/// A job with this problem, which was just accepted.
+pub(crate) fn queued() -> Record {
+    Record {
+        outline: Outline::new(Label::default(), &problem()),
+        status: Status::QUEUED,
+        crashes: 0,
+        watched: false,
+    }
+}

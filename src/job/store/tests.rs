@@ -1,0 +1,338 @@
+//! What every store promises. Each case runs against each store.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use jiff::{SignedDuration, Timestamp};
+use uuid::Uuid;
+
+use super::{FORGOTTEN_AT_ONCE, Key, Record, Retention, Selection, Store};
+use crate::fit::points::Points;
+use crate::job::samples::{problem, queued};
+use crate::job::state::{State, Status};
+
+/// Runs each case against each store.
+macro_rules! for_each_store {
+    ($($case:ident),+ $(,)?) => {
+        mod in_a_file {
+            use crate::job::counters::Counters;
+            use crate::job::store::embedded::EmbeddedStore;
+
+            $(#[tokio::test]
+            async fn $case() {
+                let directory = tempfile::tempdir().unwrap();
+                let store = EmbeddedStore::open(directory.path(), Counters::default());
+                super::$case(&store.unwrap()).await;
+            })+
+        }
+
+        mod in_memory {
+            use crate::job::counters::Counters;
+            use crate::job::store::embedded::EmbeddedStore;
+
+            $(#[tokio::test]
+            async fn $case() {
+                let store = EmbeddedStore::in_memory(Counters::default());
+                super::$case(&store.unwrap()).await;
+            })+
+        }
+    };
+}
+
+for_each_store!(
+    a_job_is_kept_as_it_was_inserted,
+    writes_take_effect_in_the_order_of_their_calls,
+    a_job_that_has_ended_has_its_state_and_result,
+    a_job_that_is_gone_stays_gone,
+    a_job_under_watch_is_cleared_or_requeued,
+    a_key_makes_one_job,
+    a_key_that_is_sent_many_times_at_once_makes_one_job,
+    a_key_is_forgotten_after_a_day,
+    lists_begin_with_the_newest_job,
+    unfinished_jobs_begin_with_the_oldest,
+    the_first_jobs_to_end_are_the_first_to_be_forgotten,
+    jobs_are_forgotten_for_their_bytes_and_their_age,
+    many_jobs_are_forgotten_in_several_goes,
+);
+
+/// Keeps everything.
+const FOR_EVER: Retention = Retention {
+    jobs: usize::MAX,
+    bytes: u64::MAX,
+    age: Duration::MAX,
+};
+
+/// Lists everything.
+const ALL: Selection = Selection {
+    state: None,
+    before: None,
+    limit: usize::MAX,
+};
+
+/// Inserts a new job.
+async fn insert(store: &impl Store) -> Record {
+    let record = queued();
+    insert_record(store, &record).await;
+    record
+}
+
+async fn insert_record(store: &impl Store, record: &Record) {
+    let inserted = store.insert(record.clone(), Arc::new(problem()), None);
+    assert_eq!(inserted.await.unwrap(), None);
+}
+
+/// Inserts a job with a key; gives the id of the job that was made for the key before.
+async fn insert_with_key(store: &impl Store, record: &Record, name: &str) -> Option<Uuid> {
+    let inserted = store.insert(record.clone(), Arc::new(problem()), Some(key(name)));
+    inserted.await.unwrap().map(|made| made.id)
+}
+
+fn key(name: &str) -> Key {
+    Key {
+        name: name.to_owned(),
+        digest: [7; 32],
+    }
+}
+
+/// The status of a job that has converged so many seconds ago.
+fn converged(seconds_ago: i64) -> Status {
+    Status {
+        state: State::Converged,
+        finished: Some(Timestamp::now() - SignedDuration::from_secs(seconds_ago)),
+        ..Status::running()
+    }
+}
+
+fn control_points() -> Arc<Points> {
+    let mut points = Points::new(2);
+    (0..20).for_each(|i| points.push(&[f64::from(i), 0.1]));
+    Arc::new(points)
+}
+
+/// Inserts a job that has ended so many seconds ago.
+async fn ended(store: &impl Store, seconds_ago: i64) -> Uuid {
+    let id = insert(store).await.outline.id;
+    let finished = store.finish(id, converged(seconds_ago), Some(control_points()));
+    finished.await.unwrap();
+    id
+}
+
+/// The ids of all jobs, the oldest first.
+async fn ids(store: &impl Store) -> Vec<Uuid> {
+    let records = store.list(ALL).await.unwrap();
+    records.iter().rev().map(|it| it.outline.id).collect()
+}
+
+async fn a_job_is_kept_as_it_was_inserted(store: &impl Store) {
+    let record = insert(store).await;
+    let id = record.outline.id;
+    assert_eq!(store.get(id).await.unwrap(), Some(record));
+    let kept = store.problem(id).await.unwrap().unwrap();
+    let (kept, asked_for) = (kept.request(), problem());
+    assert_eq!(format!("{kept:?}"), format!("{:?}", asked_for.request()));
+    assert!(store.result(id).await.unwrap().is_none());
+
+    let unknown = Uuid::now_v7();
+    assert_eq!(store.get(unknown).await.unwrap(), None);
+    assert!(store.problem(unknown).await.unwrap().is_none());
+    assert!(store.result(unknown).await.unwrap().is_none());
+}
+
+async fn writes_take_effect_in_the_order_of_their_calls(store: &impl Store) {
+    let record = queued();
+    let id = record.outline.id;
+    let inserted = store.insert(record, Arc::new(problem()), None);
+    let started = store.start(id, Status::running(), false);
+    let end = converged(0);
+    let finished = store.finish(id, end.clone(), None);
+    // The last one first.
+    finished.await.unwrap();
+    started.await.unwrap();
+    inserted.await.unwrap();
+    assert_eq!(store.get(id).await.unwrap().unwrap().status, end);
+    // Lists come after the writes that were called before them, whether anybody waits for these or not.
+    let other = queued();
+    let not_awaited = store.insert(other.clone(), Arc::new(problem()), None);
+    assert_eq!(ids(store).await, [id, other.outline.id]);
+    not_awaited.await.unwrap();
+}
+
+async fn a_job_that_has_ended_has_its_state_and_result(store: &impl Store) {
+    let record = insert(store).await;
+    let (id, end) = (record.outline.id, converged(0));
+    let finished = store.finish(id, end.clone(), Some(control_points()));
+    finished.await.unwrap();
+    let kept = store.get(id).await.unwrap().unwrap();
+    assert_eq!(kept.status, end);
+    assert_eq!(kept.outline, record.outline);
+    let result = store.result(id).await.unwrap().unwrap();
+    assert_eq!(result.lanes(), control_points().lanes());
+}
+
+async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
+    let id = insert(store).await.outline.id;
+    assert!(store.remove(id).await.unwrap());
+    assert!(!store.remove(id).await.unwrap());
+    store.start(id, Status::running(), true).await.unwrap();
+    store.clear(id).await.unwrap();
+    store.requeue(id).await.unwrap();
+    let finished = store.finish(id, converged(0), Some(control_points()));
+    finished.await.unwrap();
+    assert_eq!(store.get(id).await.unwrap(), None);
+    assert!(store.problem(id).await.unwrap().is_none());
+    assert!(store.result(id).await.unwrap().is_none());
+    assert!(ids(store).await.is_empty());
+}
+
+async fn a_job_under_watch_is_cleared_or_requeued(store: &impl Store) {
+    let mut record = queued();
+    record.crashes = 2;
+    insert_record(store, &record).await;
+    let id = record.outline.id;
+    let seen = async || {
+        let record = store.get(id).await.unwrap().unwrap();
+        (record.status.state, record.watched, record.crashes)
+    };
+    store.start(id, Status::running(), true).await.unwrap();
+    assert_eq!(seen().await, (State::Running, true, 2));
+    store.clear(id).await.unwrap();
+    assert_eq!(seen().await, (State::Running, false, 2));
+    store.start(id, Status::running(), true).await.unwrap();
+    store.requeue(id).await.unwrap();
+    assert_eq!(seen().await, (State::Queued, false, 0));
+}
+
+async fn a_key_makes_one_job(store: &impl Store) {
+    let (first, second) = (queued(), queued());
+    let id = first.outline.id;
+    assert_eq!(insert_with_key(store, &first, "key").await, None);
+    assert_eq!(insert_with_key(store, &second, "key").await, Some(id));
+    assert_eq!(ids(store).await, [id]);
+    let made = store.made("key").await.unwrap().unwrap();
+    assert_eq!((made.id, made.digest), (id, key("key").digest));
+    assert_eq!(made.at, first.outline.created);
+    assert_eq!(store.made("other").await.unwrap(), None);
+    // The key goes with its job.
+    store.remove(id).await.unwrap();
+    assert_eq!(store.made("key").await.unwrap(), None);
+    assert_eq!(insert_with_key(store, &second, "key").await, None);
+}
+
+async fn a_key_that_is_sent_many_times_at_once_makes_one_job(store: &impl Store) {
+    let records: Vec<Record> = std::iter::repeat_with(queued).take(20).collect();
+    let inserted = records
+        .iter()
+        .map(|record| insert_with_key(store, record, "key"));
+    let before = futures_util::future::join_all(inserted).await;
+    let first = records[0].outline.id;
+    assert_eq!(before[0], None);
+    assert!(before[1..].iter().all(|made| *made == Some(first)));
+    assert_eq!(ids(store).await, [first]);
+}
+
+async fn a_key_is_forgotten_after_a_day(store: &impl Store) {
+    let (mut old, mut ahead) = (queued(), queued());
+    old.outline.created -= SignedDuration::from_hours(25);
+    ahead.outline.created += SignedDuration::from_hours(25);
+    assert_eq!(insert_with_key(store, &old, "old").await, None);
+    assert_eq!(insert_with_key(store, &ahead, "ahead").await, None);
+    assert_eq!(store.made("old").await.unwrap(), None);
+    // What a clock has dated in the future is young.
+    let again = insert_with_key(store, &queued(), "ahead").await;
+    assert_eq!(again, Some(ahead.outline.id));
+    // The key is free, and the job that had it first does not take it along.
+    let new = queued();
+    assert_eq!(insert_with_key(store, &new, "old").await, None);
+    store.retain(FOR_EVER).await.unwrap();
+    store.remove(old.outline.id).await.unwrap();
+    let made = store.made("old").await.unwrap().unwrap();
+    assert_eq!(made.id, new.outline.id);
+}
+
+async fn lists_begin_with_the_newest_job(store: &impl Store) {
+    let mut jobs = Vec::new();
+    for index in 0..6 {
+        jobs.push(match index % 2 {
+            0 => insert(store).await.outline.id,
+            _ => ended(store, 0).await,
+        });
+    }
+    let list = async |state, before, limit| {
+        let selection = Selection {
+            state,
+            before,
+            limit,
+        };
+        let records = store.list(selection).await.unwrap();
+        let ids = records.iter().map(|record| record.outline.id);
+        ids.collect::<Vec<Uuid>>()
+    };
+    assert_eq!(list(None, None, 2).await, [jobs[5], jobs[4]]);
+    assert_eq!(list(None, Some(jobs[2]), 10).await, [jobs[1], jobs[0]]);
+    let queued = list(Some(State::Queued), None, 10).await;
+    assert_eq!(queued, [jobs[4], jobs[2], jobs[0]]);
+    let converged = list(Some(State::Converged), Some(jobs[5]), 1).await;
+    assert_eq!(converged, [jobs[3]]);
+    assert!(list(Some(State::Failed), None, 10).await.is_empty());
+}
+
+async fn unfinished_jobs_begin_with_the_oldest(store: &impl Store) {
+    let first = insert(store).await;
+    ended(store, 0).await;
+    let second = insert(store).await;
+    let status = Status::running();
+    let id = second.outline.id;
+    store.start(id, status.clone(), false).await.unwrap();
+    let running = Record { status, ..second };
+    assert_eq!(store.unfinished().await.unwrap(), [first, running]);
+}
+
+async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &impl Store) {
+    let unfinished = insert(store).await.outline.id;
+    let last = ended(store, 10).await;
+    let first = ended(store, 30).await;
+    let second = ended(store, 20).await;
+    let retain = async |jobs| store.retain(Retention { jobs, ..FOR_EVER }).await.unwrap();
+    assert!(retain(3).await.is_empty());
+    assert_eq!(retain(1).await, [first, second]);
+    assert_eq!(ids(store).await, [unfinished, last]);
+    assert!(store.problem(first).await.unwrap().is_none());
+    assert!(store.result(first).await.unwrap().is_none());
+    assert_eq!(retain(0).await, [last]);
+    assert_eq!(ids(store).await, [unfinished]);
+}
+
+async fn jobs_are_forgotten_for_their_bytes_and_their_age(store: &impl Store) {
+    let old = ended(store, 100).await;
+    let young = ended(store, 10).await;
+    let retain = async |retention| store.retain(retention).await.unwrap();
+    let age = Duration::from_secs(50);
+    assert_eq!(retain(Retention { age, ..FOR_EVER }).await, [old]);
+    // The coordinates of a job and of its result alone are 640 bytes.
+    let bytes = 640;
+    assert_eq!(retain(Retention { bytes, ..FOR_EVER }).await, [young]);
+    let bytes = 100_000;
+    let ahead = ended(store, -1000).await;
+    let age = Duration::ZERO;
+    let within = retain(Retention {
+        age,
+        bytes,
+        jobs: 1,
+    });
+    assert!(within.await.is_empty());
+    assert_eq!(ids(store).await, [ahead]);
+}
+
+async fn many_jobs_are_forgotten_in_several_goes(store: &impl Store) {
+    for _ in 0..FORGOTTEN_AT_ONCE + 1 {
+        ended(store, 10).await;
+    }
+    let none = Retention {
+        jobs: 0,
+        ..FOR_EVER
+    };
+    let forgotten = store.retain(none).await.unwrap();
+    assert_eq!(forgotten.len(), FORGOTTEN_AT_ONCE);
+    assert_eq!(store.retain(none).await.unwrap().len(), 1);
+    assert!(ids(store).await.is_empty());
+}
