@@ -20,7 +20,7 @@ use crate::job::frame::Frame;
 use crate::job::outline::{Label, Parent};
 use crate::job::scheduler::Lane;
 use crate::job::service::Accepted;
-use crate::job::store::Key;
+use crate::job::store::IdempotencyKey;
 use crate::model::stream::StreamSpec;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
@@ -37,7 +37,7 @@ pub struct Order {
     label: Label,
     problem: fit::Problem,
     /// The system of a job with the same collocation matrix, if one is at hand.
-    like: Option<Arc<System>>,
+    similar: Option<Arc<System>>,
 }
 
 impl Order {
@@ -56,7 +56,7 @@ impl Order {
                 stream: valid.stream,
             },
             problem: valid.problem,
-            like: None,
+            similar: None,
         })
     }
 
@@ -89,7 +89,7 @@ impl Order {
                 stream: valid.stream,
             },
             problem: valid.problem,
-            like: shared.at_hand(),
+            similar: shared.at_hand(),
         })
     }
 
@@ -104,7 +104,7 @@ impl Order {
         self,
         app: &App,
         watch: Option<(&StreamSpec, Framing)>,
-        key: Option<Key>,
+        key: Option<IdempotencyKey>,
     ) -> Result<Accepted, Problem> {
         if let Some((request, framing)) = watch {
             let (job, surface) = (self.label.stream.as_deref(), self.is_surface());
@@ -113,8 +113,8 @@ impl Order {
                 options::check_range(request, job, &self.problem)?;
             }
         }
-        let (label, problem, like) = (self.label, self.problem, self.like);
-        Ok(app.jobs.create(label, problem, like, key).await?)
+        let (label, problem, similar) = (self.label, self.problem, self.similar);
+        Ok(app.jobs.create(label, problem, similar, key).await?)
     }
 }
 
@@ -149,7 +149,12 @@ pub fn check_key(name: &str) -> Result<(), String> {
 }
 
 /// The key with a digest of the request: where it went and what it said.
-pub async fn key(app: &App, name: String, path: String, body: Bytes) -> Result<Key, Problem> {
+pub async fn key(
+    app: &App,
+    name: String,
+    path: String,
+    body: Bytes,
+) -> Result<IdempotencyKey, Problem> {
     let small = body.len() <= PARSED_AT_ONCE;
     compute(app, small, move || {
         let digest = Sha256::new()
@@ -158,16 +163,16 @@ pub async fn key(app: &App, name: String, path: String, body: Bytes) -> Result<K
             .chain_update(&body)
             .finalize();
         let digest = digest.into();
-        Ok(Key { name, digest })
+        Ok(IdempotencyKey { name, digest })
     })
     .await
 }
 
 /// The job that was made for a key before.
-pub async fn known(app: &App, key: Option<&Key>) -> Result<Option<Accepted>, Problem> {
+pub async fn known(app: &App, key: Option<&IdempotencyKey>) -> Result<Option<Accepted>, Problem> {
     match key {
         None => Ok(None),
-        Some(key) => Ok(app.jobs.made_for(key).await?),
+        Some(key) => Ok(app.jobs.find_by_key(key).await?),
     }
 }
 

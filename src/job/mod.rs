@@ -265,8 +265,13 @@ impl Job {
     }
 
     /// Makes the run that decides the job's fate. Readers may come as soon as it is there.
-    fn begin(&self, problem: Arc<Problem>, like: Option<Arc<System>>, permit: Permit) -> Arc<Run> {
-        let system = Arc::new(SharedSystem::new(problem, like));
+    fn begin(
+        &self,
+        problem: Arc<Problem>,
+        similar: Option<Arc<System>>,
+        permit: Permit,
+    ) -> Arc<Run> {
+        let system = Arc::new(SharedSystem::new(problem, similar));
         *self.system.lock() = Arc::downgrade(&system);
         let run = Run::new(system, Arc::clone(&self.resources), Some(permit));
         *self.primary.lock() = Arc::downgrade(&run);

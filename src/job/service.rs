@@ -22,7 +22,10 @@ use super::recent::Recent;
 use super::run::{Ending, Run};
 use super::scheduler::Lane;
 use super::state::{Failure, Reason, State, Status};
-use super::store::{FORGOTTEN_AT_ONCE, Key, Made, Record, Retention, Selection, Store, StoreError};
+use super::store::{
+    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, Record, Retention, Selection, Store,
+    StoreError,
+};
 use super::suspects::{Suspects, WATCH, Watch};
 use super::{Job, Resources};
 use crate::fit::iteration::Outcome;
@@ -209,13 +212,13 @@ impl Jobs {
     }
 
     /// Accepts a job and starts it; or gives the job that was made for the same key. When it
-    /// returns, the job is kept. Its collocation matrix may be that of the system `like`.
+    /// returns, the job is kept. If its collocation matrix is that of the system `similar`, that one is used.
     pub async fn create(
         self: &Arc<Self>,
         label: Label,
         problem: Problem,
-        like: Option<Arc<System>>,
-        key: Option<Key>,
+        similar: Option<Arc<System>>,
+        key: Option<IdempotencyKey>,
     ) -> Result<Accepted, Refused> {
         let jobs = Arc::clone(self);
         let problem = Arc::new(problem);
@@ -223,9 +226,9 @@ impl Jobs {
         // A client that goes away in the meantime must not leave half a job behind.
         let accepted = tokio::spawn(async move {
             loop {
-                let (label, problem, like) = (label.clone(), Arc::clone(&problem), like.clone());
-                let key = key.clone();
-                let accepted = Arc::clone(&jobs).accept(label, problem, like, key, peer);
+                let (label, problem) = (label.clone(), Arc::clone(&problem));
+                let (similar, key) = (similar.clone(), key.clone());
+                let accepted = Arc::clone(&jobs).accept(label, problem, similar, key, peer);
                 // The job of the key may be deleted when it is looked for.
                 if let Some(accepted) = accepted.await? {
                     return Ok(accepted);
@@ -242,8 +245,8 @@ impl Jobs {
         self: Arc<Self>,
         label: Label,
         problem: Arc<Problem>,
-        like: Option<Arc<System>>,
-        key: Option<Key>,
+        similar: Option<Arc<System>>,
+        key: Option<IdempotencyKey>,
         peer: Option<Peer>,
     ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem);
@@ -262,24 +265,24 @@ impl Jobs {
         };
         // Alive before it is stored: whoever finds it in the store finds it alive.
         let job = self.bring_to_life(record.clone());
-        let kept = self.store.insert(record, Arc::clone(&problem), key.clone());
+        let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
         // The fit does not wait for the disk; the answer does. A job that has to wait for memory
         // does so without its points, which it gets back from the store.
         let waiting = match memory {
             Some(memory) => {
                 let start = Start {
                     watch: None,
-                    run: job.begin(problem, like, memory),
+                    run: job.begin(problem, similar, memory),
                 };
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(start), place));
                 None
             }
             None => Some(place),
         };
-        let known = kept.await.inspect_err(|_| job.request_cancel())?;
-        if let Some(made) = known {
+        let existing = inserted.await.inspect_err(|_| job.request_cancel())?;
+        if let Some(entry) = existing {
             job.request_cancel();
-            return self.made_before(made, key.as_ref()).await;
+            return self.job_of(entry, key.as_ref()).await;
         }
         if let Some(place) = waiting {
             tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), None, place));
@@ -290,22 +293,23 @@ impl Jobs {
     }
 
     /// The job that was made for a key, if there is one.
-    pub async fn made_for(&self, key: &Key) -> Result<Option<Accepted>, Refused> {
-        match self.store.made(&key.name).await? {
+    pub async fn find_by_key(&self, key: &IdempotencyKey) -> Result<Option<Accepted>, Refused> {
+        match self.store.idempotency_entry(&key.name).await? {
             None => Ok(None),
-            Some(made) => self.made_before(made, Some(key)).await,
+            Some(entry) => self.job_of(entry, Some(key)).await,
         }
     }
 
-    async fn made_before(
+    /// The job of the entry of a key, which must have been made by the same request.
+    async fn job_of(
         &self,
-        made: Made,
-        key: Option<&Key>,
+        entry: IdempotencyEntry,
+        key: Option<&IdempotencyKey>,
     ) -> Result<Option<Accepted>, Refused> {
-        if key.is_none_or(|key| key.digest != made.digest) {
-            return Err(Refused::KeyTaken(made.id));
+        if key.is_none_or(|key| key.digest != entry.digest) {
+            return Err(Refused::KeyTaken(entry.id));
         }
-        let job = self.find(made.id).await?;
+        let job = self.find(entry.id).await?;
         Ok(job.map(Accepted::Known))
     }
 
@@ -525,7 +529,7 @@ impl Jobs {
         if let Ok(end) = timeout(WATCH, run.complete()).await {
             return end;
         }
-        if let Err(error) = self.store.clear(job.id()).await {
+        if let Err(error) = self.store.end_watch(job.id()).await {
             warn!(job = %job.id(), %error, "a job could not be cleared of suspicion");
         }
         drop(watch);

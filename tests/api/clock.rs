@@ -6,7 +6,7 @@ use std::time::Duration;
 use jiff::{SignedDuration, Timestamp};
 use piad::job::counters::Counters;
 use piad::job::store::embedded::EmbeddedStore;
-use piad::job::store::{Key, Record, Store};
+use piad::job::store::{IdempotencyKey, Record, Store};
 use serde_json::json;
 use uuid::Uuid;
 
@@ -24,7 +24,7 @@ async fn keep_copy(store: &EmbeddedStore, id: Uuid, at: Timestamp, key: &str) ->
     copy.outline.created = at;
     copy.status.finished = Some(at);
     let (id, status) = (copy.outline.id, copy.status.clone());
-    let key = Key {
+    let key = IdempotencyKey {
         name: key.to_owned(),
         digest: [0; 32],
     };

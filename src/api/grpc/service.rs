@@ -23,7 +23,7 @@ use crate::api::stream::form::Form;
 use crate::api::stream::options::{self, StreamOptions};
 use crate::api::{jobs, levels};
 use crate::job::service::Accepted;
-use crate::job::store::Key;
+use crate::job::store::IdempotencyKey;
 use crate::job::{Held, Job};
 use crate::model::stream::StreamSpec;
 
@@ -95,7 +95,7 @@ impl Service {
         name: String,
         path: &str,
         message: &impl Message,
-    ) -> Result<Option<Key>, Problem> {
+    ) -> Result<Option<IdempotencyKey>, Problem> {
         if name.is_empty() {
             return Ok(None);
         }

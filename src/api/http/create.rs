@@ -29,7 +29,7 @@ use crate::api::stream::form::Encoding;
 use crate::api::stream::options::{self, StreamOptions};
 use crate::job::memory::Permit;
 use crate::job::service::Accepted;
-use crate::job::store::Key;
+use crate::job::store::IdempotencyKey;
 
 const IDEMPOTENCY_KEY: &str = "idempotency-key";
 const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
@@ -135,7 +135,7 @@ struct Posted {
     answer: Answer,
     wait: Option<Duration>,
     query: StreamQuery,
-    key: Option<Key>,
+    key: Option<IdempotencyKey>,
     language: Language,
     body: Taken,
 }

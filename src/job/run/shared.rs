@@ -15,18 +15,18 @@ pub struct SharedSystem {
     pub(super) problem: Arc<Problem>,
     system: Mutex<Weak<System>>,
     /// A system that may have the same collocation matrix; given up once it has been used.
-    like: Mutex<Option<Arc<System>>>,
+    similar: Mutex<Option<Arc<System>>>,
     /// How long readers of the runs have made each other wait.
     pub(super) patience: Arc<Patience>,
 }
 
 impl SharedSystem {
-    /// Nothing is computed yet. The matrix may be that of another system.
-    pub fn new(problem: Arc<Problem>, like: Option<Arc<System>>) -> Self {
+    /// Nothing is computed yet. If the matrix is that of the system `similar`, that one is used.
+    pub fn new(problem: Arc<Problem>, similar: Option<Arc<System>>) -> Self {
         Self {
             problem,
             system: Mutex::new(Weak::new()),
-            like: Mutex::new(like),
+            similar: Mutex::new(similar),
             patience: Arc::default(),
         }
     }
@@ -48,7 +48,7 @@ impl SharedSystem {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {
             let problem = Arc::clone(&self.problem);
-            let system = Arc::new(match self.like.lock().take() {
+            let system = Arc::new(match self.similar.lock().take() {
                 Some(other) => System::like(problem, &other),
                 None => System::new(problem),
             });

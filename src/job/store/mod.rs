@@ -1,7 +1,14 @@
-//! Where jobs are kept: their problems, states and final control points. Frames are not.
+//! Where jobs are kept: their problems, states and final control points. Frames are not kept.
+//!
+//! - [`embedded`]: in a file, or in memory;
+//! - [`blame`]: which jobs may have crashed the process;
+//! - `ended`: which jobs that have ended to forget.
+//!
+//! What every store promises is described at [`Store`], and tested for each store by the same tests.
 
 pub mod blame;
 pub mod embedded;
+pub(crate) mod ended;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,10 +25,11 @@ use super::state::{State, Status};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
-/// The most jobs that are forgotten together: where there is little room, many would not go.
+/// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
+/// frees some: where the disk is nearly full, many jobs could not be forgotten together.
 pub const FORGOTTEN_AT_ONCE: usize = 100;
 
-/// How long the key of a request is remembered.
+/// How long an idempotency key is remembered.
 pub const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// A job as it is kept, without its points.
@@ -37,30 +45,31 @@ pub struct Record {
     pub watched: bool,
 }
 
-/// A key by which a client recognises its request, and a digest of what was asked for with it.
+/// An idempotency key: the name by which a client recognises its request, and a digest of what was asked
+/// for with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Key {
-    /// The key.
+pub struct IdempotencyKey {
+    /// The name.
     pub name: String,
     /// SHA-256 of the request.
     pub digest: [u8; 32],
 }
 
-/// The job that was made for a key.
+/// What is remembered of an idempotency key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Made {
-    /// The job.
+pub struct IdempotencyEntry {
+    /// The job that was made.
     pub id: Uuid,
-    /// The digest of the request.
+    /// The digest of the request that made it.
     pub digest: [u8; 32],
     /// When it was made.
-    pub at: Timestamp,
+    pub created: Timestamp,
 }
 
-impl Made {
+impl IdempotencyEntry {
     /// Whether the key is not remembered any more.
-    pub fn is_forgotten(&self) -> bool {
-        is_older(self.at, KEY_LIFETIME)
+    pub fn has_expired(&self) -> bool {
+        is_older(self.created, KEY_LIFETIME)
     }
 }
 
@@ -78,18 +87,18 @@ pub struct Selection {
 /// How much of the past is kept: the first jobs to end are the first to be forgotten.
 #[derive(Clone, Copy, Debug)]
 pub struct Retention {
-    /// Jobs that have ended.
+    /// The most jobs that have ended.
     pub jobs: usize,
-    /// Bytes of their data and results.
+    /// The most bytes of their data and results.
     pub bytes: u64,
-    /// How long after their end.
+    /// How long they are kept after their end.
     pub age: Duration,
 }
 
 /// The store did not do what it was asked for.
 #[derive(Clone, Debug, Error)]
 pub enum StoreError {
-    /// There is no room.
+    /// There is no space for what was to be kept. It may succeed later.
     #[error("the store is full: {0}")]
     Full(String),
     /// The job was deleted in the meantime.
@@ -98,42 +107,59 @@ pub enum StoreError {
     /// Anything else.
     #[error("the store failed: {0}")]
     Failed(String),
-    /// Not the store, but what was to be made of its records.
+    /// The store worked, but the computation that needed its records panicked.
     #[error(transparent)]
     Broken(#[from] Broken),
 }
 
-/// The acknowledgement of a write.
-pub type Kept<T> = BoxFuture<'static, Result<T, StoreError>>;
+/// Completes when a change is durable, with what has come of it.
+pub type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 
 /// Keeps jobs.
 ///
-/// Writes take effect in the order in which they are called; what a write's future has returned
-/// from is kept, whatever happens to the process.
+/// What a store promises:
+///
+/// - **Order.** Changes take effect in the order in which the methods are called, whether or not anybody
+///   waits for their acknowledgements.
+/// - **Atomicity.** A change happens as a whole or not at all. One that has failed can be asked for again.
+/// - **Durability.** A change that was acknowledged survives whatever happens to the process, and in a store
+///   on a disk also a loss of power. A crash may lose changes that were not acknowledged yet, the latest
+///   ones first: if a change is there, all changes before it are there that have not
+///   failed. A store in memory ends with the
+///   process.
+/// - **Reads** see everything that was acknowledged before they were called; [`list`](Self::list) also sees
+///   changes that were called before it and are not acknowledged yet. What a read has given stays valid when
+///   the job is deleted.
+/// - **A job that is gone stays gone.** Changes of a job that is not there succeed, and do nothing.
 #[async_trait]
 pub trait Store: Send + Sync {
-    /// Keeps a new job, unless there is one for the same key: then gives that one.
-    fn insert(&self, record: Record, problem: Arc<Problem>, key: Option<Key>)
-    -> Kept<Option<Made>>;
+    /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
+    fn insert(
+        &self,
+        record: Record,
+        problem: Arc<Problem>,
+        key: Option<IdempotencyKey>,
+    ) -> Acknowledgement<Option<IdempotencyEntry>>;
 
-    /// Keeps that a queued job runs now, perhaps under watch. A job that is gone stays gone.
-    fn start(&self, id: Uuid, status: Status, watched: bool) -> Kept<()>;
+    /// Keeps that a queued job runs now, perhaps under watch.
+    fn start(&self, id: Uuid, status: Status, watched: bool) -> Acknowledgement<()>;
 
     /// Keeps that a job is not under watch any more.
-    fn clear(&self, id: Uuid) -> Kept<()>;
+    fn end_watch(&self, id: Uuid) -> Acknowledgement<()>;
 
-    /// Puts a job back into the queue. Who does so is alive: there was no crash.
-    fn requeue(&self, id: Uuid) -> Kept<()>;
+    /// Puts a job back into the queue at an orderly end of the process. It is not to blame for any crash
+    /// before.
+    fn requeue(&self, id: Uuid) -> Acknowledgement<()>;
 
-    /// Keeps the final state and control points of a job. A job that is gone stays gone.
-    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Kept<()>;
+    /// Keeps the final state and control points of a job.
+    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Acknowledgement<()>;
 
-    /// Forgets a job; says whether there was one.
-    fn remove(&self, id: Uuid) -> Kept<bool>;
+    /// Forgets a job and its key; says whether there was one.
+    fn remove(&self, id: Uuid) -> Acknowledgement<bool>;
 
-    /// Forgets jobs that have ended until the rest is within `retention`, at most
-    /// [`FORGOTTEN_AT_ONCE`], and old keys.
-    fn retain(&self, retention: Retention) -> Kept<Vec<Uuid>>;
+    /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
+    /// and keys that have expired. Gives the ids of these jobs.
+    fn retain(&self, retention: Retention) -> Acknowledgement<Vec<Uuid>>;
 
     /// The job of this id.
     async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError>;
@@ -150,54 +176,15 @@ pub trait Store: Send + Sync {
     /// Jobs that have not ended, the oldest first.
     async fn unfinished(&self) -> Result<Vec<Record>, StoreError>;
 
-    /// The job that was made for a key.
-    async fn made(&self, key: &str) -> Result<Option<Made>, StoreError>;
+    /// What is remembered of an idempotency key.
+    async fn idempotency_entry(&self, key: &str) -> Result<Option<IdempotencyEntry>, StoreError>;
 }
 
-/// Whether it was longer ago than this. What lies in the future is young: a clock that was ahead must
-/// not make anything be forgotten.
+/// Whether it was longer ago than this. A time in the future is not: a clock that was ahead must not make
+/// anything be forgotten.
 fn is_older(at: Timestamp, age: Duration) -> bool {
     let passed = Timestamp::now().duration_since(at);
     Duration::try_from(passed).is_ok_and(|passed| passed > age)
-}
-
-/// Which of the jobs that have ended to forget, and how many there are: the bookkeeping that
-/// stores share. Jobs are ordered by the time at which they ended.
-#[derive(Debug, Default)]
-pub struct Ended {
-    jobs: std::collections::BTreeMap<(Timestamp, Uuid), u64>,
-    bytes: u64,
-}
-
-impl Ended {
-    /// A job has ended and takes so many bytes.
-    pub fn add(&mut self, at: Timestamp, id: Uuid, bytes: u64) {
-        let before = self.jobs.insert((at, id), bytes).unwrap_or(0);
-        self.bytes = self.bytes + bytes - before;
-    }
-
-    /// A job is gone; gives the bytes that it took.
-    pub fn remove(&mut self, at: Timestamp, id: Uuid) -> u64 {
-        let bytes = self.jobs.remove(&(at, id)).unwrap_or(0);
-        self.bytes -= bytes;
-        bytes
-    }
-
-    /// The jobs to be forgotten.
-    pub fn surplus(&self, retention: Retention) -> Vec<Uuid> {
-        let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
-        let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
-            let old = is_older(at, retention.age);
-            let forget = old || jobs > retention.jobs || bytes > retention.bytes;
-            jobs -= 1;
-            bytes -= size;
-            forget
-        });
-        surplus
-            .map(|(&(_, id), _)| id)
-            .take(FORGOTTEN_AT_ONCE)
-            .collect()
-    }
 }
 
 #[cfg(test)]

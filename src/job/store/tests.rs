@@ -6,7 +6,7 @@ use std::time::Duration;
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
-use super::{FORGOTTEN_AT_ONCE, Key, Record, Retention, Selection, Store};
+use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Record, Retention, Selection, Store};
 use crate::fit::points::Points;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
@@ -44,7 +44,7 @@ for_each_store!(
     writes_take_effect_in_the_order_of_their_calls,
     a_job_that_has_ended_has_its_state_and_result,
     a_job_that_is_gone_stays_gone,
-    a_job_under_watch_is_cleared_or_requeued,
+    a_watch_ends_or_its_job_is_requeued,
     a_key_makes_one_job,
     a_key_that_is_sent_many_times_at_once_makes_one_job,
     a_key_is_forgotten_after_a_day,
@@ -84,11 +84,11 @@ async fn insert_record(store: &impl Store, record: &Record) {
 /// Inserts a job with a key; gives the id of the job that was made for the key before.
 async fn insert_with_key(store: &impl Store, record: &Record, name: &str) -> Option<Uuid> {
     let inserted = store.insert(record.clone(), Arc::new(problem()), Some(key(name)));
-    inserted.await.unwrap().map(|made| made.id)
+    inserted.await.unwrap().map(|entry| entry.id)
 }
 
-fn key(name: &str) -> Key {
-    Key {
+fn key(name: &str) -> IdempotencyKey {
+    IdempotencyKey {
         name: name.to_owned(),
         digest: [7; 32],
     }
@@ -174,7 +174,7 @@ async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
     assert!(store.remove(id).await.unwrap());
     assert!(!store.remove(id).await.unwrap());
     store.start(id, Status::running(), true).await.unwrap();
-    store.clear(id).await.unwrap();
+    store.end_watch(id).await.unwrap();
     store.requeue(id).await.unwrap();
     let finished = store.finish(id, converged(0), Some(control_points()));
     finished.await.unwrap();
@@ -184,7 +184,7 @@ async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
     assert!(ids(store).await.is_empty());
 }
 
-async fn a_job_under_watch_is_cleared_or_requeued(store: &impl Store) {
+async fn a_watch_ends_or_its_job_is_requeued(store: &impl Store) {
     let mut record = queued();
     record.crashes = 2;
     insert_record(store, &record).await;
@@ -195,7 +195,7 @@ async fn a_job_under_watch_is_cleared_or_requeued(store: &impl Store) {
     };
     store.start(id, Status::running(), true).await.unwrap();
     assert_eq!(seen().await, (State::Running, true, 2));
-    store.clear(id).await.unwrap();
+    store.end_watch(id).await.unwrap();
     assert_eq!(seen().await, (State::Running, false, 2));
     store.start(id, Status::running(), true).await.unwrap();
     store.requeue(id).await.unwrap();
@@ -208,13 +208,13 @@ async fn a_key_makes_one_job(store: &impl Store) {
     assert_eq!(insert_with_key(store, &first, "key").await, None);
     assert_eq!(insert_with_key(store, &second, "key").await, Some(id));
     assert_eq!(ids(store).await, [id]);
-    let made = store.made("key").await.unwrap().unwrap();
-    assert_eq!((made.id, made.digest), (id, key("key").digest));
-    assert_eq!(made.at, first.outline.created);
-    assert_eq!(store.made("other").await.unwrap(), None);
+    let entry = store.idempotency_entry("key").await.unwrap().unwrap();
+    assert_eq!((entry.id, entry.digest), (id, key("key").digest));
+    assert_eq!(entry.created, first.outline.created);
+    assert_eq!(store.idempotency_entry("other").await.unwrap(), None);
     // The key goes with its job.
     store.remove(id).await.unwrap();
-    assert_eq!(store.made("key").await.unwrap(), None);
+    assert_eq!(store.idempotency_entry("key").await.unwrap(), None);
     assert_eq!(insert_with_key(store, &second, "key").await, None);
 }
 
@@ -226,7 +226,7 @@ async fn a_key_that_is_sent_many_times_at_once_makes_one_job(store: &impl Store)
     let before = futures_util::future::join_all(inserted).await;
     let first = records[0].outline.id;
     assert_eq!(before[0], None);
-    assert!(before[1..].iter().all(|made| *made == Some(first)));
+    assert!(before[1..].iter().all(|entry| *entry == Some(first)));
     assert_eq!(ids(store).await, [first]);
 }
 
@@ -236,7 +236,7 @@ async fn a_key_is_forgotten_after_a_day(store: &impl Store) {
     ahead.outline.created += SignedDuration::from_hours(25);
     assert_eq!(insert_with_key(store, &old, "old").await, None);
     assert_eq!(insert_with_key(store, &ahead, "ahead").await, None);
-    assert_eq!(store.made("old").await.unwrap(), None);
+    assert_eq!(store.idempotency_entry("old").await.unwrap(), None);
     // What a clock has dated in the future is young.
     let again = insert_with_key(store, &queued(), "ahead").await;
     assert_eq!(again, Some(ahead.outline.id));
@@ -245,8 +245,8 @@ async fn a_key_is_forgotten_after_a_day(store: &impl Store) {
     assert_eq!(insert_with_key(store, &new, "old").await, None);
     store.retain(FOR_EVER).await.unwrap();
     store.remove(old.outline.id).await.unwrap();
-    let made = store.made("old").await.unwrap().unwrap();
-    assert_eq!(made.id, new.outline.id);
+    let entry = store.idempotency_entry("old").await.unwrap().unwrap();
+    assert_eq!(entry.id, new.outline.id);
 }
 
 async fn lists_begin_with_the_newest_job(store: &impl Store) {

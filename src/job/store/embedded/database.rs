@@ -11,12 +11,14 @@ use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
 use tracing::error;
 use uuid::Uuid;
 
-use super::super::{Made, Record, Selection, StoreError};
+use super::super::{IdempotencyEntry, Record, Selection, StoreError};
 use super::error::{closed, damaged};
-use super::header::{Header, KeyMessage};
-use super::input::{Input, PointsMessage};
+use super::header::Header;
+use super::idempotency::EntryMessage;
+use super::input::Input;
 use super::memory_file::MemoryFile;
 use super::opening::{self, Medium, OpenError};
+use super::points::PointsMessage;
 use super::quiet;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
 use crate::fit::points::Points;
@@ -59,7 +61,7 @@ impl JobDatabase {
     ) -> Result<T, StoreError> {
         quiet::catch(|| read(self)).unwrap_or_else(|panic| {
             error!(panic, "the database panicked while it was read");
-            let works = quiet::catch(|| self.made("").is_ok()).unwrap_or(false);
+            let works = quiet::catch(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
             if !works && let Err(error) = self.reopen() {
                 error!(%error, "the store could not be opened again");
             }
@@ -148,16 +150,15 @@ impl JobDatabase {
         Ok(records)
     }
 
-    /// The job that was made for a key.
-    pub(super) fn made(&self, key: &str) -> Result<Option<Made>, StoreError> {
+    /// The entry of an idempotency key, unless it has expired.
+    pub(super) fn idempotency_entry(
+        &self,
+        key: &str,
+    ) -> Result<Option<IdempotencyEntry>, StoreError> {
         let keys = self.table(KEYS)?;
-        let Some(bytes) = keys.get(key)? else {
-            return Ok(None);
-        };
-        let made = KeyMessage::decode(bytes.value())
-            .map_err(damaged)?
-            .into_made()?;
-        Ok((!made.is_forgotten()).then_some(made))
+        let bytes = keys.get(key)?;
+        let entry = bytes.map(|bytes| EntryMessage::read(bytes.value()));
+        Ok(entry.transpose()?.filter(|entry| !entry.has_expired()))
     }
 
     /// A table as it is now. Its pages are not used again as long as it lives. What `ReadOnlyTable`

@@ -1,4 +1,4 @@
-//! Problems as they were asked for, and points, as protobuf messages.
+//! Problems as they were asked for, as protobuf messages.
 //!
 //! The problem itself follows from what was asked for: it is computed again when it is read.
 
@@ -7,15 +7,15 @@ use std::sync::Arc;
 use prost::{Enumeration, Message, Oneof};
 
 use super::super::StoreError;
+use super::direction::DirectionMessage;
 use super::error::damaged;
-use super::header::number;
-use crate::fit::basis::{Polynomial, knots::Knots};
-use crate::fit::direction::{BasisChoice, DirectionChoice};
+use super::fields::number;
+use super::points::PointsMessage;
+use crate::fit::direction::DirectionChoice;
 use crate::fit::method::{
     Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
-use crate::fit::parameters::Parametrization;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::Grid;
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
 
 /// A problem as it was asked for.
@@ -53,37 +53,6 @@ pub(super) struct Input {
     max_iterations: u64,
     #[prost(double, optional, tag = "16")]
     lambda_min: Option<f64>,
-}
-
-/// Points, coordinate by coordinate.
-#[derive(Clone, PartialEq, Message)]
-pub(super) struct PointsMessage {
-    #[prost(uint32, tag = "1")]
-    dimension: u32,
-    #[prost(double, repeated, tag = "2")]
-    coordinates: Vec<f64>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct DirectionMessage {
-    #[prost(enumeration = "BasisCode", tag = "1")]
-    basis: i32,
-    #[prost(uint64, tag = "2")]
-    degree: u64,
-    #[prost(enumeration = "KnotsCode", tag = "3")]
-    knots: i32,
-    #[prost(double, repeated, tag = "4")]
-    knot_values: Vec<f64>,
-    #[prost(enumeration = "ParametersCode", tag = "5")]
-    parameters: i32,
-    #[prost(double, repeated, tag = "6")]
-    parameter_values: Vec<f64>,
-    #[prost(bool, tag = "7")]
-    closed: bool,
-    #[prost(bool, tag = "8")]
-    weighted: bool,
-    #[prost(double, repeated, tag = "9")]
-    weights: Vec<f64>,
 }
 
 /// A method with its settings.
@@ -181,30 +150,6 @@ enum WeightsCode {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
-enum BasisCode {
-    BSpline = 0,
-    Bernstein = 1,
-    SaidBall = 2,
-    WangBall = 3,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
-enum KnotsCode {
-    Usual = 0,
-    Data = 1,
-    Averaged = 2,
-    Explicit = 3,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
-enum ParametersCode {
-    ChordLength = 0,
-    Centripetal = 1,
-    Uniform = 2,
-    Explicit = 3,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
 enum VariantCode {
     Diagonal = 0,
     Lspia = 1,
@@ -283,103 +228,6 @@ impl Input {
 
 fn narrow(indices: Vec<u64>) -> Result<Vec<usize>, StoreError> {
     indices.into_iter().map(number).collect()
-}
-
-impl PointsMessage {
-    /// Points as a message.
-    pub(super) fn new(points: &Points) -> Self {
-        Self {
-            dimension: u32::try_from(points.dimension()).unwrap_or(u32::MAX),
-            coordinates: points.lanes().concat(),
-        }
-    }
-
-    /// The points of a message.
-    pub(super) fn into_points(self) -> Result<Points, StoreError> {
-        let dimension = number(self.dimension.into())?;
-        if dimension == 0 || !self.coordinates.len().is_multiple_of(dimension) {
-            return Err(damaged("coordinates are missing"));
-        }
-        let lanes = self.coordinates.chunks(self.coordinates.len() / dimension);
-        Ok(Points::from_lanes(lanes))
-    }
-}
-
-impl From<&DirectionChoice> for DirectionMessage {
-    fn from(choice: &DirectionChoice) -> Self {
-        let (basis, degree, knots, knot_values) = match &choice.basis {
-            BasisChoice::Polynomial(kind) => {
-                let basis = match kind {
-                    Polynomial::Bernstein => BasisCode::Bernstein,
-                    Polynomial::SaidBall => BasisCode::SaidBall,
-                    Polynomial::WangBall => BasisCode::WangBall,
-                };
-                (basis, 0, KnotsCode::Usual, Vec::new())
-            }
-            BasisChoice::BSpline { degree, knots } => {
-                let (code, values) = match knots {
-                    Knots::Usual => (KnotsCode::Usual, Vec::new()),
-                    Knots::Data => (KnotsCode::Data, Vec::new()),
-                    Knots::Averaged => (KnotsCode::Averaged, Vec::new()),
-                    Knots::Explicit(values) => (KnotsCode::Explicit, values.to_vec()),
-                };
-                (BasisCode::BSpline, *degree, code, values)
-            }
-        };
-        let (parameters, parameter_values) = match &choice.parameters {
-            Parametrization::ChordLength => (ParametersCode::ChordLength, Vec::new()),
-            Parametrization::Centripetal => (ParametersCode::Centripetal, Vec::new()),
-            Parametrization::Uniform => (ParametersCode::Uniform, Vec::new()),
-            Parametrization::Explicit(values) => (ParametersCode::Explicit, values.to_vec()),
-        };
-        Self {
-            basis: basis as i32,
-            degree: degree as u64,
-            knots: knots as i32,
-            knot_values,
-            parameters: parameters as i32,
-            parameter_values,
-            closed: choice.closed,
-            weighted: choice.weights.is_some(),
-            weights: choice.weights.clone().unwrap_or_default(),
-        }
-    }
-}
-
-impl TryFrom<DirectionMessage> for DirectionChoice {
-    type Error = StoreError;
-
-    fn try_from(message: DirectionMessage) -> Result<Self, StoreError> {
-        let parameters = match message.parameters() {
-            ParametersCode::ChordLength => Parametrization::ChordLength,
-            ParametersCode::Centripetal => Parametrization::Centripetal,
-            ParametersCode::Uniform => Parametrization::Uniform,
-            ParametersCode::Explicit => {
-                Parametrization::Explicit(Arc::new(message.parameter_values.clone()))
-            }
-        };
-        let basis = match message.basis() {
-            BasisCode::Bernstein => BasisChoice::Polynomial(Polynomial::Bernstein),
-            BasisCode::SaidBall => BasisChoice::Polynomial(Polynomial::SaidBall),
-            BasisCode::WangBall => BasisChoice::Polynomial(Polynomial::WangBall),
-            BasisCode::BSpline => BasisChoice::BSpline {
-                degree: number(message.degree)?,
-                knots: match message.knots() {
-                    KnotsCode::Usual => Knots::Usual,
-                    KnotsCode::Data => Knots::Data,
-                    KnotsCode::Averaged => Knots::Averaged,
-                    KnotsCode::Explicit => Knots::Explicit(Arc::new(message.knot_values)),
-                },
-            },
-        };
-        Ok(Self {
-            basis,
-            parameters,
-            closed: message.closed,
-            control_points: None,
-            weights: message.weighted.then_some(message.weights),
-        })
-    }
 }
 
 impl From<&Method> for MethodMessage {

@@ -1,24 +1,34 @@
 //! A store in one file, of the embedded ACID database redb.
 //!
-//! - [`tables`]: what stands in the file, and the version of that;
+//! - [`tables`]: the tables of the file, and the version of their content;
 //! - [`database`]: the open file, and what is read from it;
-//! - [`writer`]: the one thread that writes, many writes in a commit;
-//! - [`opening`]: the file is found whole, or refused with a reason; [`memory_file`]: a file in memory;
+//! - [`opening`]: opens the file, or says what is wrong with it; [`memory_file`]: a file in memory;
+//! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: what it is asked for;
+//!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
+//! - [`disk_space`]: what is kept back for when the disk is full;
 //! - [`error`], [`quiet`]: errors and panics of the database;
-//! - [`room`]: what is kept back for when the disk is full;
-//! - [`header`], [`warning`], [`input`]: records and problems as protobuf messages, so that fields can be added.
+//! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`direction`], [`points`]; [`fields`]:
+//!   records and problems as protobuf messages.
 //!
-//! Reads see what was committed. Lists wait for the writes before them.
+//! Reads see what was committed. Lists wait for the changes before them.
 
+mod change;
 mod database;
+mod direction;
+mod disk_space;
 mod error;
+mod fields;
 mod header;
+mod idempotency;
 mod input;
 mod memory_file;
 mod opening;
+mod points;
 mod quiet;
-mod room;
+mod recovery;
+mod status;
 mod tables;
+mod transaction;
 mod warning;
 mod writer;
 
@@ -29,15 +39,19 @@ use async_trait::async_trait;
 use tokio::sync::oneshot;
 use uuid::Uuid;
 
-use super::{Kept, Key, Made, Record, Retention, Selection, Store, StoreError};
+use super::{
+    Acknowledgement, IdempotencyEntry, IdempotencyKey, Record, Retention, Selection, Store,
+    StoreError,
+};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
 use crate::job::state::Status;
+use change::{Change, Outcome};
 use database::JobDatabase;
+use disk_space::DiskSpace;
 pub use opening::OpenError;
-use room::Room;
-use writer::{Change, Outcome, Write, Writer};
+use writer::{WriteRequest, Writer};
 
 /// The name of the file in the data directory.
 const FILE: &str = "piad.redb";
@@ -53,8 +67,8 @@ impl EmbeddedStore {
     /// go back to the queue, or fail if that has happened too often.
     pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::open(directory, FILE)?);
-        let room = Some(Room::new(directory));
-        let writer = Writer::start(Arc::clone(&database), room, counters);
+        let disk_space = Some(DiskSpace::new(directory));
+        let writer = Writer::start(Arc::clone(&database), disk_space, counters);
         let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
         Ok(Self { database, writer })
     }
@@ -67,17 +81,17 @@ impl EmbeddedStore {
         Ok(Self { database, writer })
     }
 
-    /// A write that takes its place in the order of writes now.
+    /// A change, which takes its place in the order of changes now.
     fn write<T: Send + 'static>(
         &self,
         change: Change,
         understand: impl FnOnce(Outcome) -> T + Send + 'static,
-    ) -> Kept<T> {
+    ) -> Acknowledgement<T> {
         let (reply, receiver) = oneshot::channel();
-        let sent = self.writer.send(Write { change, reply });
+        let sent = self.writer.send(WriteRequest { change, reply });
         Box::pin(async move {
             sent?;
-            let outcome = receiver.await.unwrap_or_else(|_| Err(writer::gone()));
+            let outcome = receiver.await.unwrap_or_else(|_| Err(writer::ended()));
             outcome.map(understand)
         })
     }
@@ -100,20 +114,20 @@ impl Store for EmbeddedStore {
         &self,
         record: Record,
         problem: Arc<Problem>,
-        key: Option<Key>,
-    ) -> Kept<Option<Made>> {
+        key: Option<IdempotencyKey>,
+    ) -> Acknowledgement<Option<IdempotencyEntry>> {
         let change = Change::Insert {
             record: Box::new(record),
             problem,
             key,
         };
         self.write(change, |outcome| match outcome {
-            Outcome::Made(made) => Some(made),
+            Outcome::Existing(entry) => Some(entry),
             _ => None,
         })
     }
 
-    fn start(&self, id: Uuid, status: Status, watched: bool) -> Kept<()> {
+    fn start(&self, id: Uuid, status: Status, watched: bool) -> Acknowledgement<()> {
         let change = Change::Start {
             id,
             status,
@@ -122,25 +136,25 @@ impl Store for EmbeddedStore {
         self.write(change, drop)
     }
 
-    fn clear(&self, id: Uuid) -> Kept<()> {
-        self.write(Change::Clear { id }, drop)
+    fn end_watch(&self, id: Uuid) -> Acknowledgement<()> {
+        self.write(Change::EndWatch { id }, drop)
     }
 
-    fn requeue(&self, id: Uuid) -> Kept<()> {
+    fn requeue(&self, id: Uuid) -> Acknowledgement<()> {
         self.write(Change::Requeue { id }, drop)
     }
 
-    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Kept<()> {
+    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Acknowledgement<()> {
         self.write(Change::Finish { id, status, result }, drop)
     }
 
-    fn remove(&self, id: Uuid) -> Kept<bool> {
+    fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
         self.write(Change::Remove { id }, |outcome| {
             matches!(outcome, Outcome::Removed(true))
         })
     }
 
-    fn retain(&self, retention: Retention) -> Kept<Vec<Uuid>> {
+    fn retain(&self, retention: Retention) -> Acknowledgement<Vec<Uuid>> {
         self.write(Change::Retain(retention), |outcome| match outcome {
             Outcome::Forgotten(jobs) => jobs,
             _ => Vec::new(),
@@ -168,8 +182,9 @@ impl Store for EmbeddedStore {
         self.read(JobDatabase::unfinished).await
     }
 
-    async fn made(&self, key: &str) -> Result<Option<Made>, StoreError> {
+    async fn idempotency_entry(&self, key: &str) -> Result<Option<IdempotencyEntry>, StoreError> {
         let key = key.to_owned();
-        self.read(move |database| database.made(&key)).await
+        self.read(move |database| database.idempotency_entry(&key))
+            .await
     }
 }

@@ -1,0 +1,80 @@
+//! Changes of the store, and what comes of them.
+
+use std::sync::Arc;
+
+use uuid::Uuid;
+
+use super::super::{IdempotencyEntry, IdempotencyKey, Record, Retention};
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+use crate::job::state::Status;
+
+/// A change of the store.
+pub(super) enum Change {
+    Insert {
+        record: Box<Record>,
+        problem: Arc<Problem>,
+        key: Option<IdempotencyKey>,
+    },
+    Start {
+        id: Uuid,
+        status: Status,
+        watched: bool,
+    },
+    EndWatch {
+        id: Uuid,
+    },
+    Requeue {
+        id: Uuid,
+    },
+    Finish {
+        id: Uuid,
+        status: Status,
+        result: Option<Arc<Points>>,
+    },
+    Remove {
+        id: Uuid,
+    },
+    Retain(Retention),
+    /// Nothing: its reply comes after the changes before it.
+    Nothing,
+}
+
+/// What has come of a change.
+pub(super) enum Outcome {
+    Done,
+    /// There is a job for the key already.
+    Existing(IdempotencyEntry),
+    /// Whether there was a job to be removed.
+    Removed(bool),
+    /// The jobs that were forgotten.
+    Forgotten(Vec<Uuid>),
+}
+
+impl Change {
+    /// About how many bytes it adds to the file. `None` if it adds none, and must be possible when the disk
+    /// is full.
+    pub(super) fn added_bytes(&self) -> Option<u64> {
+        let numbers = match self {
+            Self::Insert { problem, .. } => {
+                let directions = problem.directions().map(|each| 2 * each.parameters.len());
+                problem.grid().count() * problem.data().dimension() + directions.sum::<usize>()
+            }
+            Self::Finish {
+                result: Some(result),
+                ..
+            } => result.len() * result.dimension(),
+            _ => return None,
+        };
+        Some((numbers * size_of::<f64>()) as u64)
+    }
+
+    /// How many points it writes.
+    pub(super) fn points(&self) -> usize {
+        match self {
+            Self::Insert { problem, .. } => problem.grid().count(),
+            Self::Finish { result, .. } => result.as_ref().map_or(0, |points| points.len()),
+            _ => 0,
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! The first transaction after a start.
+
+use prost::Message;
+use redb::ReadableTable;
+use tracing::warn;
+
+use super::super::StoreError;
+use super::super::blame::Crash;
+use super::error::damaged;
+use super::header::Header;
+use super::transaction::{EndedChange, Transaction};
+use crate::job::state::State;
+
+impl Transaction<'_> {
+    /// Puts jobs that were running when the process ended back into the queue, or fails those that are to
+    /// blame for it; and counts the jobs that have ended. This reads every header.
+    pub(super) fn recover(&mut self) -> Result<(), StoreError> {
+        let mut running = Vec::new();
+        let mut crash = Crash::default();
+        for item in self.headers.iter()? {
+            let header = Header::decode(item?.1.value()).map_err(damaged)?;
+            let bytes = header.bytes;
+            let record = header.clone().into_record()?;
+            crash.note(&record);
+            if record.status.state == State::Running {
+                running.push((record, header));
+            } else if let Some(at) = record.status.finished {
+                let id = record.outline.id;
+                self.ended.push(EndedChange::Add { at, id, bytes });
+            }
+        }
+        for (record, mut header) in running {
+            let id = record.outline.id;
+            let Some(record) = crash.recovered(&record) else {
+                continue;
+            };
+            warn!(job = %id, crashes = record.crashes, "a job was running when the process ended");
+            header.recover(&record);
+            self.put(id, &header)?;
+            if let Some(at) = record.status.finished {
+                let bytes = header.bytes;
+                self.ended.push(EndedChange::Add { at, id, bytes });
+            }
+        }
+        Ok(())
+    }
+}

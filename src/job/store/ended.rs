@@ -1,0 +1,46 @@
+//! Which of the jobs that have ended to forget: the bookkeeping of stores that keep it in memory.
+
+use std::collections::BTreeMap;
+
+use jiff::Timestamp;
+use uuid::Uuid;
+
+use super::{FORGOTTEN_AT_ONCE, Retention, is_older};
+
+/// The jobs that have ended and their bytes, in the order of the times at which they ended.
+#[derive(Debug, Default)]
+pub(crate) struct Ended {
+    jobs: BTreeMap<(Timestamp, Uuid), u64>,
+    bytes: u64,
+}
+
+impl Ended {
+    /// A job has ended and takes so many bytes.
+    pub(crate) fn add(&mut self, at: Timestamp, id: Uuid, bytes: u64) {
+        let before = self.jobs.insert((at, id), bytes).unwrap_or(0);
+        self.bytes = self.bytes + bytes - before;
+    }
+
+    /// A job is gone; gives the bytes that it took.
+    pub(crate) fn remove(&mut self, at: Timestamp, id: Uuid) -> u64 {
+        let bytes = self.jobs.remove(&(at, id)).unwrap_or(0);
+        self.bytes -= bytes;
+        bytes
+    }
+
+    /// The jobs to be forgotten.
+    pub(crate) fn surplus(&self, retention: Retention) -> Vec<Uuid> {
+        let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
+        let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
+            let old = is_older(at, retention.age);
+            let forget = old || jobs > retention.jobs || bytes > retention.bytes;
+            jobs -= 1;
+            bytes -= size;
+            forget
+        });
+        surplus
+            .map(|(&(_, id), _)| id)
+            .take(FORGOTTEN_AT_ONCE)
+            .collect()
+    }
+}
