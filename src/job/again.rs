@@ -1,14 +1,14 @@
 //! Levels that are computed again, for readers that have missed them: by runs that share a part of
 //! the memory, in turn.
 
-use std::sync::{Arc, Weak};
+use std::fmt::Debug;
+use std::sync::Weak;
 use std::time::Duration;
 
 use parking_lot::Mutex;
 use tokio::time::timeout;
 
 use super::memory::{Permit, Share};
-use super::run::Run;
 
 /// A run that nobody has asked for anything for this long gives way to those who wait.
 const IDLE: Duration = Duration::from_millis(500);
@@ -19,9 +19,19 @@ const FAIR: Duration = Duration::from_secs(20);
 /// How often those who wait look for a run that gives way.
 const LOOK: Duration = Duration::from_millis(100);
 
+/// A run that can be ended when others need its memory.
+pub trait Revocable: Debug + Send + Sync {
+    /// Whether it may be ended: nobody has asked it for anything for as long as `idle`, or it has served
+    /// its readers for as long as `fair`.
+    fn is_revocable(&self, idle: Duration, fair: Duration) -> bool;
+
+    /// Ends it and forgets its frames: readers go on with another one.
+    fn revoke(&self);
+}
+
 /// Runs that compute again.
 #[derive(Debug, Default)]
-pub struct Again(Mutex<Vec<Weak<Run>>>);
+pub struct Again(Mutex<Vec<Weak<dyn Revocable>>>);
 
 impl Again {
     /// Waits for the memory of another run.
@@ -36,10 +46,10 @@ impl Again {
     }
 
     /// A run that has got its memory here.
-    pub fn add(&self, run: &Arc<Run>) {
+    pub fn add(&self, run: Weak<dyn Revocable>) {
         let mut runs = self.0.lock();
         runs.retain(|run| run.strong_count() > 0);
-        runs.push(Arc::downgrade(run));
+        runs.push(run);
     }
 
     /// Ends a run that may be ended, if there is one; the oldest first.

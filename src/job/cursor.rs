@@ -9,7 +9,8 @@ use tokio::time::sleep_until;
 use super::Job;
 use super::frame::Frame;
 use super::peer::Peer;
-use super::run::{Attached, Read};
+use super::run::Read;
+use super::run::attached::Attached;
 use super::state::{State, Status};
 use super::store::StoreError;
 

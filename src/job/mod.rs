@@ -1,14 +1,14 @@
 //! A fit as a thing that lives: with an id, a state, readers, and an end.
 //!
 //! - [`outline`]: a job without its points;
-//! - [`state`]: the state machine of a job;
+//! - [`state`]: the state machine of a job; [`levels`]: how far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
 //! - [`forms`], [`content`]: what is sent of it, made once in each form;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
 //!   for each other; [`peer`]: whose they are;
 //! - [`memory`]: what all of this may take, and who gets how much; [`again`]: runs for readers that have
-//!   missed something;
+//!   missed something; [`resources`]: all that jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
 //! - [`places`]: how many jobs there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
@@ -25,12 +25,14 @@ pub mod counters;
 pub mod cursor;
 pub mod forms;
 pub mod frame;
+pub mod levels;
 pub mod memory;
 pub mod outline;
 pub mod patience;
 pub mod peer;
 pub mod places;
 pub mod recent;
+pub mod resources;
 pub mod run;
 #[cfg(test)]
 mod samples;
@@ -50,15 +52,14 @@ use uuid::Uuid;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
-use again::Again;
 use content::Content;
-use counters::Counters;
 use forms::Forms;
-use memory::{Memory, Permit};
+use memory::Permit;
 use outline::Outline;
 use peer::Peer;
-use run::{Attached, Run, SharedSystem};
-use scheduler::Scheduler;
+use resources::Resources;
+use run::attached::Attached;
+use run::{Run, SharedSystem};
 use state::{State, Status};
 use store::{Record, Store, StoreError};
 
@@ -67,34 +68,6 @@ const HELD: usize = 256 * 1024;
 
 /// What a reader holds of a job.
 pub type Held = Option<Arc<SharedSystem>>;
-
-/// What all jobs of a server share.
-#[derive(Debug)]
-pub struct Resources {
-    /// The compute pool.
-    pub scheduler: Scheduler,
-    /// The memory for all of them.
-    pub memory: Memory,
-    /// Runs that compute again.
-    pub again: Again,
-    /// Bytes of recent frames that each run keeps at most.
-    pub ring_bytes: usize,
-    /// What has been done so far.
-    pub counters: Counters,
-}
-
-impl Resources {
-    /// Nothing is taken yet of so many bytes of memory.
-    pub fn new(scheduler: Scheduler, memory: usize, ring_bytes: usize) -> Self {
-        Self {
-            scheduler,
-            memory: Memory::new(memory),
-            again: Again::default(),
-            ring_bytes,
-            counters: Counters::default(),
-        }
-    }
-}
 
 /// A job: a problem and what has become of it. Its points are at hand while it runs, or while somebody
 /// reads them.
@@ -313,7 +286,8 @@ impl Job {
         }
         let run = Run::new(self.system().await?, Arc::clone(resources), permit);
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
-        resources.again.add(&run);
+        let revocable: Weak<Run> = Arc::downgrade(&run);
+        resources.again.add(revocable);
         self.runs.lock().push(Arc::downgrade(&run));
         Ok(attached)
     }

@@ -9,7 +9,7 @@ use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::fit::warning::Warning;
-use crate::job::state::Levels;
+use crate::job::levels::Levels;
 use crate::model::stream::StreamSpec;
 
 /// A job without its points.

@@ -13,12 +13,14 @@ use tokio::time::{sleep, timeout};
 use tracing::{error, info, warn};
 use uuid::Uuid;
 
+use super::Job;
 use super::frame::Frame;
 use super::memory::Share;
 use super::outline::{Label, Outline};
 use super::peer::Peer;
 use super::places::{Occupied, Place, Places};
 use super::recent::Recent;
+use super::resources::Resources;
 use super::run::{Ending, Run};
 use super::scheduler::Lane;
 use super::state::{Failure, Reason, State, Status};
@@ -27,7 +29,6 @@ use super::store::{
     StoreError,
 };
 use super::suspects::{Suspects, WATCH, Watch};
-use super::{Job, Resources};
 use crate::fit::iteration::Outcome;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;

@@ -5,10 +5,9 @@ use std::str::FromStr;
 
 use jiff::Timestamp;
 
+pub use super::levels::Levels;
 use super::outline::Outline;
-use crate::fit::iteration::Level;
 use crate::fit::outcome::Stall;
-use crate::fit::system::Forecast;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,17 +77,6 @@ impl FromStr for State {
                 format!("no state is called {name:?}; the states are {names}")
             })
     }
-}
-
-/// The first and the last level that a job has reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
-    /// Level 0.
-    pub first: Level,
-    /// The level reached.
-    pub last: Level,
-    /// What is known of the convergence.
-    pub forecast: Forecast,
 }
 
 /// Why a job failed.

@@ -32,7 +32,8 @@ pub fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, Problem>
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
 }
 
-/// How messages about broken messages end, and what they mean.
+/// How the texts of decoding errors end, and what they mean. The texts are all that prost tells about an error:
+/// its kind is private. Where a later version says something else, the reason is given in general words.
 const BROKEN: [(&str, &str); 6] = [
     ("buffer underflow", "it ends too soon"),
     (

@@ -12,9 +12,23 @@ use crate::job::peer::Peer;
 /// A reader's hold on a run: while there is one, the run keeps its recent frames.
 #[derive(Debug)]
 pub struct Attached {
-    pub(super) run: Arc<Run>,
-    pub(super) reader: u64,
-    pub(super) peer: Option<Peer>,
+    run: Arc<Run>,
+    reader: u64,
+    peer: Option<Peer>,
+}
+
+impl Run {
+    /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
+    pub fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
+        let mut state = self.state.lock();
+        if matches!(state.read(next), Read::Gone) {
+            return None;
+        }
+        let reader = state.add_reader(Reader { next, peer });
+        drop(state);
+        let run = Arc::clone(self);
+        Some(Attached { run, reader, peer })
+    }
 }
 
 impl Attached {

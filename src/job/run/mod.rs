@@ -1,9 +1,9 @@
 //! An iteration that several readers share and that advances as far as somebody wants it to.
 //!
 //! - `shared`: the system that it iterates;
-//! - `attached`: a reader's hold on it.
+//! - [`attached`]: a reader's hold on it.
 
-mod attached;
+pub mod attached;
 mod shared;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -14,17 +14,17 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use tokio::sync::Notify;
 
-pub use attached::Attached;
 pub use shared::SharedSystem;
 
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
-use crate::job::Resources;
+use crate::job::again::Revocable;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::patience::Patience;
 use crate::job::peer::Peer;
+use crate::job::resources::Resources;
 use crate::job::scheduler::{Lane, Turn, Work};
 use crate::job::state::Levels;
 
@@ -171,26 +171,6 @@ impl Run {
         self.changed.notify_waiters();
     }
 
-    /// Whether others may have its memory: nobody has asked it for anything for this long, or it has
-    /// served its readers for as long as `fair`.
-    pub fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
-        let state = self.state.lock();
-        let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
-        is_idle || (state.delivered && state.begun.elapsed() >= fair)
-    }
-
-    /// Ends the run and forgets its frames: readers go on with another one.
-    pub fn revoke(&self) {
-        let mut state = self.state.lock();
-        state.end(Ending::Revoked);
-        state.ring.clear();
-        let system = state.system.take();
-        let shared = state.shared.take();
-        drop(state);
-        drop((system, shared));
-        self.changed.notify_waiters();
-    }
-
     /// Runs to its end, whoever reads it, and says why it ended and with which frame.
     pub async fn complete(self: &Arc<Self>) -> (Ending, Option<Arc<Frame>>) {
         self.state.lock().to_the_end = true;
@@ -219,18 +199,6 @@ impl Run {
             let work: Arc<dyn Work> = Arc::<Self>::clone(self);
             self.resources.scheduler.submit(lane, work);
         }
-    }
-
-    /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
-    pub fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
-        let mut state = self.state.lock();
-        if matches!(state.read(next), Read::Gone) {
-            return None;
-        }
-        let reader = state.add_reader(Reader { next, peer });
-        drop(state);
-        let run = Arc::clone(self);
-        Some(Attached { run, reader, peer })
     }
 
     /// Takes a step, or several at once where nobody sees what is between.
@@ -427,6 +395,25 @@ impl RunState {
             self.ring.get(offset)
         });
         frame.map_or(Read::Gone, |frame| Read::Frame(Arc::clone(frame)))
+    }
+}
+
+impl Revocable for Run {
+    fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
+        let state = self.state.lock();
+        let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
+        is_idle || (state.delivered && state.begun.elapsed() >= fair)
+    }
+
+    fn revoke(&self) {
+        let mut state = self.state.lock();
+        state.end(Ending::Revoked);
+        state.ring.clear();
+        let system = state.system.take();
+        let shared = state.shared.take();
+        drop(state);
+        drop((system, shared));
+        self.changed.notify_waiters();
     }
 }
 

@@ -1,5 +1,6 @@
 //! Readers that share a run.
 
+use super::attached::Attached;
 use super::*;
 use crate::job::samples::problem;
 use crate::job::scheduler::Scheduler;

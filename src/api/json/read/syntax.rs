@@ -4,7 +4,8 @@ use serde_json::error::Category;
 
 use crate::api::problem::Kind;
 
-/// How messages about JSON begin, and how they begin in plain words.
+/// How the texts of syntax errors begin, and how they begin in plain words. The texts are all that serde_json tells
+/// about an error beyond its [`Category`]: its code is private. Other texts are passed on as they are.
 const PLAIN: [(&str, &str); 8] = [
     (
         "EOF while parsing a string",

@@ -1,0 +1,15 @@
+//! How far a job has come.
+
+use crate::fit::iteration::Level;
+use crate::fit::system::Forecast;
+
+/// The first and the last level that a job has reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    /// Level 0.
+    pub first: Level,
+    /// The level reached.
+    pub last: Level,
+    /// What is known of the convergence.
+    pub forecast: Forecast,
+}

@@ -1,0 +1,34 @@
+//! What the jobs of a server share.
+
+use super::again::Again;
+use super::counters::Counters;
+use super::memory::Memory;
+use super::scheduler::Scheduler;
+
+/// What all jobs of a server share.
+#[derive(Debug)]
+pub struct Resources {
+    /// The compute pool.
+    pub scheduler: Scheduler,
+    /// The memory for all of them.
+    pub memory: Memory,
+    /// Runs that compute again.
+    pub again: Again,
+    /// Bytes of recent frames that each run keeps at most.
+    pub ring_bytes: usize,
+    /// What has been done so far.
+    pub counters: Counters,
+}
+
+impl Resources {
+    /// Nothing is taken yet of so many bytes of memory.
+    pub fn new(scheduler: Scheduler, memory: usize, ring_bytes: usize) -> Self {
+        Self {
+            scheduler,
+            memory: Memory::new(memory),
+            again: Again::default(),
+            ring_bytes,
+            counters: Counters::default(),
+        }
+    }
+}
