@@ -1,17 +1,27 @@
 //! How errors fall, and when they will be within the tolerance.
 //!
 //! Eigenvalues near zero make the error of the basis slow, but nobody waits for them if the data
-//! has little of their vectors: what counts is how the error falls now. Its rate `g = −d ln e / dk`
-//! falls itself, as components with large eigenvalues vanish first: `g(x) = g(k) (x/k)^(−a)`, with
-//! a = 0 for one eigenvalue and a = 1 for many, which is a power law.
+//! has little of their vectors: what counts is how the error falls now. The error e(k) of level k
+//! is a sum of parts `c_i (1 − λ_i)ᵏ`, of which those with large eigenvalues λ vanish first, so
+//! that its rate
+//!
+//! ```text
+//! g(k) = −d ln e / dk
+//! ```
+//!
+//! falls, too. Between the last quarters of the levels it is measured and modelled as a power,
+//! `g(x) = g(k) (x/k)^(−a)`. With a = 0 that is one eigenvalue, `e ~ exp(−g k)`; with a = 1 many,
+//! and the error a power of the level, `e ~ k^(−g k)`. It never falls below the rate of the least
+//! eigenvalue, where that is known. The level at which the error has fallen to the tolerance
+//! follows from the integral of g.
 
-/// Errors that are remembered: of long fits every second, fourth … one.
+/// The most errors that are remembered: of long fits every second, fourth … one.
 const MOST: usize = 256;
 
-/// Fewer levels say nothing.
+/// The least number of levels that say something.
 const LEAST: usize = 4;
 
-/// A forecast reaches so many times as far as what is known.
+/// A forecast reaches at most so many times as far as the levels that are known.
 const HORIZON: f64 = 8.0;
 
 /// The errors of the levels so far.
@@ -19,6 +29,7 @@ const HORIZON: f64 = 8.0;
 pub struct Decay {
     /// Logarithms of the errors of every `stride`-th level.
     logs: Vec<f64>,
+    /// A power of two.
     stride: usize,
 }
 
@@ -32,7 +43,7 @@ impl Default for Decay {
 }
 
 impl Decay {
-    /// Level `level`, the one after the last, has this error.
+    /// Notes the error of a level, in any unit. Levels come one after the other, from 0 on.
     pub fn record(&mut self, level: usize, error: f64) {
         if !level.is_multiple_of(self.stride) {
             return;
@@ -50,16 +61,16 @@ impl Decay {
         }
     }
 
-    /// The level that is remembered at or before this one, and the logarithm of its error.
+    /// The last remembered level up to this one, and the logarithm of its error.
     fn before(&self, level: usize) -> Option<(f64, f64)> {
         let index = level / self.stride;
         let log = *self.logs.get(index)?;
         Some(((index * self.stride) as f64, log))
     }
 
-    /// The level at which the error will be within the tolerance, if the errors so far say it. In
-    /// the long run each level reduces the error at least by the factor `slowest`, if that is
-    /// known.
+    /// The level at which the error will be within the tolerance, if the errors so far say it. Both
+    /// are in the same unit. In the long run each level reduces the error at least by the factor
+    /// `slowest`, if that is known.
     pub fn end(
         &self,
         level: usize,
@@ -76,7 +87,8 @@ impl Decay {
         (end.is_finite() && end <= HORIZON * level as f64).then_some(end.ceil() as usize)
     }
 
-    /// How the error falls, by what it has lost in the last quarters of the levels.
+    /// How the error falls at a level, by what its logarithm has lost between a quarter, a half and
+    /// all of the levels.
     fn falling(&self, level: usize, log: f64) -> Option<Falling> {
         if level < LEAST {
             return None;
@@ -102,15 +114,19 @@ impl Decay {
     }
 }
 
-/// The rate `g` at a level, and the exponent a with which it falls.
+/// The model of the rate at a level.
 struct Falling {
+    /// The level k.
     level: f64,
+    /// The rate g(k), per level.
     rate: f64,
+    /// The exponent a, from 0 to 1.
     slowing: f64,
 }
 
 impl Falling {
-    /// Where the logarithm has fallen by `left`, while the rate is at least `slowest`.
+    /// The level at which the logarithm of the error has fallen by `left`, while the rate is at
+    /// least `slowest`.
     fn end(&self, left: f64, slowest: f64) -> f64 {
         let Self {
             level,
@@ -155,6 +171,7 @@ mod tests {
         decay.end(level, error(level as f64), tolerance, slowest)
     }
 
+    /// The forecast is right to a level or two.
     #[test]
     fn one_eigenvalue_is_a_geometric_sequence() {
         let error = |k: f64| 3.0 * 0.9_f64.powf(k);
@@ -168,6 +185,7 @@ mod tests {
         }
     }
 
+    /// The forecast is right to a tenth.
     #[test]
     fn many_eigenvalues_are_a_power_law() {
         let error = |k: f64| (1.0 + k).powf(-1.5);
@@ -190,6 +208,7 @@ mod tests {
         assert!((found / needed - 1.0).abs() < 0.4, "{found} {needed}");
     }
 
+    /// Neither are errors that are no numbers, nor ends at a tolerance of zero.
     #[test]
     fn what_is_far_or_does_not_fall_is_not_foretold() {
         assert_eq!(forecast(|_| 1.0, 50, 1e-3, None), None);
@@ -200,6 +219,7 @@ mod tests {
         assert_eq!(forecast(|k| 0.5_f64.powf(k), 20, 1.0, None), Some(20));
     }
 
+    /// However many levels there are, and wherever one is looked for.
     #[test]
     fn little_is_remembered_of_long_fits() {
         let mut decay = Decay::default();

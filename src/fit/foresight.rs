@@ -1,4 +1,9 @@
 //! Where a fit will end, found out by trying its beginning.
+//!
+//! Clients ask how long a fit will take before it has begun. Forecasts by eigenvalues alone are far
+//! too pessimistic, as data has little of the slowest eigenvectors. So a millisecond or two are
+//! spent on the first levels: short fits end within it, and the [decay](super::decay) of errors
+//! foretells the end of others.
 
 use std::sync::Arc;
 
@@ -7,21 +12,23 @@ use super::iteration::Iteration;
 use super::outcome::Outcome;
 use super::system::System;
 
-/// Most multiplications of looking for the end of a fit: a millisecond or two.
+/// The most multiplications of looking for the end of a fit: a millisecond or two.
 const LOOK: usize = 2_000_000;
 
-/// Fewer steps would say little.
+/// The fewest steps that say something.
 const LEAST_STEPS: usize = 8;
 
 impl Iteration {
-    /// Level 0 of a fit, of which it is found out before where it will end, unless that is known.
+    /// Level 0 of a fit. Where the fit will end is found out before, once for all iterations of a
+    /// system.
     pub fn start(system: Arc<System>) -> Self {
         system.foresee(end);
         Self::start_unforeseen(system)
     }
 }
 
-/// Where a fit will end. Short ones are tried; of longer ones the beginning, if that says it.
+/// Where a fit will end: short fits are tried, of longer ones the beginning. `None` if that does
+/// not say it.
 fn end(system: &Arc<System>) -> Option<Foreseen> {
     let problem = system.problem();
     let method = problem.method().scheme();

@@ -1,10 +1,19 @@
 //! The curve or surface of some control points: evaluation and sampling.
+//!
+//! ```text
+//! C(t) = Σ_j X_j B_j(t),   S(u, v) = Σ_i Σ_j X_ij B_i(u) B_j(v)
+//! ```
+//!
+//! with the rational basis functions of directions that have weights. In a homogeneous fit X has
+//! one coordinate more, the weight, and points are projected: the first d coordinates of the sum
+//! over the last one.
 
 use super::direction::Direction;
 use super::points::{Grid, Points};
 use super::problem::Problem;
 
-/// The fitted curve or surface with the control points of one level.
+/// The fitted curve or surface with the control points of one level. It borrows both, and copies
+/// nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<'a> {
     problem: &'a Problem,
@@ -12,7 +21,8 @@ pub struct Geometry<'a> {
 }
 
 impl<'a> Geometry<'a> {
-    /// The geometry of `control_points`, the free ones of some level of `problem`.
+    /// The geometry of `control_points`, the free ones of some level of `problem`, in homogeneous
+    /// coordinates if the problem is.
     pub fn new(problem: &'a Problem, control_points: &'a Points) -> Self {
         Self {
             problem,
@@ -64,7 +74,8 @@ impl<'a> Geometry<'a> {
         self.problem.is_homogeneous()
     }
 
-    /// The place of free control point `index`.
+    /// The place of free control point `index`, d coordinates in data units: those of a homogeneous
+    /// fit are divided by its weight, and infinite or NaN if that is zero.
     pub fn place(&self, index: usize) -> impl ExactSizeIterator<Item = f64> + 'a {
         let weight = self.weight(index).unwrap_or(1.0);
         let dimension = self.problem.dimension();
@@ -81,7 +92,8 @@ impl<'a> Geometry<'a> {
     }
 
     /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row by
-    /// row. Parameters lie in the domains of the bases.
+    /// row, d coordinates each. Parameters lie in the domains of the bases. Of a curve each point
+    /// costs `d (p + 1)` multiplications besides evaluating the basis.
     pub fn evaluate(&self, u: &[f64], v: &[f64]) -> Points {
         let grid = Values {
             along: LineValues::new(self.problem.u(), u),
@@ -104,8 +116,8 @@ impl<'a> Geometry<'a> {
         Points::from_lanes(lanes)
     }
 
-    /// Whether no point of the curve or surface can be larger than the control points are: then its
-    /// points lie in their convex hull.
+    /// Whether the curve or surface lies in the convex hull of its control points: whether all
+    /// weights are positive.
     pub fn is_within_hull(&self) -> bool {
         let positive = |weights: &[f64]| weights.iter().all(|weight| *weight > 0.0);
         let lanes = self.control_points.lanes();
@@ -117,14 +129,18 @@ impl<'a> Geometry<'a> {
 
 /// The values of the basis functions at the places of a grid, for sums over control points.
 struct Values {
+    /// Of direction u.
     along: LineValues,
+    /// Of direction v; of a curve the one function that is 1.
     across: LineValues,
+    /// The arrangement of the free control points.
     controls: Grid,
 }
 
 impl Values {
     /// The sums at all places of the grid, of one coordinate of the control points. Sums along one
-    /// direction can serve a whole row or column of the grid, so there are three ways to get there.
+    /// direction can serve a whole row or column of the grid, so that there are three orders of
+    /// summation; the one with the fewest multiplications is taken.
     fn sums(&self, lane: &[f64]) -> Vec<f64> {
         let (along, across) = (&self.along, &self.across);
         let Grid { rows, columns } = self.controls;
@@ -165,14 +181,16 @@ impl Values {
 
 /// The values of the basis functions of a direction at some parameters.
 struct LineValues {
-    /// How many functions matter at a parameter.
+    /// How many functions can differ from zero at a parameter.
     width: usize,
-    /// At each parameter the functions' free control points, and their values.
+    /// At each parameter the free control points of these functions.
     indices: Vec<u32>,
+    /// At each parameter the values of these functions.
     values: Vec<f64>,
 }
 
 impl LineValues {
+    /// Evaluates the basis of a direction at all parameters.
     fn new(direction: &Direction, parameters: &[f64]) -> Self {
         let width = direction.basis.support_width();
         let mut values = vec![0.0; width * parameters.len()];
@@ -188,7 +206,7 @@ impl LineValues {
         }
     }
 
-    /// Across a curve there is one control point.
+    /// Across a curve there is one control point, whose function is 1.
     fn one() -> Self {
         Self {
             width: 1,
@@ -197,6 +215,7 @@ impl LineValues {
         }
     }
 
+    /// The number of parameters.
     fn count(&self) -> usize {
         self.values.len() / self.width
     }

@@ -2,104 +2,23 @@
 
 use thiserror::Error;
 
-/// A direction of the parameter domain. Curves have only [`Axis::U`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// The direction of a curve; the rows of a surface.
-    U,
-    /// The columns of a surface.
-    V,
-}
+pub use super::place::{Axis, Place, Setting};
 
-/// The part of a problem that an error is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// All data points.
-    Points,
-    /// The data point with this index; on surfaces `row · columns + column`.
-    Point(usize),
-    /// A row (u) or a column (v) of the data of a surface; a data point of a curve.
-    Line(Axis, usize),
-    /// The degree of a direction.
-    Degree(Axis),
-    /// The basis of a direction.
-    Basis(Axis),
-    /// The explicit knots of a direction.
-    Knots(Axis),
-    /// One explicit knot.
-    Knot(Axis, usize),
-    /// The parameters of a direction.
-    Parameters(Axis),
-    /// One explicit parameter.
-    Parameter(Axis, usize),
-    /// The number of control points of a least-squares fit in a direction.
-    ControlPoints(Axis),
-    /// Whether a direction is closed.
-    Closed(Axis),
-    /// All weights.
-    Weights,
-    /// The weight of the data point with this index.
-    Weight(usize),
-    /// The fixed weights of a direction.
-    AxisWeights(Axis),
-    /// One fixed weight of a direction.
-    AxisWeight(Axis, usize),
-    /// The method.
-    Method,
-    /// A setting of the method.
-    Setting(Setting),
-    /// The matrix of a custom transform in a direction.
-    Transform(Axis),
-    /// One row of it.
-    TransformRow(Axis, usize),
-    /// One entry of it: row and column.
-    TransformEntry(Axis, usize, usize),
-    /// One of the indices of a local fit.
-    Index(usize),
-    /// The absolute tolerance.
-    Tolerance,
-    /// The tolerance relative to the bounding box.
-    RelativeTolerance,
-}
-
-/// A setting of a method that can be wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Setting {
-    /// The relaxation ω of weighted PIA.
-    Omega,
-    /// The threshold of adaptive PIA.
-    Threshold,
-    /// The step μ of least-squares PIA.
-    Mu,
-    /// The indices of local PIA.
-    Indices,
-    /// Whether local PIA goes row by row.
-    RowByRow,
-}
-
-impl Setting {
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Omega => "omega",
-            Self::Threshold => "threshold",
-            Self::Mu => "mu",
-            Self::Indices => "indices",
-            Self::RowByRow => "row_by_row",
-        }
-    }
-}
-
-/// Why a problem is refused. The text names the index, the value and the rule.
+/// Why a problem is refused. The text names the index, the value and the rule; fields have the
+/// values that it names: `axis` the direction, `given` and `expected` numbers of values.
 #[derive(Clone, Debug, PartialEq, Error)]
-#[allow(missing_docs, reason = "the messages are the documentation")]
+#[allow(missing_docs, reason = "fields are the values that the messages name")]
 pub enum Invalid {
+    /// A curve, or a line of a surface, has fewer than 2 data points.
     #[error("at least 2 points are needed in each direction, {count} given")]
     TooFewPoints { count: usize },
+    /// A data point is missing, and the method is not a least-squares one.
     #[error("a point is missing; only least-squares fits of surfaces leave points out")]
     MissingPoint { index: usize },
+    /// All data points are missing.
     #[error("no point is given")]
     NoPoints,
+    /// All distances between two neighbouring lines of points are unknown, as points are missing.
     #[error(
         "no two neighbours of lines {previous} and {index} are given, so that {rule} parameters are unknown: use uniform or explicit parameters", previous = index - 1
     )]
@@ -108,14 +27,17 @@ pub enum Invalid {
         index: usize,
         rule: &'static str,
     },
+    /// The bounding box of the data, or the length of a line, overflows.
     #[error("the points span more than the range of 64-bit numbers: scale the data down")]
     TooLarge,
+    /// A coordinate is infinite or NaN.
     #[error("coordinate {coordinate} is {value}, which is not a finite number")]
     NotFinite {
         index: usize,
         coordinate: usize,
         value: f64,
     },
+    /// Neighbouring points of a curve are equal: their parameters by distance would be equal, too.
     #[error(
         "point {index} equals point {previous} (or is too close to it), so that {rule} parameters do not increase: \
          drop one of them or use uniform or explicit parameters", previous = index - 1
@@ -125,6 +47,7 @@ pub enum Invalid {
         index: usize,
         rule: &'static str,
     },
+    /// Neighbouring lines of a surface are equal point by point.
     #[error(
         "all points of line {index} equal those of line {previous} (or are too close to them), so that {rule} parameters \
          do not increase: drop one of the lines or use uniform or explicit parameters", previous = index - 1
@@ -134,22 +57,27 @@ pub enum Invalid {
         index: usize,
         rule: &'static str,
     },
+    /// The last point of a closed curve repeats the first one, or the last line the first line.
     #[error(
         "the last point equals the first: a closed curve returns to its first point by itself, leave the last one out"
     )]
     FirstRepeated { axis: Axis, index: usize },
+    /// A polynomial basis is to be closed.
     #[error("a closed curve is a periodic B-spline: polynomials cannot be closed")]
     ClosedPolynomial { axis: Axis },
+    /// Averaged or explicit knots are given for a closed direction.
     #[error(
         "a closed B-spline has its knots at the data: \"averaged\" and explicit knots are for open ones"
     )]
     ClosedKnots { axis: Axis },
+    /// A closed direction has no more control points than its degree.
     #[error("degree {degree} needs at least {needed} control points on a closed curve, {count} given", needed = degree + 1)]
     ClosedDegree {
         axis: Axis,
         degree: usize,
         count: usize,
     },
+    /// The number of explicit parameters of a closed direction is not points + 1.
     #[error(
         "{given} parameters given, {expected} needed: one for each point, and the one at which the closed curve is back at the first"
     )]
@@ -158,6 +86,7 @@ pub enum Invalid {
         given: usize,
         expected: usize,
     },
+    /// A least-squares fit asks for fewer than 2 control points, or for more than data points.
     #[error(
         "{free} control points for {count} data points: there must be at least 2 and not more than data points"
     )]
@@ -166,6 +95,7 @@ pub enum Invalid {
         free: usize,
         count: usize,
     },
+    /// An explicit parameter lies outside of the explicit knots.
     #[error("parameter {index} is {value}, outside the range of the knots, {low} to {high}")]
     ParameterOutside {
         axis: Axis,
@@ -174,24 +104,31 @@ pub enum Invalid {
         low: f64,
         high: f64,
     },
+    /// The number of weights is not that of the data points.
     #[error("{given} weights for {expected} points")]
     WeightCount { given: usize, expected: usize },
+    /// The weight of a data point is not a finite number greater than 0.
     #[error("weight {index} is {value}; weights are finite and greater than 0")]
     Weight { index: usize, value: f64 },
+    /// Homogeneous coordinates `w P` overflow.
     #[error(
         "the products of weights and coordinates exceed the range of 64-bit numbers: scale them down"
     )]
     WeightsTooLarge,
+    /// Homogeneous coordinates `w P` underflow.
     #[error(
         "weight {index} is {value}, so small that its products with coordinates lose their digits: scale the weights up"
     )]
     WeightTooSmall { index: usize, value: f64 },
+    /// A fixed weight of a direction is not a finite number greater than 0.
     #[error("weight {index} is {value}; weights are finite and greater than 0")]
     AxisWeight {
         axis: Axis,
         index: usize,
         value: f64,
     },
+    /// The number of fixed weights of a direction is neither that of its free control points nor
+    /// that of its basis functions.
     #[error(
         "{given} weights given; {free} are needed (one for each free control point) or {functions} (end copies included)"
     )]
@@ -201,45 +138,58 @@ pub enum Invalid {
         free: usize,
         functions: usize,
     },
+    /// A grid of fixed weights is not a product of weights of both directions (LBW05 (3.8)).
     #[error(
         "the grid of fixed weights is not a product of weights of the rows and of the columns, as the rational basis of a surface needs: use \"homogeneous\", or {{\"u\": […], \"v\": […]}}"
     )]
     NotSeparable,
+    /// The relaxation ω does not lie between 0 and 2 (Deng13, Corollary 2.3).
     #[error("omega is {value}; weighted PIA converges for omega between 0 and 2 only")]
     Omega { value: f64 },
+    /// A setting is not a finite number greater than 0.
     #[error("{name} is {value}; it must be a finite number greater than 0", name = setting.name())]
     NotPositive { setting: Setting, value: f64 },
+    /// A local fit selects no point.
     #[error("there is no index to adjust")]
     NoIndices,
+    /// A local fit selects a point that there is not.
     #[error("index {index} is {value}, but there are {count} points")]
     IndexOutside {
         index: usize,
         value: usize,
         count: usize,
     },
+    /// A local fit selects a point twice.
     #[error("index {index} repeats an earlier one")]
     IndexRepeated { index: usize },
+    /// A curve is to be fitted row by row.
     #[error("row_by_row is for surfaces; a curve has no rows")]
     RowsOfCurve,
+    /// A method for planar curves is asked for a surface, or for points with other coordinates.
     #[error("{method} fits only planar curves (two coordinates, not homogeneous): {found}")]
     NotPlanar {
         method: &'static str,
         found: &'static str,
     },
+    /// A relaxation `U = ω I` diverges with this basis: some eigenvalue of `I − ω B` is larger than
+    /// one.
     #[error(
         "{method} PIA diverges: with this basis and these parameters the error grows by {rate:.3} per iteration; use extended or direct"
     )]
     Diverges { method: &'static str, rate: f64 },
+    /// A method that chooses its steps by λ_min has eigenvalues that are not real and positive.
     #[error(
         "{method} needs a collocation matrix with positive real eigenvalues, and this one, of a basis that is not totally positive, has others; use extended or direct"
     )]
     ComplexSpectrum { method: &'static str },
+    /// A given transform has more rows than are accepted.
     #[error("the transform has {given} rows; it is limited to {limit}")]
     TransformTooLarge {
         axis: Axis,
         given: usize,
         limit: usize,
     },
+    /// A given transform has not one row for each control point of the direction.
     #[error(
         "the transform has {given} rows, but there are {expected} control points: it needs a row and a column for each"
     )]
@@ -248,6 +198,7 @@ pub enum Invalid {
         given: usize,
         expected: usize,
     },
+    /// A row of a given transform has not one entry for each data point of the direction.
     #[error(
         "row {row} of the transform has {given} entries; it needs {expected}, one for each data point"
     )]
@@ -257,6 +208,7 @@ pub enum Invalid {
         given: usize,
         expected: usize,
     },
+    /// An entry of a given transform is infinite or NaN.
     #[error("entry {column} of row {row} is {value}, which is not a finite number")]
     TransformEntry {
         axis: Axis,
@@ -264,18 +216,22 @@ pub enum Invalid {
         column: usize,
         value: f64,
     },
+    /// A second matrix is given for a curve.
     #[error("a curve has one direction, and its transform one matrix")]
     TransformOfCurve,
+    /// A given transform has a spectral radius `ρ(I − U B) ≥ 1` (Deng13, Theorem 2.1).
     #[error(
         "the transform U diverges: with this basis and these parameters the spectral radius of I − U B is {rate:.3}, and it must be below 1"
     )]
     TransformDiverges { rate: f64 },
+    /// The number of explicit parameters is not that of the data points.
     #[error("{given} parameters for {expected} points")]
     ParameterCount {
         axis: Axis,
         given: usize,
         expected: usize,
     },
+    /// Explicit parameters do not strictly increase.
     #[error(
         "parameter {index} is {value}, not greater than the one before, {previous}: parameters must strictly increase"
     )]
@@ -285,18 +241,23 @@ pub enum Invalid {
         value: f64,
         previous: f64,
     },
+    /// An explicit parameter is infinite or NaN.
     #[error("parameter {index} is {value}, which is not a finite number")]
     ParameterNotFinite {
         axis: Axis,
         index: usize,
         value: f64,
     },
+    /// Parameters overflow, or fall together by rounding when they are scaled.
     #[error(
         "the parameters span more than the range of 64-bit numbers, or too little to be told apart"
     )]
     ParameterRange { axis: Axis },
+    /// The degree of a B-spline is 0.
     #[error("degree {degree} is below 1")]
     DegreeTooLow { axis: Axis, degree: usize },
+    /// A degree is above [`MAX_DEGREE`](super::basis::MAX_DEGREE). It was `chosen`, or follows from
+    /// the number of control points.
     #[error("degree {degree} is above {limit}, the highest that is evaluated to full accuracy")]
     DegreeAboveLimit {
         axis: Axis,
@@ -304,18 +265,22 @@ pub enum Invalid {
         limit: usize,
         chosen: bool,
     },
+    /// Explicit knots overflow, or all of them are equal.
     #[error("the knots span more than the range of 64-bit numbers, or nothing")]
     KnotRange { axis: Axis },
+    /// Knots at the data or averaged ones are asked for in a least-squares fit.
     #[error(
         "least squares places its knots by itself (Piegl & Tiller (9.68)): leave them out, or give numbers for open curves"
     )]
     LeastSquaresKnots { axis: Axis },
+    /// A least-squares fit has no more control points than the degree.
     #[error("{free} control points are too few for degree {degree}, which needs {needed}", needed = degree + 1)]
     TooFewControlPoints {
         axis: Axis,
         free: usize,
         degree: usize,
     },
+    /// Averaged knots are asked for with no more points than the degree.
     #[error(
         "degree {degree} needs at least {needed} points with averaged knots, {count} given", needed = degree + 1
     )]
@@ -324,6 +289,7 @@ pub enum Invalid {
         degree: usize,
         count: usize,
     },
+    /// The number of explicit knots is not control points + degree + 1.
     #[error(
         "{given} knots given; degree {degree} and {count} points (one control point each) need {expected} = points + degree + 1"
     )]
@@ -334,6 +300,7 @@ pub enum Invalid {
         degree: usize,
         count: usize,
     },
+    /// Explicit knots decrease.
     #[error(
         "knot {index} is {value}, less than the one before, {previous}: knots must not decrease"
     )]
@@ -343,12 +310,14 @@ pub enum Invalid {
         value: f64,
         previous: f64,
     },
+    /// An explicit knot is infinite or NaN.
     #[error("knot {index} is {value}, which is not a finite number")]
     KnotNotFinite {
         axis: Axis,
         index: usize,
         value: f64,
     },
+    /// The first or the last degree + 1 explicit knots are not equal.
     #[error(
         "knot {index} is {value}, but the knots must be clamped: the first and the last {needed} equal (the end is {end})"
     )]
@@ -359,6 +328,7 @@ pub enum Invalid {
         end: f64,
         needed: usize,
     },
+    /// An explicit knot between the ends occurs more than degree times.
     #[error(
         "knot {index} repeats the value {value} more than degree = {degree} times, which breaks the curve"
     )]
@@ -368,6 +338,8 @@ pub enum Invalid {
         value: f64,
         degree: usize,
     },
+    /// A parameter lies outside of the support of its B-spline, so that the collocation matrix is
+    /// singular (Schoenberg, Whitney 1953).
     #[error(
         "Schoenberg–Whitney: parameter {index} is {parameter}, outside the support ({low}, {high}) of B-spline {index}, \
          so that the interpolation problem is singular: move knots {index} or {upper}, or the parameter",
@@ -381,12 +353,16 @@ pub enum Invalid {
         high: f64,
         degree: usize,
     },
+    /// The given control points of level 0 are not as many as the fit has, or have other
+    /// coordinates.
     #[error(
         "the fit starts from {given} control points, but this one has {expected}, or in other coordinates"
     )]
     StartCount { given: usize, expected: usize },
+    /// The tolerance is negative, infinite or NaN.
     #[error("the tolerance is {value}; it must be a finite number, zero or greater")]
     Tolerance { value: f64, relative: bool },
+    /// A relative tolerance times the diagonal of the bounding box overflows.
     #[error(
         "the tolerance is {value} times {diagonal}, the diagonal of the bounding box, which exceeds the range of 64-bit numbers"
     )]
@@ -400,74 +376,6 @@ impl Invalid {
             Ok(())
         } else {
             Err(Self::NotPositive { setting, value })
-        }
-    }
-
-    /// The part of the problem that is wrong.
-    pub fn place(&self) -> Place {
-        match *self {
-            Self::TooFewPoints { .. } | Self::TooLarge | Self::NoPoints => Place::Points,
-            Self::MissingPoint { index } => Place::Point(index),
-            Self::NoNeighbours { axis, index, .. } => Place::Line(axis, index),
-            Self::NotFinite { index, .. } => Place::Point(index),
-            Self::EqualPoints { axis, index, .. } | Self::EqualLines { axis, index, .. } => {
-                Place::Line(axis, index)
-            }
-            Self::ParameterCount { axis, .. } | Self::ParameterRange { axis } => {
-                Place::Parameters(axis)
-            }
-            Self::ParameterOrder { axis, index, .. }
-            | Self::ParameterNotFinite { axis, index, .. } => Place::Parameter(axis, index),
-            Self::DegreeTooLow { axis, .. } | Self::DegreeTooHigh { axis, .. } => {
-                Place::Degree(axis)
-            }
-            Self::DegreeAboveLimit {
-                axis, chosen: true, ..
-            } => Place::Degree(axis),
-            Self::DegreeAboveLimit { axis, .. } => Place::Basis(axis),
-            Self::KnotRange { axis } | Self::LeastSquaresKnots { axis } => Place::Knots(axis),
-            Self::TooFewControlPoints { axis, .. } => Place::ControlPoints(axis),
-            Self::KnotCount { axis, .. } | Self::SchoenbergWhitney { axis, .. } => {
-                Place::Knots(axis)
-            }
-            Self::KnotOrder { axis, index, .. }
-            | Self::KnotNotFinite { axis, index, .. }
-            | Self::KnotsNotClamped { axis, index, .. }
-            | Self::KnotMultiplicity { axis, index, .. } => Place::Knot(axis, index),
-            Self::FirstRepeated { axis, index } => Place::Line(axis, index),
-            Self::ClosedPolynomial { axis } => Place::Closed(axis),
-            Self::ClosedKnots { axis } => Place::Knots(axis),
-            Self::ClosedDegree { axis, .. } => Place::Degree(axis),
-            Self::ClosedParameterCount { axis, .. } => Place::Parameters(axis),
-            Self::ControlPointCount { axis, .. } => Place::ControlPoints(axis),
-            Self::ParameterOutside { axis, index, .. } => Place::Parameter(axis, index),
-            Self::WeightCount { .. } | Self::NotSeparable | Self::WeightsTooLarge => Place::Weights,
-            Self::Weight { index, .. } | Self::WeightTooSmall { index, .. } => Place::Weight(index),
-            Self::AxisWeight { axis, index, .. } => Place::AxisWeight(axis, index),
-            Self::AxisWeightCount { axis, .. } => Place::AxisWeights(axis),
-            Self::Omega { .. } => Place::Setting(Setting::Omega),
-            Self::NotPositive { setting, .. } => Place::Setting(setting),
-            Self::NoIndices => Place::Setting(Setting::Indices),
-            Self::IndexOutside { index, .. } | Self::IndexRepeated { index } => Place::Index(index),
-            Self::RowsOfCurve => Place::Setting(Setting::RowByRow),
-            Self::TransformTooLarge { axis, .. } | Self::TransformRows { axis, .. } => {
-                Place::Transform(axis)
-            }
-            Self::TransformColumns { axis, row, .. } => Place::TransformRow(axis, row),
-            Self::TransformEntry {
-                axis, row, column, ..
-            } => Place::TransformEntry(axis, row, column),
-            Self::TransformOfCurve => Place::Transform(Axis::V),
-            Self::StartCount { .. } | Self::TransformDiverges { .. } => Place::Method,
-            Self::NotPlanar { .. } | Self::Diverges { .. } | Self::ComplexSpectrum { .. } => {
-                Place::Method
-            }
-            Self::Tolerance {
-                relative: false, ..
-            } => Place::Tolerance,
-            Self::Tolerance { relative: true, .. } | Self::ToleranceTooLarge { .. } => {
-                Place::RelativeTolerance
-            }
         }
     }
 }

@@ -1,4 +1,21 @@
 //! The loop `X ← X + U (P − B X)`, its errors and its stop rules.
+//!
+//! A level is told with its errors, and the next one is computed when it is asked for. Two engines
+//! compute levels, the same to the last bit: the plain loop, for every method and basis, and
+//! sweeps, for long banded data.
+//!
+//! An iteration ends at the first level at which one of these is true:
+//!
+//! | rule | outcome |
+//! |---|---|
+//! | the residual is not finite | overflow |
+//! | the largest distance is within the tolerance | converged |
+//! | the stop rule of the method | stationary, or stalled |
+//! | the update of the method can do no more | stalled |
+//! | the last allowed level is reached | exhausted |
+//!
+//! An iterate is a pure function of the problem and the level: nothing random, nothing that depends
+//! on time or on the number of threads.
 
 use std::sync::Arc;
 
@@ -13,27 +30,11 @@ use super::points::Points;
 use super::sweep::{Measured, Sweep};
 use super::system::System;
 
+pub use super::level::Level;
 pub use super::outcome::Outcome;
 
-/// Fits of more control points are long.
+/// Fits of more control points are long: they are not searched for control points without a place.
 const LONG: usize = 100_000;
-
-/// A level of the iteration: how far the curve of these control points is from the data.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
-    /// The number of updates so far.
-    pub iteration: usize,
-    /// The distances from the data.
-    pub error: FitError,
-    /// By how much the last update has reduced the largest distance.
-    pub rate: Option<f64>,
-    /// How many control points the last update moved.
-    pub moved: usize,
-    /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
-    pub bad_weight: Option<(usize, f64)>,
-    /// The level at which the fit will end, by what is known here.
-    pub predicted: Option<usize>,
-}
 
 /// The iteration of one problem at some level.
 #[derive(Debug)]
@@ -41,11 +42,13 @@ pub struct Iteration {
     system: Arc<System>,
     engine: Engine,
     level: Level,
-    /// The length of the residual, at level 0 and now, and its relative decrease in the last
-    /// update.
+    /// The length of the residual at level 0, up to a factor.
     first_length: f64,
+    /// The length of the residual at the current level, up to the same factor.
     length: f64,
+    /// The relative decrease of that length in the last update.
     decrease: f64,
+    /// The errors of the levels so far, for the prediction.
     decay: Decay,
 }
 
@@ -57,7 +60,8 @@ enum Engine {
 }
 
 impl Iteration {
-    /// Level 0, although nobody may know yet where the fit will end.
+    /// Level 0, without a look at where the fit will end. It takes a sweep if the problem and its
+    /// method have one.
     pub(super) fn start_unforeseen(system: Arc<System>) -> Self {
         let control_points = system.start();
         match Sweep::start(&system, control_points) {
@@ -66,12 +70,13 @@ impl Iteration {
         }
     }
 
-    /// Level 0 of the plain loop, which sweeps are measured by.
+    /// Level 0 of the plain loop, which sweeps are measured by, for tests and benches.
     pub fn start_plain(system: Arc<System>) -> Self {
         let control_points = system.start();
         Self::with_plain(system, control_points)
     }
 
+    /// Level 0 of the plain loop from these control points.
     fn with_plain(system: Arc<System>, control_points: Arc<Points>) -> Self {
         let method = system.problem().method().scheme();
         let (plain, error) = method.plain(system.equations(), control_points);
@@ -87,6 +92,7 @@ impl Iteration {
         Self::begin(system, Engine::Sweep(Box::new(sweep)), error, length)
     }
 
+    /// Level 0 with what an engine has measured.
     fn begin(system: Arc<System>, engine: Engine, error: FitError, length: f64) -> Self {
         let mut iteration = Self {
             system,
@@ -120,7 +126,8 @@ impl Iteration {
         self.level
     }
 
-    /// The free control points of the current level, in homogeneous coordinates if the fit is.
+    /// The free control points of the current level, in homogeneous coordinates if the fit is: one
+    /// point of R^d, or of R^(d+1), for each place of the problem's control grid, row by row.
     pub fn control_points(&self) -> &Points {
         match &self.engine {
             Engine::Plain(plain) => plain.control_points(),
@@ -128,7 +135,8 @@ impl Iteration {
         }
     }
 
-    /// The same, to be kept while the iteration goes on.
+    /// The same, to be kept while the iteration goes on. The plain loop copies them, a sweep shares
+    /// them.
     pub fn shared_control_points(&self) -> Arc<Points> {
         match &self.engine {
             Engine::Plain(plain) => Arc::new(plain.control_points().clone()),
@@ -143,7 +151,7 @@ impl Iteration {
         }
     }
 
-    /// How the plain loop moves control points.
+    /// How the plain loop moves control points; `None` for sweeps.
     fn update(&self) -> Option<&dyn Update> {
         match &self.engine {
             Engine::Plain(plain) => Some(plain.update()),
@@ -167,7 +175,7 @@ impl Iteration {
         }
     }
 
-    /// Moves on to the next level.
+    /// Moves on to the next level, whatever the outcome of the current one.
     pub fn step(&mut self) -> Level {
         let system = &self.system;
         let (moved, (error, length)) = match &mut self.engine {
@@ -203,7 +211,8 @@ impl Iteration {
         }
     }
 
-    /// How many of the next levels are best computed in one pass: not far beyond the last one.
+    /// How many of the next levels are computed in one pass: not far beyond the one at which the
+    /// fit will be within the tolerance if the error goes on shrinking as in the last step.
     fn at_once(&self, left: usize) -> usize {
         let Engine::Sweep(sweep) = &self.engine else {
             return 1;
@@ -220,7 +229,8 @@ impl Iteration {
         sweep.levels().min(left).min(allowed).min(expected as usize)
     }
 
-    /// Several levels in one pass over memory; returns how many were taken.
+    /// Computes several levels in one pass over memory, and returns how many were taken: fewer, if
+    /// the fit ends between.
     fn pass(&mut self, count: usize, visit: &mut impl FnMut(Level)) -> usize {
         let Engine::Sweep(sweep) = &mut self.engine else {
             return 0;
@@ -243,7 +253,7 @@ impl Iteration {
         count
     }
 
-    /// Another level is reached.
+    /// Notes that another level is reached, with its errors.
     fn reach(&mut self, moved: usize, error: FitError, length: f64) {
         self.decrease = if self.length > 0.0 {
             1.0 - length / self.length
@@ -301,7 +311,8 @@ impl Iteration {
             .end(iteration, error.max, problem.tolerance(), slowest)
     }
 
-    /// A control point that has no place, or whose curve may leave the hull of its control points.
+    /// Homogeneous fits: the first control point whose weight is not positive. It has no place, or
+    /// the curve may leave the convex hull of its control points.
     fn bad_weight(&self) -> Option<(usize, f64)> {
         if !self.system.problem().is_homogeneous() {
             return None;
@@ -311,7 +322,8 @@ impl Iteration {
         Some((index, weights[index]))
     }
 
-    /// A fit has not succeeded if one of its numbers has left their range.
+    /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left
+    /// the range of numbers.
     fn success(&self, outcome: Outcome) -> Outcome {
         if self.level.error.is_finite() && self.has_places() {
             outcome
@@ -321,8 +333,8 @@ impl Iteration {
     }
 
     /// Whether all control points have a place. At weight zero they are at infinity; and where
-    /// basis functions vanish but for rounding, finite distances say nothing of their control
-    /// points.
+    /// basis functions vanish but for rounding, control points can overflow although all distances
+    /// are finite.
     fn has_places(&self) -> bool {
         let problem = self.system.problem();
         let points = self.control_points();

@@ -1,4 +1,7 @@
-//! Numbers in a row, placed in memory so that vectors of them are quickly loaded.
+//! Arrays of numbers, placed in memory so that vectors of them are quickly loaded.
+//!
+//! What they hold is one coordinate of many points, or one diagonal of a matrix. A sweep reads and
+//! writes a dozen of them side by side, and where they start decides how fast that is.
 
 use std::borrow::Borrow;
 use std::ops::{Deref, DerefMut};
@@ -8,23 +11,24 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use aligned_vec::{AVec, CACHELINE_ALIGN};
 use rayon::prelude::*;
 
-/// Shorter lanes do not start with a memory page.
+/// Lanes of at least so many numbers start at different places of a memory page.
 const LONG: usize = 1024;
 
-/// Lanes of so many numbers are made by several threads.
+/// Lanes of at least so many numbers are made by several threads.
 const PARALLEL: usize = 100_000;
 
-/// Long lanes start at the beginning of a page or after a third of it or two: so many numbers,
-/// whole cache lines, lie between.
+/// How many numbers, whole cache lines, a third of a memory page is: long lanes start at the
+/// beginning of a page, after a third of it or after two thirds.
 const THIRD: usize = 168;
 
-/// To be copied.
+/// Zeros to be copied, which is faster than writing numbers one by one.
 static ZEROS: [f64; 1024] = [0.0; 1024];
 
-/// Counts the long lanes.
+/// Counts the long lanes, which take turns in where they start.
 static LANES: AtomicUsize = AtomicUsize::new(0);
 
-/// All values of a coordinate, or of a diagonal of a matrix.
+/// All values of a coordinate, or of a diagonal of a matrix: 8 bytes each, and at most 2.7 kB
+/// before them.
 ///
 /// They start at a cache line: a vector of numbers that lies across two of them takes twice as long
 /// to load, which is as much as everything else in a sweep. And long lanes start at different
@@ -34,17 +38,17 @@ static LANES: AtomicUsize = AtomicUsize::new(0);
 #[derive(Debug)]
 pub struct Lane {
     numbers: AVec<f64>,
-    /// Where they start.
+    /// The place of the first number; those before it are not used.
     start: usize,
 }
 
 impl Lane {
-    /// No numbers yet.
+    /// A lane without numbers, to be filled.
     pub fn new() -> Self {
         Self::with_room(0)
     }
 
-    /// So many zeros.
+    /// A lane of `count` zeros.
     pub fn zeros(count: usize) -> Self {
         let mut lane = Self::with_room(count);
         // Copied: what the crate does number by number takes several times as long.
@@ -57,7 +61,7 @@ impl Lane {
         lane
     }
 
-    /// No numbers yet, and room for so many.
+    /// A lane without numbers, and with room for `count` of them.
     fn with_room(count: usize) -> Self {
         let start = match count {
             LONG.. => LANES.fetch_add(1, Ordering::Relaxed) % 3 * THIRD,
@@ -79,8 +83,8 @@ impl Lane {
     }
 }
 
-/// Makes so many lanes of a length, long ones by several threads: memory that is used for the first
-/// time takes longer than writing it.
+/// Makes `count` lanes of a length by `lane`, long ones by several threads: the first use of memory
+/// takes longer than writing it, as the operating system clears every page.
 pub fn lanes(count: usize, length: usize, lane: impl Fn(usize) -> Lane + Send + Sync) -> Vec<Lane> {
     if length < PARALLEL {
         (0..count).map(lane).collect()

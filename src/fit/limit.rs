@@ -1,4 +1,13 @@
 //! The limit of a local fit, in closed form.
+//!
+//! With the adjusted points I and the fixed points J the control points of I move by
+//! `δ = B_II⁻¹ Δ_I⁰` in all, and the difference vectors of J converge to (Lin10, Theorem 2)
+//!
+//! ```text
+//! Δ_J = Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰
+//! ```
+//!
+//! It takes O(|I|³) for the dense factorization of B_II.
 
 use nalgebra::DVector;
 
@@ -8,7 +17,7 @@ use super::points::Points;
 /// The most adjusted points for which the limit is computed: it takes O(n³).
 pub const MOST_ADJUSTED: usize = 1000;
 
-/// At most so many multiplications, for the factors of the matrix of the adjusted points.
+/// The most multiplications of the limit, of the LU decomposition of B_II.
 pub const LIMIT_COST: usize = MOST_ADJUSTED.pow(3) / 3;
 
 /// Where the difference vectors of the fixed points end.
@@ -31,10 +40,11 @@ pub enum NoLimit {
     Singular,
 }
 
-/// `Δ_J = Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` for the adjusted points I and the fixed points J (Lin10, Theorem
-/// 2).
+/// The limit of the difference vectors of the fixed points; `start` is the iteration at level 0.
 ///
-/// `start` is the iteration at level 0.
+/// # Errors
+///
+/// The method is not local, it adjusts more than [`MOST_ADJUSTED`] points, or B_II is singular.
 pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let system = start.system();
     let problem = system.problem();

@@ -1,10 +1,14 @@
 //! Grids of data points with holes, for least-squares fits.
+//!
+//! Scanned surfaces have points without a measurement. They stay in the grid, as rows and columns
+//! have parameters in common, but their residuals are zero: in `X ← X + D Aᵀ Δ` they pull at
+//! nothing.
 
 use std::collections::VecDeque;
 
 use super::points::{Grid, Points};
 
-/// Which points of a grid are missing.
+/// Which points of a grid are missing: one flag for each, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing(Vec<bool>);
 
@@ -38,7 +42,8 @@ impl Missing {
     }
 
     /// Gives missing points the place of the nearest one that is there, counted in steps of the
-    /// grid, so that control points that start from them start somewhere sensible.
+    /// grid (a breadth-first search), so that control points that start from them start somewhere
+    /// sensible. O(n) for n points.
     pub fn fill(&self, points: &mut Points, grid: Grid) {
         let mut known = self.present();
         let mut front: VecDeque<usize> = (0..known.len()).filter(|&index| known[index]).collect();

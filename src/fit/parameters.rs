@@ -133,12 +133,25 @@ fn by_distance(
     if order::increases(&totals) && last.is_finite() {
         return Ok(Arc::new(totals));
     }
-    let wrong = (1..totals.len()).find(|&k| totals[k] <= totals[k - 1] || !totals[k].is_finite());
-    let k = wrong.unwrap_or(steps);
+    Err(not_increasing(&totals, &pairs, grid, axis, rule))
+}
+
+/// What is wrong with parameters by distance that do not increase: `pairs` says how many distances
+/// each step is a mean of, if points are missing.
+fn not_increasing(
+    parameters: &[f64],
+    pairs: &[u32],
+    grid: Grid,
+    axis: Axis,
+    rule: &'static str,
+) -> Invalid {
+    let (t, count) = (parameters, grid.along(axis));
+    let wrong = (1..t.len()).find(|&k| t[k] <= t[k - 1] || !t[k].is_finite());
+    let k = wrong.unwrap_or(t.len() - 1);
     let index = k % count;
-    Err(if pairs.get(k) == Some(&0) {
+    if pairs.get(k) == Some(&0) {
         Invalid::NoNeighbours { axis, index, rule }
-    } else if !totals[k].is_finite() {
+    } else if !t[k].is_finite() {
         Invalid::TooLarge
     } else if k == count {
         let index = count - 1;
@@ -147,7 +160,7 @@ fn by_distance(
         Invalid::EqualPoints { axis, index, rule }
     } else {
         Invalid::EqualLines { axis, index, rule }
-    })
+    }
 }
 
 /// The number of distances that are computed at a time.

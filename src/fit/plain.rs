@@ -1,6 +1,12 @@
 //! The loop as it is written down: residual, update and errors one after the other.
 //!
-//! It does for every method and every basis; the [sweeps](super::sweep) are measured by it.
+//! ```text
+//! Δ = P − B X
+//! X ← X + U Δ
+//! ```
+//!
+//! It does for every method and every basis; the [sweeps](super::sweep) are held to it, to the last
+//! bit. A level costs an application of B and one of U, and three passes over memory.
 
 use std::sync::Arc;
 
@@ -9,7 +15,8 @@ use super::method::update::{Change, State, Update};
 use super::norms::{FitError, Norms};
 use super::points::Points;
 
-/// An iteration by the plain loop.
+/// An iteration by the plain loop: control points and residual of the current level, and the update
+/// of the method.
 #[derive(Debug)]
 pub(super) struct Plain {
     update: Box<dyn Update>,
@@ -45,7 +52,8 @@ impl Plain {
         (plain, error)
     }
 
-    /// Moves on to the next level: how many control points have moved, and the error.
+    /// Moves on to the next level: how many control points have moved, and the error. Where the
+    /// update has changed the residual of some points only, only their errors are computed anew.
     pub(super) fn step(&mut self, equations: &Equations) -> (usize, FitError) {
         let Self {
             update,
@@ -92,7 +100,7 @@ impl Plain {
     }
 }
 
-/// `Δ = P − B X`.
+/// `Δ = P − B X` for all coordinates; that of missing points is zero.
 fn compute_residual(equations: &Equations, state: &mut State) {
     let data = equations.setup.data().lanes();
     let lanes = state.residual.lanes_mut().iter_mut();

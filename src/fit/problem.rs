@@ -1,4 +1,10 @@
 //! A fitting problem: from what was asked for to what can be iterated.
+//!
+//! Everything that can be wrong is found here, so that what comes after can only run out of the
+//! range of numbers. In this order: the points are checked, missing ones get a place, the tolerance
+//! is resolved, the settings of the method are checked, parameters and knots are computed for each
+//! direction, homogeneous coordinates are lifted, a given start is compared with the control grid,
+//! and methods that cannot converge are refused.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -17,7 +23,7 @@ use super::weights;
 
 pub use super::request::{Request, Tolerance, Weights};
 
-/// Rounding errors of coordinates, relative to the largest.
+/// Rounding errors of coordinates, relative to the largest absolute coordinate.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A validated fitting problem: a [`Setup`] with a method. It can be iterated, and every error left
@@ -27,7 +33,7 @@ pub struct Problem {
     /// What was asked for; missing points have got a place.
     request: Request,
     setup: Arc<Setup>,
-    /// In data units, as it was asked for: methods may have a larger one.
+    /// The tolerance in data units, as it was asked for: methods may have a larger one.
     tolerance: f64,
 }
 
@@ -136,7 +142,9 @@ impl Problem {
         warnings
     }
 
-    /// Bytes that iterating this problem once takes, the data included.
+    /// How many bytes iterating this problem once takes, the data included: vectors of n points,
+    /// collocation matrices and their factorizations. It is an upper bound by what the method
+    /// demands, for admission.
     pub fn memory(&self) -> usize {
         let points = self.grid().count();
         let demand = self.method().scheme().demand();
@@ -152,12 +160,14 @@ impl Problem {
         directions.sum::<usize>() + arrays + demand.bytes
     }
 
-    /// Multiplications of one iteration: the measure of how long a step takes.
+    /// Multiplications of one iteration: the measure of how long a step takes, for fair shares of
+    /// time.
     pub fn step_cost(&self) -> usize {
         self.residual_cost() + self.method().scheme().step_cost(self)
     }
 
-    /// About how many multiplications prepare the first iteration.
+    /// About how many multiplications prepare the first iteration: evaluating bases,
+    /// factorizations, eigenvalues.
     pub fn start_cost(&self) -> usize {
         let method = self.method().scheme().start_cost(self);
         self.preparation_cost().saturating_add(method)
@@ -175,7 +185,8 @@ fn scope(request: &Request) -> Scope<'_> {
     }
 }
 
-/// Refuses grids that are too small, and gives missing points a place.
+/// Refuses grids with fewer than 2 points in a direction, and gives missing points a place. Returns
+/// which are missing.
 fn check_points(request: &mut Request) -> Result<Option<Missing>, Invalid> {
     let grid = request.grid;
     if grid.rows < 2 || (request.v.is_some() && grid.columns < 2) {
@@ -214,7 +225,8 @@ fn check_start(setup: &Setup) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The directions of what was asked for.
+/// The directions of what was asked for, with fixed weights from a grid separated, and with as many
+/// control points as the method has.
 fn directions(
     request: &Request,
     missing: Option<&Missing>,
@@ -238,6 +250,7 @@ fn directions(
     Ok((u, v.transpose()?))
 }
 
+/// Refuses coordinates that are infinite or NaN, and names the first one.
 fn check_finite(points: &Points, extents: &[Extent]) -> Result<(), Invalid> {
     let lanes = points.lanes().iter().zip(extents);
     for (coordinate, (lane, _)) in lanes.enumerate().filter(|(_, (_, it))| !it.is_finite) {
@@ -252,7 +265,8 @@ fn check_finite(points: &Points, extents: &[Extent]) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// The tolerance in data units. A relative one is never below the rounding of the coordinates.
+/// The tolerance in data units: a relative one is a multiple of the `diagonal`, but never below the
+/// rounding of coordinates of this `magnitude`, unless it is zero.
 fn resolve_tolerance(tolerance: Tolerance, magnitude: f64, diagonal: f64) -> Result<f64, Invalid> {
     let (value, relative) = match tolerance {
         Tolerance::Absolute(value) => (value, false),

@@ -24,6 +24,7 @@ fn basis() -> impl Strategy<Value = BasisChoice> {
     ]
 }
 
+/// An open direction without weights.
 fn choice(basis: BasisChoice, parameters: Parametrization) -> DirectionChoice {
     DirectionChoice {
         basis,
@@ -34,6 +35,7 @@ fn choice(basis: BasisChoice, parameters: Parametrization) -> DirectionChoice {
     }
 }
 
+/// A direction with any basis and any parameters by rule.
 fn direction() -> impl Strategy<Value = DirectionChoice> {
     let parameters = prop_oneof![
         Just(Parametrization::Uniform),
@@ -80,11 +82,13 @@ fn problem() -> impl Strategy<Value = Request> {
     })
 }
 
+/// Level 0.
 fn start(request: Request) -> Iteration {
     let problem = Problem::new(request).unwrap();
     Iteration::start(Arc::new(System::new(Arc::new(problem))))
 }
 
+/// The images of all points.
 fn map(points: &Points, f: impl Fn(&[f64]) -> Vec<f64>) -> Points {
     let mut image = Points::new(points.dimension());
     for i in 0..points.len() {
@@ -93,6 +97,7 @@ fn map(points: &Points, f: impl Fn(&[f64]) -> Vec<f64>) -> Points {
     image
 }
 
+/// All coordinates differ by at most the tolerance.
 fn assert_close(a: &Points, b: &Points, tolerance: f64) {
     for (a, b) in a.lanes().iter().flatten().zip(b.lanes().iter().flatten()) {
         assert!((a - b).abs() <= tolerance, "{a} {b}");

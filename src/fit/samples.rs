@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::points::{Grid, Points};
 use super::problem::Problem;
 
-/// So many samples are evaluated at a time: the values of all basis functions at their parameters,
+/// How many samples are evaluated at a time: the values of all basis functions at their parameters,
 /// of which there can be thousands each, are held for that long.
 const AT_ONCE: usize = 256;
 
@@ -40,7 +40,7 @@ impl Uniform {
     }
 }
 
-/// A grid of samples, of which none is kept.
+/// A grid of samples of one level, which are evaluated when they are asked for, and not kept.
 #[derive(Clone, Debug)]
 pub struct Samples {
     problem: Arc<Problem>,
@@ -52,7 +52,8 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Samples of a level; of a curve, whose grid has one column, as many as rows.
+    /// Samples of a level of `problem`, a grid of rows × columns parameters; of a curve, whose grid
+    /// has one column, as many as rows.
     pub fn new(problem: Arc<Problem>, control_points: Arc<Points>, grid: Grid) -> Self {
         let v = problem.v();
         Self {
@@ -83,7 +84,8 @@ impl Samples {
         Geometry::new(&self.problem, &self.control_points)
     }
 
-    /// Writes the coordinates of the samples from `start` on, row by row, as far as there is room.
+    /// Writes the coordinates of the samples from number `start` on, row by row and point by point,
+    /// as many as `coordinates` has room for.
     pub fn fill(&self, start: usize, coordinates: &mut [f64]) {
         let columns = self.columns();
         let dimension = self.dimension();

@@ -1,4 +1,8 @@
 //! A problem ready to be iterated.
+//!
+//! Making one is what takes time before the first level: the collocation matrix, the transform of
+//! the method, and the forecast. Iterations of the same problem share it, however many readers
+//! there are.
 
 use std::sync::{Arc, OnceLock};
 
@@ -16,6 +20,7 @@ pub use super::forecast::Forecast;
 pub struct System {
     problem: Arc<Problem>,
     equations: Equations,
+    /// Where the fit will end, once that has been looked for.
     foreseen: OnceLock<Option<Foreseen>>,
 }
 
@@ -36,6 +41,7 @@ impl System {
         }
     }
 
+    /// Prepares the transform and the forecast of the method.
     fn with(problem: Arc<Problem>, collocation: Arc<Tensor>) -> Self {
         let method = problem.method().scheme();
         let setup = Arc::clone(problem.setup());

@@ -1,12 +1,25 @@
 //! Weights of rational fits.
+//!
+//! There are two kinds. *Homogeneous* fits lift the data, `Q_i = (w_i P_i, w_i)`, and iterate d + 1
+//! coordinates with the polynomial basis: the weights of control points change from level to level,
+//! and the weight of the curve at t_i approaches w_i (Lin10, section 2.1). Fits with *fixed*
+//! weights have a rational basis `w_j B_j / Σ_k w_k B_k`, and iterate d coordinates (LBW05 (3.7));
+//! that of a surface is the product of two of them, so that its weights must be products, too
+//! (LBW05 (3.8)).
 
 use super::invalid::Invalid;
 use super::points::{Grid, Points};
 
-/// How far a grid of weights may be from a product, relatively.
+/// The largest relative difference of a grid of weights from a product.
 const SEPARABLE: f64 = 1e-12;
 
-/// Lifts points to homogeneous coordinates, `Q_i = (w_i P_i, w_i)` (Lin10, section 2.1).
+/// Lifts n points of R^d to homogeneous coordinates, `Q_i = (w_i P_i, w_i)`: n points of R^(d+1)
+/// (Lin10, section 2.1).
+///
+/// # Errors
+///
+/// The number of weights is not n, one of them is not finite and positive, or products with
+/// coordinates overflow or lose digits.
 pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
     check(weights, points.len())?;
     let mut lanes = Vec::with_capacity(points.dimension() + 1);
@@ -26,8 +39,8 @@ pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
     Ok(Points::from_lanes(lanes))
 }
 
-/// Products near the end of the range of numbers have few digits: what they lose must be rounding
-/// of the largest coordinate.
+/// Refuses products that have lost digits: near the end of the range of numbers there are few, and
+/// what they lose must be no more than rounding of the largest coordinate.
 fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Result<(), Invalid> {
     let largest = coordinates.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let lost = |i: usize| (products[i] / weights[i] - coordinates[i]).abs();
@@ -42,8 +55,13 @@ fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Resul
     }
 }
 
-/// Writes a grid of weights as products of weights of its rows and of its columns; the rational
-/// basis of a surface is a tensor product only then (LBW05 (3.8)).
+/// Writes a grid of weights as products of weights of its rows and of its columns, `w_ij = r_i c_j`
+/// with `c_0 = 1`.
+///
+/// # Errors
+///
+/// As with [`lift`], and [`Invalid::NotSeparable`] if the weights are not such products to 12
+/// digits.
 pub fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64>), Invalid> {
     check(weights, grid.count())?;
     let first = weights[0];
@@ -59,6 +77,7 @@ pub fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64>), Inv
     Ok((rows, columns))
 }
 
+/// Refuses weights that are not `expected` in number, or not finite and positive.
 fn check(weights: &[f64], expected: usize) -> Result<(), Invalid> {
     let given = weights.len();
     if given != expected {

@@ -10,6 +10,7 @@ use crate::fit::linear::LineMap;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 
+/// A direction of a basis at these parameters; of a closed one the last is the end of the period.
 fn direction(basis: BasisChoice, t: Vec<f64>, closed: bool) -> Direction {
     let rows = t.len() - usize::from(closed);
     let grid = Grid { rows, columns: 1 };
@@ -23,25 +24,30 @@ fn direction(basis: BasisChoice, t: Vec<f64>, closed: bool) -> Direction {
     Direction::new(choice, &Points::zeros(1, rows), grid, None, Axis::U).unwrap()
 }
 
+/// A polynomial basis of degree n at n + 1 uniform parameters.
 fn polynomial(kind: Polynomial, n: usize) -> Direction {
     let t = (0..=n).map(|i| i as f64 / n as f64).collect();
     direction(BasisChoice::Polynomial(kind), t, false)
 }
 
+/// The Bernstein basis of degree n at n + 1 uniform parameters.
 fn bernstein(n: usize) -> Direction {
     polynomial(Polynomial::Bernstein, n)
 }
 
+/// B-splines with knots at the data.
 fn at_data(t: Vec<f64>, degree: usize) -> Direction {
     let knots = Knots::Data;
     direction(BasisChoice::BSpline { degree, knots }, t, false)
 }
 
+/// B-splines with averaged knots.
 fn averaged(t: Vec<f64>, degree: usize) -> Direction {
     let knots = Knots::Averaged;
     direction(BasisChoice::BSpline { degree, knots }, t, false)
 }
 
+/// Closed B-splines with n control points.
 fn closed(n: usize, degree: usize) -> Direction {
     let knots = Knots::Data;
     direction(BasisChoice::BSpline { degree, knots }, uneven(n + 1), true)
@@ -59,6 +65,7 @@ fn uneven(n: usize) -> Vec<f64> {
         .collect()
 }
 
+/// All totally positive bases at n parameters, B-splines of degrees 1 to 5.
 fn directions(n: usize) -> Vec<Direction> {
     let mut all = vec![bernstein(n - 1), polynomial(Polynomial::SaidBall, n - 1)];
     for degree in 1..=5 {
@@ -70,7 +77,7 @@ fn directions(n: usize) -> Vec<Direction> {
     all
 }
 
-/// Those, and bases that are not totally positive.
+/// All of these, and bases that are not totally positive: Wang–Ball and closed B-splines.
 pub(in crate::fit) fn all_directions(n: usize) -> Vec<Direction> {
     let mut all = directions(n);
     all.push(polynomial(Polynomial::WangBall, n - 1));
@@ -78,10 +85,12 @@ pub(in crate::fit) fn all_directions(n: usize) -> Vec<Direction> {
     all
 }
 
+/// The collocation matrix of a direction.
 pub(in crate::fit) fn matrix(direction: &Direction) -> DMatrix<f64> {
     Collocation::new(direction).to_dense()
 }
 
+/// Bases are normalized.
 #[test]
 fn rows_sum_to_one() {
     for n in [2, 3, 6, 20] {
@@ -93,6 +102,7 @@ fn rows_sum_to_one() {
     }
 }
 
+/// Cubics: tridiagonal, with identity rows at both ends (LBW05 (3.2)).
 #[test]
 fn data_knots_of_odd_degree_give_p_diagonals_and_identity_at_the_ends() {
     let Collocation::Banded(cubic) = Collocation::new(&at_data(uneven(12), 3)) else {
@@ -177,6 +187,7 @@ fn uniform_closed_matrices_are_circulant() {
     }
 }
 
+/// `B⁻¹ B = I`, and `U B` is upper triangular with ones on its diagonal (Deng13 (9)).
 #[test]
 fn inverses_and_orthogonal_transforms_are_what_they_say() {
     for n in [2, 3, 6, 9] {

@@ -1,5 +1,5 @@
-//! Dense matrices: as linear maps, and their LU decomposition with partial pivoting, `P B = L U`, in
-//! `2/3 n³` operations.
+//! Dense matrices: as linear maps, and their LU decomposition with partial pivoting, `P B = L U`,
+//! in `2/3 n³` operations.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, Dyn};
 

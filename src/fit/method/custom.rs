@@ -14,7 +14,8 @@
 //! such as a selection, has `ρ = 1` and is accepted: the fit comes to rest, though not at the data.
 //!
 //! U is n × n of n control points in a direction, at most [`LARGEST`]. A level of a curve costs n²
-//! multiplications for each coordinate, one of an n × m surface `n m (n + m)`; checking takes O(n³).
+//! multiplications for each coordinate, one of an n × m surface `n m (n + m)`; checking takes
+//! O(n³).
 
 use std::sync::Arc;
 
@@ -47,7 +48,8 @@ pub const LARGEST: usize = 500;
 /// Up to this number of rows the rate is computed for the forecast; it takes O(n³).
 const FORECAST: usize = 100;
 
-/// The multiplications of finding all eigenvalues of an n × n matrix are about this number times n³.
+/// The multiplications of finding all eigenvalues of an n × n matrix are about this number times
+/// n³.
 const EIGENVALUES: usize = 25;
 
 /// PIA with given matrices. Clones share them.

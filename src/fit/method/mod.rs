@@ -4,8 +4,8 @@
 //! method is for the rest of `fit` is the trait [`Scheme`]; what a new method takes is a file with
 //! a type that implements it, and a line in each of [`Method`], [`Method::scheme`] and [`METHODS`].
 //!
-//! - [`global`], [`weighted`], [`transpose`], [`direct`], [`extended`], [`custom`]: U is a fixed linear map
-//!   ([`linear`]);
+//! - [`global`], [`weighted`], [`transpose`], [`direct`], [`extended`], [`custom`]: U is a fixed
+//!   linear map ([`linear`]);
 //! - [`chebyshev`]: momentum over steps of classical PIA ([`recurrence`]);
 //! - [`local`], [`adaptive`]: only some control points move ([`selection`]);
 //! - [`convex`]: steps that keep the turns of the control polygon;

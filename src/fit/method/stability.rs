@@ -1,16 +1,17 @@
 //! Whether `X ← X + U (P − B X)` diverges, by the eigenvalues of `M = U B`.
 //!
-//! The iteration contracts by `ρ(I − M) = max |1 − λ|` over the eigenvalues λ of M; on surfaces they
-//! are the products of those of both directions. Computed eigenvalues of a matrix that is not normal can
-//! be far from the exact ones: of a Jordan block of n rows they lie on a circle with a radius of
-//! about `ε^(1/n)`. So an eigenvalue counts as diverging only if it does whatever rounding has done to
-//! it. By first-order perturbation theory it is wrong by at most
+//! The iteration contracts by `ρ(I − M) = max |1 − λ|` over the eigenvalues λ of M; on surfaces
+//! they are the products of those of both directions. Computed eigenvalues of a matrix that is not
+//! normal can be far from the exact ones: of a Jordan block of n rows they lie on a circle with a
+//! radius of about `ε^(1/n)`. So an eigenvalue counts as diverging only if it does whatever
+//! rounding has done to it. By first-order perturbation theory it is wrong by at most
 //!
 //! ```text
 //! κ(λ) n ε ‖M‖,   κ(λ) = ‖x‖ ‖y‖ / |yᴴ x|
 //! ```
 //!
-//! with its right and left eigenvectors x and y (Golub, Van Loan, *Matrix Computations*, section 7.2.2).
+//! with its right and left eigenvectors x and y (Golub, Van Loan, *Matrix Computations*, section
+//! 7.2.2).
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
@@ -36,8 +37,8 @@ struct Suspect {
     rate: f64,
 }
 
-/// ρ(I − M) of the tensor product M of the matrices of all directions, as computed. `None` if the QR
-/// algorithm does not end.
+/// ρ(I − M) of the tensor product M of the matrices of all directions, as computed. `None` if the
+/// QR algorithm does not end.
 pub(super) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
     let first = suspects(matrices)?.into_iter().next();
     first.map(|suspect| suspect.rate)
@@ -45,9 +46,9 @@ pub(super) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
 
 /// ρ(I − M), if that is certainly not less than one.
 ///
-/// An eigenvalue λ with `|1 − λ| > 1` by more than its error diverges. One with `|1 − λ| = 1` but for a
-/// small error oscillates if it is far from zero; near zero its part of the error comes to rest, as that of a
-/// selection does.
+/// An eigenvalue λ with `|1 − λ| > 1` by more than its error diverges. One with `|1 − λ| = 1` but
+/// for a small error oscillates if it is far from zero; near zero its part of the error comes to
+/// rest, as that of a selection does.
 pub(super) fn diverging_rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
     let suspects = suspects(matrices)?;
     let certain = suspects.into_iter().take(SUSPECTS).find(|suspect| {
@@ -67,7 +68,8 @@ impl Suspect {
     }
 }
 
-/// The eigenvalues of the tensor product, the least contracting first: at most [`SUSPECTS`] of them.
+/// The eigenvalues of the tensor product, the least contracting first: at most [`SUSPECTS`] of
+/// them.
 fn suspects(matrices: &[DMatrix<f64>]) -> Option<Vec<Suspect>> {
     let mut products = vec![Vec::new()];
     for matrix in matrices {

@@ -215,22 +215,15 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         let vectors = LANES / S::F64_LANES;
         let n = rounds * vectors;
         let mut sums = VectorSums::<S>::new(self.sums);
-        let Rows {
-            data,
-            own,
-            next,
-            step,
-            squares,
-            ..
-        } = &mut *self.rows;
+        let rows = &mut *self.rows;
         let b = vectors_of::<S, W>(self.b, behind, n);
         let x = shifted::<S, D, W>(self.x, behind, n);
-        let data = vectors_of::<S, D>(*data, start, n);
-        let own = vectors_of::<S, D>(*own, start, n);
-        let next = vectors_of_mut::<S, D>(next, start, n);
+        let data = vectors_of::<S, D>(rows.data, start, n);
+        let own = vectors_of::<S, D>(rows.own, start, n);
+        let next = vectors_of_mut::<S, D>(&mut rows.next, start, n);
         let (start_step, n_step) = if MOMENTUM { (start, n) } else { (0, 0) };
-        let step = vectors_of_mut::<S, D>(step, start_step, n_step);
-        let squares = &mut S::as_mut_simd_f64s(&mut squares[start..]).0[..n];
+        let step = vectors_of_mut::<S, D>(&mut rows.step, start_step, n_step);
+        let squares = &mut S::as_mut_simd_f64s(&mut rows.squares[start..]).0[..n];
         let becomes = self.step;
         let Coefficients { momentum, gain } = match becomes {
             Step::Move(coefficients) => coefficients,

@@ -16,6 +16,7 @@ use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
 use crate::fit::system::System;
 
+/// B-splines of any degree up to 8, open with both kinds of knots or closed.
 fn direction() -> impl Strategy<Value = DirectionChoice> {
     let knots = prop_oneof![Just(Knots::Data), Just(Knots::Averaged)];
     let parameters = prop_oneof![
@@ -37,6 +38,7 @@ fn direction() -> impl Strategy<Value = DirectionChoice> {
     )
 }
 
+/// All methods that can be swept.
 fn method() -> impl Strategy<Value = Method> {
     prop_oneof![
         Just(Method::Global),
@@ -48,6 +50,7 @@ fn method() -> impl Strategy<Value = Method> {
     ]
 }
 
+/// Curves, small surfaces, and surfaces with lines that are longer or shorter than a block.
 fn grid() -> impl Strategy<Value = Grid> {
     prop_oneof![
         (2..4000_usize).prop_map(|rows| Grid { rows, columns: 1 }),
@@ -90,6 +93,7 @@ prop_compose! {
     }
 }
 
+/// The system of a request, if it is valid.
 fn system(request: Request) -> Option<Arc<System>> {
     // Not all grids are large enough for all degrees, and one coordinate can repeat itself.
     let problem = Problem::new(request).ok()?;

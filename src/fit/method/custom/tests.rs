@@ -60,6 +60,7 @@ fn collocation(rows: usize, columns: usize) -> Vec<DMatrix<f64>> {
     tensor.directions().map(|b| b.to_dense()).collect()
 }
 
+/// The rows of a matrix, as they are given.
 fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let row = |i| matrix.row(i).iter().copied().collect();
     (0..matrix.nrows()).map(row).collect()
@@ -71,6 +72,7 @@ fn custom(matrices: &[DMatrix<f64>]) -> Method {
     Method::Custom(Custom::new(rows(&matrices[0]), v))
 }
 
+/// Level 0.
 fn start(request: Request) -> Iteration {
     let problem = Problem::new(request).unwrap();
     Iteration::start(Arc::new(System::new(Arc::new(problem))))
@@ -122,6 +124,7 @@ fn multiples_of_the_identity_are_weighted_pia() {
     }
 }
 
+/// To rounding.
 #[test]
 fn the_inverse_is_direct() {
     for (n, m) in GRIDS {
@@ -132,6 +135,7 @@ fn the_inverse_is_direct() {
     }
 }
 
+/// To rounding; of a surface each direction has its own ρ.
 #[test]
 fn the_scaled_transpose_is_transpose() {
     for (n, m) in GRIDS {
@@ -185,6 +189,7 @@ fn errors_follow_the_powers_of_the_iteration_matrix() {
     }
 }
 
+/// On square grids; on others the second direction is named.
 #[test]
 fn one_matrix_serves_both_directions() {
     let matrix = rows(&(DMatrix::<f64>::identity(8, 8) * 1.1));

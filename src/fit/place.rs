@@ -1,0 +1,91 @@
+//! The parts of a fitting problem, as errors and warnings name them.
+//!
+//! Places are typed: the languages in which problems are written say where each of them stands.
+
+/// A direction of the parameter domain. Curves have only [`Axis::U`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The direction of a curve; the rows of a surface.
+    U,
+    /// The columns of a surface.
+    V,
+}
+
+/// The part of a problem that an error is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// All data points.
+    Points,
+    /// The data point with this index; on surfaces `row · columns + column`.
+    Point(usize),
+    /// A row (u) or a column (v) of the data of a surface; a data point of a curve.
+    Line(Axis, usize),
+    /// The degree of a direction.
+    Degree(Axis),
+    /// The basis of a direction.
+    Basis(Axis),
+    /// The explicit knots of a direction.
+    Knots(Axis),
+    /// One explicit knot.
+    Knot(Axis, usize),
+    /// The parameters of a direction.
+    Parameters(Axis),
+    /// One explicit parameter.
+    Parameter(Axis, usize),
+    /// The number of control points of a least-squares fit in a direction.
+    ControlPoints(Axis),
+    /// Whether a direction is closed.
+    Closed(Axis),
+    /// All weights.
+    Weights,
+    /// The weight of the data point with this index.
+    Weight(usize),
+    /// The fixed weights of a direction.
+    AxisWeights(Axis),
+    /// One fixed weight of a direction.
+    AxisWeight(Axis, usize),
+    /// The method.
+    Method,
+    /// A setting of the method.
+    Setting(Setting),
+    /// The matrix of a custom transform in a direction.
+    Transform(Axis),
+    /// One row of it.
+    TransformRow(Axis, usize),
+    /// One entry of it: row and column.
+    TransformEntry(Axis, usize, usize),
+    /// One of the indices of a local fit.
+    Index(usize),
+    /// The absolute tolerance.
+    Tolerance,
+    /// The tolerance relative to the bounding box.
+    RelativeTolerance,
+}
+
+/// A setting of a method that can be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// The relaxation ω of weighted PIA.
+    Omega,
+    /// The threshold of adaptive PIA.
+    Threshold,
+    /// The step μ of least-squares PIA.
+    Mu,
+    /// The indices of local PIA.
+    Indices,
+    /// Whether local PIA goes row by row.
+    RowByRow,
+}
+
+impl Setting {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Omega => "omega",
+            Self::Threshold => "threshold",
+            Self::Mu => "mu",
+            Self::Indices => "indices",
+            Self::RowByRow => "row_by_row",
+        }
+    }
+}
