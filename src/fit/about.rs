@@ -1,4 +1,6 @@
 //! What the methods and bases are called, and where they come from.
+//!
+//! The tables are [`METHODS`](super::method::METHODS) and [`BASES`](super::basis::BASES).
 
 /// An entry of a table of methods or bases, in the terms of the field. Names, schemas and
 /// descriptions elsewhere derive from it.

@@ -1,4 +1,7 @@
 //! What is asked for in one direction of the parameter domain.
+//!
+//! A curve has one direction, a surface two, whose bases, parameters and closedness are independent
+//! of each other.
 
 use super::basis::Polynomial;
 use super::basis::knots::Knots;

@@ -1,4 +1,7 @@
 //! The equations `B X = P` of a fit, and what a method makes of them.
+//!
+//! B has a row for each data point and a column for each free control point; P and X have d
+//! columns, one for each coordinate. In a least-squares fit B is A, with more rows than columns.
 
 use std::sync::Arc;
 

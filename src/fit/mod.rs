@@ -15,6 +15,30 @@
 //! loop with `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ`. A homogeneous fit is the
 //! same loop with one coordinate more, the weight.
 //!
+//! # Words
+//!
+//! - *Data points* P, n of a curve and n × m of a surface; *control points* X: those of the curve.
+//!   *Free* control points move; end copies repeat them.
+//! - *Level* k: the curve after k updates. *Residual*, or *adjusting vectors*: Δ, one for each data
+//!   point. *Step*: by how much a control point moves.
+//! - *Distance*: ‖Δ_i‖, in data units, of which the largest is *the error* of a level. *Tolerance*:
+//!   the largest error that is accepted.
+//! - *Rate*: the factor by which an update changes the error; *transform*: U.
+//! - *Direction*: u or v of a surface, the one of a curve; *parameters* t: where on it data points
+//!   lie.
+//! - *Line*: a row or column of the grid of a surface. *Lane*: an array with one coordinate of all
+//!   points. *Block*: up to 1024 points whose norms are summed up together.
+//! - *Plain loop* and *sweep*: two ways to compute the same levels.
+//!
+//! # What can be relied on
+//!
+//! - Levels are pure functions of the problem: the same numbers to the last bit, whatever the path,
+//!   the number of threads, the instruction set, or how many levels are computed at once.
+//! - Data of any magnitude and any position are fitted alike; numbers that leave the range of `f64`
+//!   end an iteration with an outcome, never with a panic.
+//! - Everything that can be wrong with a problem is found before the first level, with its place.
+//! - Memory and time are known from the sizes, before anything is computed.
+//!
 //! # Vocabulary, in the order in which a fit is made
 //!
 //! - [`points`]: ordered data points and control points, coordinate by coordinate;

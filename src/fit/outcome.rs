@@ -1,4 +1,8 @@
 //! How an iteration ends.
+//!
+//! Converged and stationary fits have succeeded. Exhausted and stalled ones have a curve that is
+//! further from the data than was asked for, and can be gone on with by another method. After an
+//! overflow there is no curve.
 
 /// Why an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,7 @@
 //! A fitting problem as it is asked for, before anything has been checked.
+//!
+//! It is plain data: any request can be made, and [`Problem::new`](super::problem::Problem::new)
+//! says what is wrong with it. Large parts are shared, so that clones are cheap.
 
 use std::sync::Arc;
 

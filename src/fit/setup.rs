@@ -7,7 +7,8 @@ use super::extent::Extent;
 use super::missing::Missing;
 use super::points::{Grid, Points};
 
-/// The least eigenvalue takes some eliminations, and the method one more.
+/// How many eliminations are counted for the preparation of a fit: λ_min takes some, and the method
+/// one more.
 const ELIMINATIONS: usize = 8;
 
 /// A validated fitting problem but for its method, which is a [`Method`](super::method::Method).
@@ -19,20 +20,29 @@ const ELIMINATIONS: usize = 8;
 pub struct Setup {
     /// The data points, where missing ones have the place of a neighbour.
     pub(super) points: Arc<Points>,
+    /// The arrangement of the data points, rows × columns.
     pub(super) grid: Grid,
     /// The data in homogeneous coordinates.
     pub(super) lifted: Option<Arc<Points>>,
-    /// Of the coordinates of the data.
+    /// The extent of each coordinate of the data, lifted if they are.
     pub(super) extents: Vec<Extent>,
+    /// Which points are missing, for least-squares fits.
     pub(super) missing: Option<Missing>,
+    /// The direction of a curve, or u of a surface.
     pub(super) u: Direction,
+    /// The second direction of a surface.
     pub(super) v: Option<Direction>,
+    /// Local fits: the control points that may move; all of them without it.
     pub(super) selected: Option<Arc<[usize]>>,
+    /// The free control points of level 0, if they were given.
     pub(super) start: Option<Arc<Points>>,
+    /// λ_min of the collocation matrix, if it is known from another fit.
     pub(super) lambda_min: Option<f64>,
-    /// In data units.
+    /// The tolerance, in data units.
     pub(super) tolerance: f64,
+    /// The last level that is computed.
     pub(super) max_iterations: usize,
+    /// The diagonal of the bounding box of the data, in data units.
     pub(super) diagonal: f64,
     /// Whether eigenvalues of the collocation matrix may nearly coincide.
     pub(super) clustered: bool,

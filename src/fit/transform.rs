@@ -1,4 +1,15 @@
 //! The transform U of the update `X ← X + U Δ`, as far as it is a fixed linear map.
+//!
+//! On surfaces `U = U_u ⊗ U_v`, which is applied one direction after the other. U is never formed,
+//! but for given matrices: it is a factor, a factorization, or the collocation matrix itself.
+//!
+//! | transform | a level of a curve of n points and degree p | of a polynomial |
+//! |---|---|---|
+//! | scale | 0 | 0 |
+//! | `H Qᵀ` | O(n p) | O(n²) |
+//! | `B⁻¹` | O(n p) | O(n²) |
+//! | `Bᵀ/ρ` | O(n p) | O(n²) |
+//! | given | O(n²) | O(n²) |
 
 use super::linear::qr::Orthogonal;
 use super::linear::{DenseMap, Inverse, apply_tensor};

@@ -1,6 +1,9 @@
 //! What is accepted but doubtful: a fit that can be computed, and that may not be what was meant.
 //!
-//! Some of it is known from the problem, some only once its matrix has been looked at.
+//! Some of it is known from the problem alone (degrees that few points do not determine, even
+//! degrees with knots at the data). Some is known once the collocation matrix has been looked at
+//! (eigenvalues, rehearsals); that is asked of the method,
+//! [`Method::warnings`](super::method::Method::warnings).
 
 use super::basis::knots::Knots;
 use super::choice::{BasisChoice, DirectionChoice};
@@ -11,7 +14,8 @@ use super::invalid::{Axis, Place};
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
-    /// Knots at the data: the degree is no less than the number of points.
+    /// Knots at the data: the degree is no less than the number of points, so that most control
+    /// points are copies of the first and the last one.
     FewPoints {
         /// The direction.
         axis: Axis,
@@ -20,42 +24,47 @@ pub enum Warning {
         /// The number of data points in this direction.
         count: usize,
     },
-    /// Knots at the data: the degree is even.
+    /// Knots at the data: the degree is even, so that the influence of a point falls slowly along
+    /// the curve.
     EvenDegree {
         /// The direction.
         axis: Axis,
         /// The degree of the B-spline.
         degree: usize,
     },
-    /// Extended: rounding leaves more than the tolerance.
+    /// Extended: distances between are so much larger than the data that rounding leaves more than
+    /// the tolerance.
     Rounding {
         /// About how much is left, in data units.
         left: f64,
         /// The number of iterations after which the method has come to its end.
         iterations: usize,
     },
-    /// Chebyshev: with steps by the least eigenvalue distances would rise far.
+    /// Chebyshev: with steps for [λ_min, 1] distances would rise far, so that the steps are for a
+    /// shorter interval.
     ShorterInterval {
         /// The least eigenvalue.
         least: f64,
         /// Where the interval begins instead.
         begin: f64,
     },
-    /// The slowest part of the error will hardly have changed after the last iteration.
+    /// The slowest part of the error will hardly have changed after the last iteration, and the
+    /// tolerance may be out of reach.
     IllConditioned {
         /// The least eigenvalue.
         least: f64,
         /// The last level that is computed.
         iterations: usize,
     },
-    /// Least squares: control points of which no data say where they are.
+    /// Least squares: control points without data in the support of their basis function stay where
+    /// they start.
     WithoutData {
         /// How many.
         count: usize,
     },
 }
 
-/// What is left of the slowest part of the error, if an iteration hardly changes it.
+/// At least this part of the slowest part of the error is left, if the iterations hardly change it.
 const UNCHANGED: f64 = 0.99;
 
 impl Warning {

@@ -56,13 +56,13 @@ pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut 
     }
 }
 
-/// The most parameters of a run: their values stay in the nearest cache.
+/// The most parameters of a run: 2 KiB for each function, which stay in the nearest cache.
 pub const BLOCK: usize = 256;
 
-/// Writes the values at each `t_i` of the `degree + 1` B-splines that differ from zero on span
-/// `degree + i` of the given knots: those of function `i + k` to place i of lane k. The same
-/// numbers as [`evaluate`] computes, for as many parameters at a time as the processor can; at most
-/// [`BLOCK`].
+/// Writes the values at each `t_i` of the p + 1 B-splines that differ from zero on span
+/// `degree + i` of the given knots: those of function `i + k` to place i of lane k, k = 0 … p. The
+/// same numbers as [`evaluate`] computes, for as many parameters at a time as the processor can; at
+/// most [`BLOCK`] parameters.
 pub fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut [f64]]) {
     pulp::Arch::new().dispatch(EvaluateRun {
         degree,
@@ -72,6 +72,7 @@ pub fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut 
     });
 }
 
+/// The same, compiled for several instruction sets.
 struct EvaluateRun<'a, 'b> {
     degree: usize,
     knots: &'a [f64],
@@ -105,7 +106,8 @@ impl pulp::NullaryFnOnce for EvaluateRun<'_, '_> {
     }
 }
 
-/// A step of the recurrence, for many parameters.
+/// One step of the triangular scheme for many parameters: from N_{j,r−1} in `values` and what its
+/// left neighbour has carried on to N_{j,r}, and what it carries on itself.
 #[inline(always)]
 fn recur(right: &[f64], left: &[f64], t: &[f64], values: &mut [f64], carried: &mut [f64]) {
     let n = t.len();

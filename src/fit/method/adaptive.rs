@@ -42,6 +42,7 @@ impl Scheme for Adaptive {
         &ABOUT
     }
 
+    /// At 0 all points would move for ever.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         Invalid::unless_positive(Setting::Threshold, self.threshold)
     }
@@ -51,6 +52,7 @@ impl Scheme for Adaptive {
         asked.max(self.threshold)
     }
 
+    /// That of classical PIA, as an upper bound: principal blocks have larger eigenvalues.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         eigenvalues::classical(setup, collocation)
     }
@@ -63,6 +65,7 @@ impl Scheme for Adaptive {
         Box::new(Selection::new(equations, far, Vec::new()))
     }
 
+    /// The points that move have larger eigenvalues than all together.
     fn rate_is_sharp(&self) -> bool {
         false
     }
@@ -78,6 +81,7 @@ struct Far {
 impl Choice for Far {
     const VARIES: bool = true;
 
+    /// At level 0 all points have changed.
     fn begin(&mut self, state: &mut State) {
         state.changed.extend(0..state.residual.len());
     }

@@ -49,10 +49,12 @@ impl Scheme for Chebyshev {
         &ABOUT
     }
 
+    /// Steps are chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         spectrum::check_real(setup, ABOUT.name)
     }
 
+    /// The last step, in the plain loop and in sweeps.
     fn demand(&self) -> Demand {
         Demand {
             vectors: 2,
@@ -61,6 +63,7 @@ impl Scheme for Chebyshev {
         }
     }
 
+    /// λ_min, and the rate of the long run on [λ_min, 1].
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let lambda = eigenvalues::least(setup, collocation);
         Forecast {
@@ -91,11 +94,13 @@ impl Scheme for Chebyshev {
         Some(Relaxation::chebyshev(recurrence(&equations.forecast)))
     }
 
+    /// Residuals that have grown so far will not fall any more.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         let hopeless = progress.length > HOPELESS * progress.first_length;
         hopeless.then_some(Outcome::Stalled(Stall::Diverging))
     }
 
+    /// A shorter interval, which takes more iterations, and ill-conditioned bases.
     fn warnings(
         &self,
         forecast: &Forecast,
@@ -110,6 +115,7 @@ impl Scheme for Chebyshev {
     }
 }
 
+/// The recurrence on the interval of the forecast, before the first update.
 fn recurrence(forecast: &Forecast) -> Recurrence {
     Recurrence::new(forecast.interval.or(forecast.lambda_min).unwrap_or(1.0))
 }

@@ -49,6 +49,7 @@ impl Scheme for Convex {
         &ABOUT
     }
 
+    /// Turning angles are those of planar polygons.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let found = if scope.is_surface {
             "this is a surface"
@@ -65,6 +66,7 @@ impl Scheme for Convex {
         })
     }
 
+    /// The polygon before the step and the step; nothing is factorized.
     fn demand(&self) -> Demand {
         Demand {
             vectors: 1,
@@ -77,6 +79,7 @@ impl Scheme for Convex {
         Box::new(Steps::new(&equations.setup))
     }
 
+    /// When no step keeps the turns any more.
     fn ends_by_itself(&self) -> bool {
         true
     }
@@ -85,12 +88,17 @@ impl Scheme for Convex {
 /// Plain steps where they keep the turns, else the part of a step that does.
 #[derive(Debug)]
 struct Steps {
+    /// Whether the polygon turns at its ends, too.
     closed: bool,
     /// A power of two that keeps products of lengths within the range of numbers.
     scale: f64,
+    /// The polygon before the step.
     before: Points,
+    /// The whole step Δ.
     step: Points,
+    /// The signs of the turns of that polygon.
     turns: Vec<i8>,
+    /// How many steps in a row were no progress.
     idle: usize,
 }
 
@@ -188,14 +196,16 @@ impl Update for Steps {
     }
 }
 
+/// Copies points to others of the same number.
 fn copy(from: &Points, to: &mut Points) {
     for (to, from) in to.lanes_mut().iter_mut().zip(from.lanes()) {
         to.copy_from_slice(from);
     }
 }
 
-/// The signs of the turning angles of a polygon, at its inner points and, if it is closed, at its
-/// ends.
+/// The signs of the turning angles of a polygon at its inner points and, if it is closed, at its
+/// ends: 1 to the left, −1 to the right, 0 straight on. `scale` keeps products of lengths within
+/// the range of numbers.
 fn turns(polygon: &Points, closed: bool, scale: f64) -> impl Iterator<Item = i8> + '_ {
     let n = polygon.len();
     let (x, y) = (polygon.lane(0), polygon.lane(1));

@@ -98,6 +98,7 @@ impl Scheme for Custom {
         &ABOUT
     }
 
+    /// The size and the entries of each matrix.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         check_matrix(&self.u, scope.grid.rows, Axis::U)?;
         if scope.is_surface {
@@ -109,6 +110,7 @@ impl Scheme for Custom {
         }
     }
 
+    /// By all eigenvalues of `U B`, in each direction.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         let products = self.products(setup, &Tensor::new(setup));
         match stability::diverging_rate(&products) {
@@ -139,6 +141,7 @@ impl Scheme for Custom {
         EIGENVALUES * (grid.rows.pow(3) + across.pow(3))
     }
 
+    /// The rate of small ones; of others errors are foretold as they fall.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let grid = setup.grid();
         let small = grid.rows.max(grid.columns) <= FORECAST;

@@ -41,6 +41,7 @@ impl Scheme for Direct {
         &ABOUT
     }
 
+    /// Level 1 is the limit.
     fn forecast(&self, _setup: &Setup, _collocation: &Tensor) -> Forecast {
         Forecast {
             exact_after: Some(1),
@@ -48,6 +49,7 @@ impl Scheme for Direct {
         }
     }
 
+    /// A factorization for each direction.
     fn transform(&self, collocation: &Tensor, _forecast: &Forecast) -> Transform {
         let (u, v) = (&collocation.u, collocation.v.as_ref());
         Transform::Inverse(u.inverse(), v.map(|v| v.inverse()))
@@ -57,18 +59,22 @@ impl Scheme for Direct {
         Box::new(Linear::endless())
     }
 
+    /// One pass measures a level; the step is solved for.
     fn relaxation(&self, _equations: &Equations) -> Option<Relaxation> {
         Some(Relaxation::Transformed { once: true })
     }
 
+    /// Where basis functions nearly vanish, control points can overflow.
     fn solves(&self) -> bool {
         true
     }
 
+    /// There is nothing to be foretold.
     fn ends_when_exact(&self) -> bool {
         true
     }
 
+    /// When solving once more has not halved the residual.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         let refined = progress.iteration > 0 && progress.decrease <= REFINED;
         refined.then_some(Outcome::Stalled(Stall::Rounding))

@@ -1,4 +1,8 @@
 //! The least eigenvalue of the collocation matrix, as the methods that converge by it need it.
+//!
+//! Weighted PIA with its best ω and the Chebyshev semi-iteration choose their steps by λ_min, and
+//! always compute it; others only for their forecast, unless there are many points. An edit of a
+//! fit passes on what is known.
 
 use crate::fit::forecast::Forecast;
 use crate::fit::setup::Setup;

@@ -73,6 +73,7 @@ impl Scheme for Extended {
         &ABOUT
     }
 
+    /// The level at which the error is zero, but for rounding.
     fn forecast(&self, setup: &Setup, _collocation: &Tensor) -> Forecast {
         Forecast {
             exact_after: Some(self.nilpotency(setup)),
@@ -85,6 +86,7 @@ impl Scheme for Extended {
         Transform::Orthogonal(u.orthogonal(), v.map(|v| v.orthogonal()))
     }
 
+    /// How much rounding will leave, by a rehearsal.
     fn complete(&self, equations: &mut Equations) {
         equations.forecast.rounding = rehearsal::left_by_rounding(self, equations);
     }
@@ -101,14 +103,17 @@ impl Scheme for Extended {
         }
     }
 
+    /// It stalls when nothing is left of `(I − U B)ᵏ`: what remains is rounding.
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
         Box::new(Linear::nilpotent_after(equations.forecast.exact_after))
     }
 
+    /// Control points between can be larger than the data by many orders of magnitude.
     fn solves(&self) -> bool {
         true
     }
 
+    /// Rounding that leaves more than the tolerance.
     fn warnings(
         &self,
         forecast: &Forecast,

@@ -41,10 +41,12 @@ impl Scheme for Global {
         &ABOUT
     }
 
+    /// With the Wang–Ball basis eigenvalues can be complex or larger than 2.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         spectrum::check_relaxation(setup, ABOUT.name, 1.0)
     }
 
+    /// The residual is the step: it needs no other vector, and nothing is factorized.
     fn demand(&self) -> Demand {
         Demand {
             vectors: 0,
@@ -53,6 +55,7 @@ impl Scheme for Global {
         }
     }
 
+    /// `1 − λ_min`, unless there are many points.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         eigenvalues::classical(setup, collocation)
     }
@@ -65,6 +68,7 @@ impl Scheme for Global {
         Some(Relaxation::Scale(1.0))
     }
 
+    /// Ill-conditioned bases, whose slowest part of the error would hardly change.
     fn warnings(
         &self,
         forecast: &Forecast,

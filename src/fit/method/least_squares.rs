@@ -77,6 +77,7 @@ impl Scheme for LeastSquares {
         &ABOUT
     }
 
+    /// A given μ must be positive; one that is too large shows itself, as the residual grows.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         match self.variant {
             Variant::Lspia { mu: Some(mu) } => Invalid::unless_positive(Setting::Mu, mu),
@@ -92,6 +93,7 @@ impl Scheme for LeastSquares {
         true
     }
 
+    /// The gradient, and for conjugate gradients the direction and its image.
     fn demand(&self) -> Demand {
         Demand {
             vectors: 3,
@@ -100,6 +102,7 @@ impl Scheme for LeastSquares {
         }
     }
 
+    /// Control points with a zero column of A.
     fn complete(&self, equations: &mut Equations) {
         equations.forecast.without_data = Steps::new(equations, self.variant).fixed();
     }
@@ -121,6 +124,7 @@ impl Scheme for LeastSquares {
         true
     }
 
+    /// At the minimum the residual stands still; if μ is too large it grows.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         if progress.iteration == 0 {
             None
@@ -133,6 +137,7 @@ impl Scheme for LeastSquares {
         }
     }
 
+    /// Control points without data.
     fn warnings(
         &self,
         forecast: &Forecast,
@@ -155,19 +160,24 @@ struct Steps {
     units: Vec<f64>,
     /// `g = Aᵀ Δ`.
     gradient: Points,
+    /// The squared length of the gradient, `‖Aᵀ Δ‖²`, in scaled units.
     square: f64,
+    /// That of level 0.
     first_square: Option<f64>,
+    /// The state of conjugate gradients, for that variant.
     conjugate: Option<Conjugate>,
 }
 
 /// What conjugate gradients remember.
 #[derive(Debug)]
 struct Conjugate {
+    /// The directions d of the last step, one for each coordinate.
     direction: Points,
     /// `A d`, one coordinate.
     image: Vec<f64>,
     /// `gᵀ D g` of each coordinate.
     gamma: Vec<f64>,
+    /// Whether there was a step.
     begun: bool,
 }
 
@@ -213,7 +223,7 @@ impl Steps {
         }
     }
 
-    /// How many control points stay where they are, for want of data.
+    /// How many control points have no data in the support of their basis function.
     fn fixed(&self) -> usize {
         self.scale.iter().filter(|&&factor| factor == 0.0).count()
     }
@@ -310,8 +320,7 @@ impl Conjugate {
     }
 }
 
-/// Level 0: the first and the last data point, and between them point `⌊(m+1) i / n⌋` (Deng, Lin
-/// 2014); on closed curves `⌊(m+1) i / (n+1)⌋`.
+/// Level 0: data points at equal distances of their indices, the first and the last among them.
 fn start(setup: &Setup) -> Points {
     let (data, grid) = (setup.data(), setup.grid());
     let rows = samples(grid.rows, setup.u().free(), setup.u().is_closed());
@@ -328,6 +337,7 @@ fn start(setup: &Setup) -> Points {
     Points::from_lanes(data.lanes().iter().map(pick))
 }
 
+/// Which of `count` data points the control points of a direction start from.
 fn samples(count: usize, control_points: usize, closed: bool) -> Vec<usize> {
     let parts = if closed {
         control_points

@@ -1,11 +1,14 @@
 //! `X ← X + U Δ` with a fixed linear map U, shared by all methods that have one.
+//!
+//! The residual becomes the step in place, so that no other vector is needed, and is computed anew
+//! from the next control points. A level costs one application of U and one of B.
 
 use super::update::{Change, State, Update};
 use crate::fit::equations::Equations;
 use crate::fit::outcome::Stall;
 use crate::fit::transform::Transform;
 
-/// The update with the transform of the equations. A level costs one application of U and one of B.
+/// The update with the transform of the equations.
 #[derive(Debug)]
 pub(super) struct Linear {
     /// Updates that are left until `(I − U B)ᵏ` has vanished, if it does.

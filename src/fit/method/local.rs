@@ -51,6 +51,7 @@ impl Scheme for Local {
         &ABOUT
     }
 
+    /// Rows are for surfaces, and indices are those of points, each once.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         if self.row_by_row && !scope.is_surface {
             return Err(Invalid::RowsOfCurve);
@@ -61,6 +62,7 @@ impl Scheme for Local {
         }
     }
 
+    /// Few points have the least eigenvalue of their block; for many that of the matrix is a bound.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let few = setup.selected().filter(|points| points.len() <= BLOCK);
         let Some(adjusted) = few else {
@@ -94,6 +96,7 @@ impl Scheme for Local {
         Box::new(Selection::new(equations, sweep, Vec::new()))
     }
 
+    /// The selected points: the errors of all others do not count.
     fn adjusted(&self, setup: &Setup) -> Option<Vec<usize>> {
         Some(adjusted(setup))
     }

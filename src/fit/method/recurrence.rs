@@ -11,9 +11,13 @@
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub(in crate::fit) struct Recurrence {
+    /// The centre of the interval.
     theta: f64,
+    /// Its half-width.
     delta: f64,
+    /// ρ of the last step.
     rho: f64,
+    /// Whether there was a step.
     begun: bool,
 }
 

@@ -1,9 +1,18 @@
-//! What a sweep does with the adjusting vectors of a level: it moves every control point by its
-//! own, or leaves all of them to a transform.
+//! What a sweep does with the adjusting vectors of a level.
+//!
+//! A sweep computes `Δ = P − B X` block by block. Of some methods every control point can move at
+//! once, by its own adjusting vector,
+//!
+//! ```text
+//! d ← momentum d + gain Δ,   X' = X + d
+//! ```
+//!
+//! of others the adjusting vectors of all points are needed first, and are transformed together
+//! afterwards.
 
 use super::recurrence::Recurrence;
 
-/// `d ← momentum d + gain Δ`, `X ← X + d`.
+/// `d ← momentum d + gain Δ`, `X ← X + d`: of global and weighted PIA without momentum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::fit) struct Coefficients {
     /// How much of the last step is repeated.
@@ -15,21 +24,22 @@ pub(in crate::fit) struct Coefficients {
 /// What a pass does with the residual of a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::fit) enum Step {
-    /// Nothing: the control points stay.
+    /// The control points stay: the level is only measured.
     #[default]
     Keep,
-    /// It is written in the place of the next level.
+    /// The residual is written in the place of the next level, for a transform of all of it.
     Residual,
-    /// A step of each control point.
+    /// Each control point moves by a step.
     Move(Coefficients),
 }
 
-/// The coefficients of each level.
+/// The steps of a method from level to level.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::fit) enum Relaxation {
     /// Global and weighted: the same factor at every level.
     Scale(f64),
-    /// Chebyshev: the recurrence at its first level, and how many levels have passed.
+    /// Chebyshev: the recurrence at its first level and now. A pass can be taken again with fewer
+    /// levels.
     Chebyshev {
         /// At level 0.
         first: Recurrence,
@@ -38,9 +48,10 @@ pub(in crate::fit) enum Relaxation {
         /// The level.
         level: usize,
     },
-    /// `X ← X + U Δ`.
+    /// `X ← X + U Δ`, with the transform of the equations.
     Transformed {
-        /// Direct: hardly ever is there a second step.
+        /// Direct: hardly ever is there a second step, so that the residual of the next level is
+        /// not kept.
         once: bool,
     },
 }
@@ -60,17 +71,17 @@ impl Relaxation {
         matches!(self, Self::Transformed { .. })
     }
 
-    /// Whether the residual of a level is seldom needed for another one.
+    /// Whether the fit hardly ever goes on after a step, so that no further step is prepared.
     pub(in crate::fit) fn is_done_at_once(&self) -> bool {
         matches!(self, Self::Transformed { once: true })
     }
 
-    /// Whether the last step matters.
+    /// Whether the last step matters for the next one.
     pub(in crate::fit) fn has_momentum(&self) -> bool {
         matches!(self, Self::Chebyshev { .. })
     }
 
-    /// From the current level to the next.
+    /// What leads from the current level to the next.
     pub(in crate::fit) fn step(&self) -> Step {
         match self {
             Self::Scale(gain) => Step::Move(Coefficients {
@@ -94,7 +105,8 @@ impl Relaxation {
         }
     }
 
-    /// Moves back by some levels: forward from the first, as rounding cannot be undone.
+    /// Moves back by some levels. The recurrence is repeated from level 0, as rounding cannot be
+    /// undone.
     pub(in crate::fit) fn go_back(&mut self, levels: usize) {
         if let Self::Chebyshev { first, now, level } = self {
             *now = *first;

@@ -1,4 +1,13 @@
 //! What a method is: everything that the rest of `fit` asks of one.
+//!
+//! Functions are called once for each fit, or once for each level, never for each point. In the
+//! order in which they are called:
+//!
+//! 1. `check` the settings, when nothing has been computed;
+//! 2. `check_convergence`, when the bases are known; `demand` and costs, for admission;
+//! 3. `forecast`, `transform`, `complete`, when the collocation matrix is there;
+//! 4. `start`, `update` and `relaxation`, when the iteration begins;
+//! 5. `stop`, at every level.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -66,11 +75,19 @@ pub(in crate::fit) trait Scheme: Debug {
     fn about(&self) -> &'static About;
 
     /// Refuses settings that are out of their range, or not for a fit like this.
+    ///
+    /// # Errors
+    ///
+    /// The setting that is wrong, with its value and the rule.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         Ok(())
     }
 
     /// Refuses fits that cannot converge, `ρ(I − U B) ≥ 1`, as far as that is known.
+    ///
+    /// # Errors
+    ///
+    /// The rate at which the error would grow, or what is missing for a forecast.
     fn check_convergence(&self, _setup: &Setup) -> Result<(), Invalid> {
         Ok(())
     }
@@ -111,7 +128,8 @@ pub(in crate::fit) trait Scheme: Debug {
         0
     }
 
-    /// What is known of the convergence before the first step.
+    /// What is known of the convergence before the first step. It may take as long as some
+    /// factorizations of the collocation matrix.
     fn forecast(&self, _setup: &Setup, _collocation: &Tensor) -> Forecast {
         Forecast::default()
     }
@@ -121,7 +139,8 @@ pub(in crate::fit) trait Scheme: Debug {
         Transform::Scale(1.0)
     }
 
-    /// Completes the forecast by what only the transform, or a trial, can tell.
+    /// Completes the forecast by what only the transform, or a trial, can tell. It may change the
+    /// steps that the forecast stands for.
     fn complete(&self, _equations: &mut Equations) {}
 
     /// The control points of level 0, unless they were given: those of most methods are the data.
@@ -129,10 +148,11 @@ pub(in crate::fit) trait Scheme: Debug {
         Arc::clone(equations.setup.data())
     }
 
-    /// How the plain loop moves the control points.
+    /// How the plain loop moves the control points, before the first update.
     fn update(&self, equations: &Equations) -> Box<dyn Update>;
 
-    /// How a sweep moves them, if it can.
+    /// How a sweep moves them, if it can: where the step of a control point is a multiple of its
+    /// own adjusting vector and of its last step, or a transform of all adjusting vectors together.
     fn relaxation(&self, _equations: &Equations) -> Option<Relaxation> {
         None
     }

@@ -1,10 +1,16 @@
 //! Fits that move only some control points, shared by the local and the adaptive method.
 //!
 //! Moving control point i by δ changes the residual only in the support of its basis function:
-//! `Δ ← Δ − B e_i δ`. So an update costs as much as the supports of the moved points, about
-//! `|I| (p + 1)` multiplications for each coordinate of a curve of degree p and `|I| (p + 1)²` of a
-//! surface, whatever the number of data. Where that is more than computing the whole residual anew,
-//! the whole residual is computed anew.
+//!
+//! ```text
+//! X_i ← X_i + Δ_i,   Δ ← Δ − B e_i Δ_i     for all i that move
+//! ```
+//!
+//! So an update costs as much as the supports of the moved points, about `|I| (p + 1)`
+//! multiplications for each coordinate of a curve of degree p and `|I| (p + 1)²` of a surface,
+//! whatever the number of data; and only the errors of the points that have changed are measured
+//! again. Where that is more than computing the whole residual anew, the whole residual is computed
+//! anew.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -39,11 +45,13 @@ pub(super) struct Selection<C> {
     /// Their adjusting vectors, one coordinate.
     deltas: Vec<f64>,
     matrix: Arc<TensorColumns>,
-    /// The update that last changed the residual of each point.
+    /// The number of the update that last changed the residual of each point, 0 if none has.
     stamps: Vec<u32>,
+    /// The number of the current update.
     stamp: u32,
-    /// Multiplications of computing the whole residual anew, and of an update by one point.
+    /// Multiplications of computing the whole residual anew.
     whole_cost: usize,
+    /// Multiplications of an update by one point: the size of the support of its function.
     point_cost: usize,
 }
 
@@ -96,6 +104,7 @@ impl<C: Choice> Selection<C> {
         self.note_changes(columns, &mut state.changed);
     }
 
+    /// Notes which points have changed, each once and in increasing order.
     fn note_changes(&mut self, columns: usize, changed: &mut Vec<usize>) {
         self.stamp += 1;
         let stamp = self.stamp;

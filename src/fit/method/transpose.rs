@@ -37,6 +37,7 @@ impl Scheme for Transpose {
         &ABOUT
     }
 
+    /// ρ(B Bᵀ) by power iteration in each direction.
     fn transform(&self, collocation: &Tensor, _forecast: &Forecast) -> Transform {
         Transform::Transposed {
             rho: collocation
@@ -50,6 +51,7 @@ impl Scheme for Transpose {
         Box::new(Linear::endless())
     }
 
+    /// All adjusting vectors are multiplied with Bᵀ together.
     fn relaxation(&self, _equations: &Equations) -> Option<Relaxation> {
         Some(Relaxation::Transformed { once: false })
     }

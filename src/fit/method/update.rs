@@ -1,4 +1,8 @@
 //! How the plain loop moves control points: `X ← X + U Δ`, one level at a time.
+//!
+//! An update is given X and Δ, and moves X. If it knows how Δ changes, it brings Δ up to date, too;
+//! otherwise the loop computes `Δ = P − B X` anew. It is called once for each level, and runs over
+//! all points by itself.
 
 use std::fmt::Debug;
 

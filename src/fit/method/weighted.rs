@@ -43,6 +43,7 @@ impl Scheme for Weighted {
         &ABOUT
     }
 
+    /// ω = 0 would stand still, and ω = 2 oscillate, as 1 is an eigenvalue of most matrices.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         match self.omega {
             Some(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::Omega { value }),
@@ -50,6 +51,7 @@ impl Scheme for Weighted {
         }
     }
 
+    /// The best ω is chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         match self.omega {
             Some(omega) => spectrum::check_relaxation(setup, ABOUT.name, omega),
@@ -57,6 +59,7 @@ impl Scheme for Weighted {
         }
     }
 
+    /// No other vector, but factorizations for λ_min.
     fn demand(&self) -> Demand {
         Demand {
             vectors: 0,
@@ -65,6 +68,7 @@ impl Scheme for Weighted {
         }
     }
 
+    /// The best ω takes λ_min; for a given one it is the forecast only.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let needed = eigenvalues::is_small(setup) || self.omega.is_none();
         let lambda = needed.then(|| eigenvalues::least(setup, collocation));
@@ -94,6 +98,7 @@ impl Scheme for Weighted {
         Some(Relaxation::Scale(omega))
     }
 
+    /// Ill-conditioned bases, whose slowest part of the error would hardly change.
     fn warnings(
         &self,
         forecast: &Forecast,

@@ -128,7 +128,8 @@ fn combine_all(pass: &Pass<'_>, row: usize, line: usize, range: Range<i64>, to: 
     }
 }
 
-/// A part of a line of `B_u X`, of one coordinate, compiled for several instruction sets.
+/// A part of a line of `B_u X`, of one coordinate: `y = Σ_k b_k x_k` with the entries b_k of a row
+/// of `B_u` and the lines x_k of X that it reaches. Compiled for several instruction sets.
 struct Combine<'a> {
     u: &'a Banded,
     /// The row of `B_u`.
