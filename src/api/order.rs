@@ -19,7 +19,7 @@ use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::outline::{Label, Parent};
 use crate::job::scheduler::Lane;
-use crate::job::service::Accepted;
+use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::model::stream::StreamSpec;
 

@@ -8,7 +8,7 @@ use tonic_types::{ErrorDetails, FieldViolation, StatusExt};
 
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::fields;
-use crate::job::service::Refused;
+use crate::job::service::refused::Refused;
 use crate::job::store::StoreError;
 
 /// Who says what the reason of an error means.

@@ -22,7 +22,7 @@ use crate::api::stream::feed::{Event, Feed};
 use crate::api::stream::form::Form;
 use crate::api::stream::options::{self, StreamOptions};
 use crate::api::{jobs, levels};
-use crate::job::service::Accepted;
+use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::job::{Held, Job};
 use crate::model::stream::StreamSpec;

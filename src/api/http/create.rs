@@ -28,7 +28,7 @@ use crate::api::proto;
 use crate::api::stream::form::Encoding;
 use crate::api::stream::options::{self, StreamOptions};
 use crate::job::memory::Permit;
-use crate::job::service::Accepted;
+use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 
 const IDEMPOTENCY_KEY: &str = "idempotency-key";

@@ -2,7 +2,7 @@
 
 use super::{Kind, Problem};
 use crate::job::scheduler::Broken;
-use crate::job::service::Refused;
+use crate::job::service::refused::Refused;
 use crate::job::state::Failure;
 use crate::job::store::StoreError;
 use crate::job::store::blame::MOST_CRASHES;

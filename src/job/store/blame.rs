@@ -1,9 +1,9 @@
 //! Which jobs are to blame for a crash of the process, and what becomes of those that were running.
 //!
-//! What was running in a crash is suspect. After the next start the suspects run again a few at a
-//! time, each under watch at first. A crash in the meantime is blamed on those under watch, and on
-//! jobs that have not been in a crash yet: the others are cleared of it. So the suspects are fewer
-//! after each crash, until one is left.
+//! The jobs that were running in a crash are suspects. After the next start they run again a few at a time,
+//! each under watch at first. If the process crashes meanwhile, those under watch are to blame, and jobs
+//! that have not been in a crash before; the other suspects are not. So there are fewer suspects after each
+//! crash, until one is left.
 
 use jiff::Timestamp;
 
@@ -20,7 +20,7 @@ pub const MOST_SHARED_CRASHES: u32 = 6;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Crash {
     /// Jobs that were running under watch, or for the first time.
-    close: usize,
+    likely: usize,
     /// Jobs that were running under watch.
     watched: usize,
     /// All jobs that were running.
@@ -33,7 +33,7 @@ impl Crash {
         if record.status.state == State::Running {
             self.running += 1;
             self.watched += usize::from(record.watched);
-            self.close += usize::from(record.is_close());
+            self.likely += usize::from(record.is_likely_culprit());
         }
     }
 
@@ -45,7 +45,7 @@ impl Crash {
         }
         let (blamed, share) = match self.watched {
             0 => (true, self.running),
-            _ => (record.is_close(), self.close),
+            _ => (record.is_likely_culprit(), self.likely),
         };
         let crashes = record.crashes + u32::from(blamed);
         let most = match share {
@@ -72,7 +72,7 @@ impl Crash {
 
 impl Record {
     /// Whether a crash is blamed on the job though others were running.
-    fn is_close(&self) -> bool {
+    fn is_likely_culprit(&self) -> bool {
         self.watched || self.crashes == 0
     }
 }

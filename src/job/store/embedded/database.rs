@@ -18,8 +18,8 @@ use super::idempotency::EntryMessage;
 use super::input::Input;
 use super::memory_file::MemoryFile;
 use super::opening::{self, Medium, OpenError};
+use super::panics;
 use super::points::PointsMessage;
-use super::quiet;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
@@ -59,9 +59,9 @@ impl JobDatabase {
         &self,
         read: impl FnOnce(&Self) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        quiet::catch(|| read(self)).unwrap_or_else(|panic| {
+        panics::catch(|| read(self)).unwrap_or_else(|panic| {
             error!(panic, "the database panicked while it was read");
-            let works = quiet::catch(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
+            let works = panics::catch(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
             if !works && let Err(error) = self.reopen() {
                 error!(%error, "the store could not be opened again");
             }
@@ -78,7 +78,7 @@ impl JobDatabase {
     pub(super) fn reopen(&self) -> Result<(), StoreError> {
         let mut redb = self.redb.write();
         // The lock on the file goes with the old one, and with the last of those who still read it.
-        if let Err(panic) = quiet::catch(|| drop(redb.take())) {
+        if let Err(panic) = panics::catch(|| drop(redb.take())) {
             error!(panic, "the database panicked while it was closed");
         }
         let begin = Instant::now();

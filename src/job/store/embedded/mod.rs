@@ -6,7 +6,7 @@
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: what it is asked for;
 //!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
 //! - [`disk_space`]: what is kept back for when the disk is full;
-//! - [`error`], [`quiet`]: errors and panics of the database;
+//! - [`error`], [`panics`]: errors and panics of the database;
 //! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`direction`], [`points`]; [`fields`]:
 //!   records and problems as protobuf messages.
 //!
@@ -23,8 +23,8 @@ mod idempotency;
 mod input;
 mod memory_file;
 mod opening;
+mod panics;
 mod points;
-mod quiet;
 mod recovery;
 mod status;
 mod tables;

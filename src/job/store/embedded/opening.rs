@@ -12,7 +12,7 @@ use tracing::{debug, warn};
 
 use super::super::StoreError;
 use super::memory_file::MemoryFile;
-use super::quiet;
+use super::panics;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the file that are kept in memory. Most jobs are read once.
@@ -200,7 +200,7 @@ fn version(database: &Database) -> Result<Option<u64>, redb::Error> {
 
 /// Does something with the database. Damage makes it panic at times.
 fn attempt<T>(path: &Path, work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, OpenError> {
-    quiet::catch(work)
+    panics::catch(work)
         .unwrap_or_else(|panic| {
             debug!(panic, "the database panicked while it was opened");
             let damaged = "its pages do not fit together";

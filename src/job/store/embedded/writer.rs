@@ -14,7 +14,7 @@ use super::change::{Change, Outcome};
 use super::database::JobDatabase;
 use super::disk_space::DiskSpace;
 use super::error::{closed, unwritable};
-use super::quiet;
+use super::panics;
 use super::transaction::{EndedChange, Transaction};
 use crate::job::counters::Counters;
 
@@ -218,7 +218,7 @@ impl WriterThread {
             write.commit()?;
             Ok((value, ended))
         };
-        quiet::catch(transact).unwrap_or_else(|panic| {
+        panics::catch(transact).unwrap_or_else(|panic| {
             error!(panic, "the database panicked while it was written");
             Err(unwritable())
         })

@@ -1,5 +1,5 @@
-//! Panics of the database, as damaged files bring them about: they are caught, and told by whoever
-//! catches them instead of on standard error.
+//! Panics of the database, which damaged files can cause. They are caught and become errors; nothing of
+//! them goes to standard error.
 
 use std::any::Any;
 use std::cell::Cell;
@@ -7,11 +7,11 @@ use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 
 thread_local! {
-    /// Panics on this thread are caught and told.
+    /// Panics on this thread are caught, and whoever catches them logs them.
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Does what may panic, without a word on standard error; a panic is an error with its message.
+/// Does work that may panic, without output on standard error. A panic becomes an error with its message.
 pub(super) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

@@ -1,0 +1,137 @@
+//! Creating jobs.
+
+use std::sync::Arc;
+
+use tracing::info;
+
+use super::Jobs;
+use super::refused::{Refused, check_work};
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
+use crate::job::Job;
+use crate::job::outline::{Label, Outline};
+use crate::job::peer::Peer;
+use crate::job::state::Status;
+use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
+
+/// A job that was asked for.
+#[derive(Debug)]
+pub enum Accepted {
+    /// It is new.
+    New(Arc<Job>),
+    /// It was made before, for the same key.
+    Known(Arc<Job>),
+}
+
+impl Jobs {
+    /// Accepts a job and starts it; or gives the job that was made for the same key. When it
+    /// returns, the job is kept. If its collocation matrix is that of the system `similar`, that one is used.
+    pub async fn create(
+        self: &Arc<Self>,
+        label: Label,
+        problem: Problem,
+        similar: Option<Arc<System>>,
+        key: Option<IdempotencyKey>,
+    ) -> Result<Accepted, Refused> {
+        let jobs = Arc::clone(self);
+        let problem = Arc::new(problem);
+        let peer = Peer::current();
+        // A client that goes away in the meantime must not leave half a job behind.
+        let accepted = tokio::spawn(async move {
+            loop {
+                let (label, problem) = (label.clone(), Arc::clone(&problem));
+                let (similar, key) = (similar.clone(), key.clone());
+                let accepted = Arc::clone(&jobs).accept(label, problem, similar, key, peer);
+                // The job of the key may be deleted when it is looked for.
+                if let Some(accepted) = accepted.await? {
+                    return Ok(accepted);
+                }
+            }
+        });
+        accepted.await.unwrap_or_else(|error| {
+            Err(StoreError::Failed(format!("the job could not be started: {error}")).into())
+        })
+    }
+
+    /// `None` if there was a job for the key, which is gone.
+    async fn accept(
+        self: Arc<Self>,
+        label: Label,
+        problem: Arc<Problem>,
+        similar: Option<Arc<System>>,
+        key: Option<IdempotencyKey>,
+        peer: Option<Peer>,
+    ) -> Result<Option<Accepted>, Refused> {
+        let outline = Outline::new(label, &problem);
+        self.admit(&outline)?;
+        check_work(&problem)?;
+        let place = self.places.take(peer)?;
+        let memory = self.share(&outline).take_at_once(outline.memory);
+        let record = Record {
+            outline,
+            status: match memory {
+                Some(_) => Status::running(),
+                None => Status::QUEUED,
+            },
+            crashes: 0,
+            watched: false,
+        };
+        // Alive before it is stored: whoever finds it in the store finds it alive.
+        let job = self.bring_to_life(record.clone());
+        let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
+        // The fit does not wait for the disk; the answer does. A job that has to wait for memory
+        // does so without its points, which it gets back from the store.
+        let waiting = match memory {
+            Some(memory) => {
+                let run = job.begin(problem, similar, memory);
+                tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(run), place));
+                None
+            }
+            None => Some(place),
+        };
+        let existing = inserted.await.inspect_err(|_| job.request_cancel())?;
+        if let Some(entry) = existing {
+            job.request_cancel();
+            return self.job_of(entry, key.as_ref()).await;
+        }
+        if let Some(place) = waiting {
+            tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), None, place));
+        }
+        self.resources.counters.accepted.inc();
+        info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");
+        Ok(Some(Accepted::New(job)))
+    }
+
+    /// The job that was made for a key, if there is one.
+    pub async fn find_by_key(&self, key: &IdempotencyKey) -> Result<Option<Accepted>, Refused> {
+        match self.store.idempotency_entry(&key.name).await? {
+            None => Ok(None),
+            Some(entry) => self.job_of(entry, Some(key)).await,
+        }
+    }
+
+    /// The job of the entry of a key, which must have been made by the same request.
+    async fn job_of(
+        &self,
+        entry: IdempotencyEntry,
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Option<Accepted>, Refused> {
+        if key.is_none_or(|key| key.digest != entry.digest) {
+            return Err(Refused::KeyTaken(entry.id));
+        }
+        let job = self.find(entry.id).await?;
+        Ok(job.map(Accepted::Known))
+    }
+
+    /// Refuses what can never run.
+    fn admit(&self, outline: &Outline) -> Result<(), Refused> {
+        let share = self.share(outline);
+        if !share.holds(outline.memory) {
+            return Err(Refused::TooLarge {
+                needed: outline.memory,
+                limit: share.bytes(),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,170 @@
+//! The way of a job from the queue to its end.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use jiff::Timestamp;
+use tokio::time::{sleep, timeout};
+use tracing::{error, info, warn};
+
+use super::Jobs;
+use crate::fit::iteration::Outcome;
+use crate::job::Job;
+use crate::job::frame::Frame;
+use crate::job::places::Place;
+use crate::job::run::{Ending, Run};
+use crate::job::state::{Failure, Reason, State, Status};
+use crate::job::store::StoreError;
+use crate::job::suspects::{WATCH, Watch};
+
+/// How long to wait before a result that could not be stored is stored again.
+const STORE_AGAIN: Duration = Duration::from_secs(2);
+
+/// The run of a job whose turn it is.
+struct Start {
+    run: Arc<Run>,
+    /// If the job may be to blame for a crash, its right to run under watch.
+    watch: Option<Watch>,
+}
+
+/// What the end of its run means for a job.
+fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
+    match ending {
+        Ending::Outcome(outcome) => match outcome {
+            Outcome::Converged => (State::Converged, None, None),
+            Outcome::Stationary => (State::Converged, Some(Reason::Stationary), None),
+            Outcome::Exhausted => (State::Exhausted, None, None),
+            Outcome::Stalled(stall) => (State::Stalled, Some(Reason::Stalled(stall)), None),
+            Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
+        },
+        Ending::Broken => (State::Failed, None, Some(Failure::Defect)),
+        // Only runs for readers are revoked.
+        Ending::Stopped | Ending::Revoked => (State::Cancelled, None, None),
+    }
+}
+
+impl Jobs {
+    /// Takes a job to its end: at once if it has got a run, else when it is its turn.
+    pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, place: Place) {
+        let ended = async {
+            let turn = match run {
+                Some(run) => Some(Start { run, watch: None }),
+                None => self.turn(&job).await?,
+            };
+            match turn {
+                Some(start) => {
+                    let _running = self.resources.counters.run_job();
+                    Ok(self.run(&job, start).await)
+                }
+                None => Ok((Ending::Stopped, None)),
+            }
+        };
+        let (ending, last) = ended.await.unwrap_or_else(|error: StoreError| {
+            error!(job = %job.id(), %error, "a job could not be run");
+            (Ending::Broken, None)
+        });
+        if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
+            let queued = self.store.requeue(job.id()).await;
+            if let Err(error) = queued {
+                warn!(job = %job.id(), %error, "a job could not be put back into the queue");
+            }
+            return drop(place);
+        }
+        self.end(&job, ending, last, place).await;
+    }
+
+    /// Keeps the end of a job and tells everybody.
+    async fn end(&self, job: &Job, ending: Ending, last: Option<Arc<Frame>>, place: Place) {
+        let (state, reason, failure) = verdict(ending);
+        let status = Status {
+            state,
+            finished: Some(Timestamp::now()),
+            reason,
+            failure,
+            ..job.status()
+        };
+        let result = last.map(|frame| Arc::clone(&frame.control_points));
+        let finish = || {
+            let (status, result) = (status.clone(), result.clone());
+            self.store.finish(job.id(), status, result)
+        };
+        let mut finished = finish().await;
+        info!(job = %job.id(), %state, "job ended");
+        self.resources.counters.count_end(state);
+        drop(place);
+        let _ = job.result.set(result.clone());
+        // From here on clients know of the end: a crash does not undo it any more.
+        job.status.send_replace(status.clone());
+        // Until the disk takes it the job lives in memory; after a crash it would run again.
+        while let Err(error) = finished {
+            error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
+            self.retain().await;
+            sleep(STORE_AGAIN).await;
+            finished = finish().await;
+        }
+        self.ended.notify_one();
+    }
+
+    /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
+    async fn turn(&self, job: &Job) -> Result<Option<Start>, StoreError> {
+        let permits = async {
+            let outline = job.outline();
+            let memory = self.share(outline).take(outline.memory).await?;
+            Some((memory, self.suspects.turn(job.crashes).await))
+        };
+        let permits = tokio::select! {
+            biased;
+            () = job.cancel_requested() => None,
+            permits = permits => permits,
+        };
+        let Some((memory, watch)) = permits else {
+            return Ok(None);
+        };
+        let status = Status::running();
+        // Whether a job was running in a crash must be known after it.
+        let started = self.store.start(job.id(), status.clone(), watch.is_some());
+        started.await?;
+        let problem = job.problem().await?;
+        let run = job.begin(problem, None, memory);
+        job.status.send_replace(status);
+        Ok(Some(Start { watch, run }))
+    }
+
+    /// Takes the run of a job to its end.
+    async fn run(&self, job: &Arc<Job>, start: Start) -> (Ending, Option<Arc<Frame>>) {
+        let run = &start.run;
+        if self.suspended.load(Ordering::Acquire) {
+            run.stop();
+        }
+        let end = match start.watch {
+            None => run.complete().await,
+            Some(watch) => self.complete_under_watch(job, run, watch).await,
+        };
+        // What the levels were must outlive the run.
+        job.status.send_if_modified(|status| {
+            status.levels = run.levels();
+            false
+        });
+        self.recent.keep(job, run);
+        end
+    }
+
+    /// Takes a run to its end, for its first moments under watch: a job that brings the process down soon after
+    /// its start can be told from the others by that.
+    async fn complete_under_watch(
+        &self,
+        job: &Job,
+        run: &Arc<Run>,
+        watch: Watch,
+    ) -> (Ending, Option<Arc<Frame>>) {
+        if let Ok(end) = timeout(WATCH, run.complete()).await {
+            return end;
+        }
+        if let Err(error) = self.store.end_watch(job.id()).await {
+            warn!(job = %job.id(), %error, "a job could not be cleared of suspicion");
+        }
+        drop(watch);
+        run.complete().await
+    }
+}

@@ -1,0 +1,253 @@
+//! All jobs of a server: creating, finding, listing, cancelling and deleting them.
+//!
+//! - [`creating`]: accepts jobs; [`refused`]: why not;
+//! - `lifecycle`: takes a job from the queue to its end.
+
+pub mod creating;
+mod lifecycle;
+pub mod refused;
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Weak};
+use std::time::Duration;
+
+use parking_lot::Mutex;
+use tokio::sync::Notify;
+use tokio::time::{sleep, timeout};
+use tracing::{error, info};
+use uuid::Uuid;
+
+use super::Job;
+use super::memory::Share;
+use super::outline::Outline;
+use super::places::Places;
+use super::recent::Recent;
+use super::resources::Resources;
+use super::scheduler::Lane;
+use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
+use super::suspects::Suspects;
+
+/// How often, at least, jobs are looked for that have become too old.
+const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
+
+/// How long the past may be beyond its limits.
+const RETENTION_PAUSE: Duration = Duration::from_millis(50);
+
+/// Limits of the jobs of a server.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Bytes of jobs that have just ended and are still at hand.
+    pub recent: usize,
+    /// Jobs that have not ended.
+    pub jobs: usize,
+    /// Those of them that one peer has made.
+    pub jobs_of_a_peer: usize,
+    /// What is kept of jobs that have ended.
+    pub retention: Retention,
+}
+
+/// The jobs of a server.
+pub struct Jobs {
+    store: Arc<dyn Store>,
+    resources: Arc<Resources>,
+    limits: Limits,
+    /// Jobs that were running in a crash, which run again a few at a time.
+    suspects: Suspects,
+    /// For jobs that have not ended.
+    places: Arc<Places>,
+    /// The process is about to end: jobs go back to the queue.
+    suspended: AtomicBool,
+    recent: Recent,
+    /// A job has ended.
+    ended: Arc<Notify>,
+    /// How many jobs were deleted.
+    deletions: AtomicUsize,
+    /// Jobs that somebody holds: those that run and those that are read.
+    live: Mutex<HashMap<Uuid, Weak<Job>>>,
+}
+
+impl Jobs {
+    /// No jobs but those in the store.
+    pub fn new(store: Arc<dyn Store>, resources: Arc<Resources>, limits: Limits) -> Self {
+        let cache = Arc::clone(&resources.memory.cache);
+        Self {
+            store,
+            resources,
+            limits,
+            suspects: Suspects::default(),
+            places: Places::new(limits.jobs, limits.jobs_of_a_peer),
+            suspended: AtomicBool::new(false),
+            recent: Recent::new(limits.recent, cache),
+            ended: Arc::default(),
+            deletions: AtomicUsize::new(0),
+            live: Mutex::default(),
+        }
+    }
+
+    /// What the jobs share.
+    pub fn resources(&self) -> &Resources {
+        &self.resources
+    }
+
+    /// How many jobs wait for their turn.
+    pub fn queued(&self) -> usize {
+        let running = self.resources.counters.running();
+        self.places.taken().saturating_sub(running)
+    }
+
+    /// Queues the jobs that had not ended when the process did, and keeps the past within limits
+    /// from now on.
+    pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
+        let mut unfinished = self.store.unfinished().await?;
+        // The quickest first: they come to their ends soon.
+        unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
+        let crashes = unfinished.iter().map(|record| record.crashes);
+        self.suspects.gather(crashes);
+        if !unfinished.is_empty() {
+            info!(count = unfinished.len(), "jobs go on where they were left");
+        }
+        for record in unfinished {
+            let job = self.bring_to_life(record);
+            let place = self.places.occupy();
+            tokio::spawn(Arc::clone(self).drive(job, None, place));
+        }
+        let jobs = Arc::downgrade(self);
+        let age_check = (self.limits.retention.age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK);
+        tokio::spawn(async move {
+            while let Some(jobs) = jobs.upgrade() {
+                jobs.retain().await;
+                let ended = Arc::clone(&jobs.ended);
+                drop(jobs);
+                let _ = timeout(age_check, ended.notified()).await;
+                // Many jobs may end at about the same time.
+                sleep(RETENTION_PAUSE).await;
+            }
+        });
+        Ok(())
+    }
+
+    /// Puts running jobs back into the queue, for the next start of the server.
+    pub async fn suspend(&self) {
+        self.suspended.store(true, Ordering::Release);
+        let live: Vec<_> = self
+            .live
+            .lock()
+            .values()
+            .filter_map(Weak::upgrade)
+            .collect();
+        for job in live {
+            job.suspend();
+        }
+        // Stopping takes a step, of at most a few seconds.
+        while self.places.taken() > 0 {
+            sleep(Duration::from_millis(1)).await;
+        }
+    }
+
+    /// The job of this id.
+    pub async fn find(&self, id: Uuid) -> Result<Option<Arc<Job>>, StoreError> {
+        loop {
+            if let Some(job) = self.live(id) {
+                return Ok(Some(job));
+            }
+            let deletions = self.deletions.load(Ordering::Acquire);
+            match self.store.get(id).await? {
+                None => return Ok(None),
+                Some(record) if record.status.state.is_final() => {
+                    let job = self.bring_to_life(record);
+                    if self.deletions.load(Ordering::Acquire) == deletions {
+                        return Ok(Some(job));
+                    }
+                    // It may have been deleted before it came to life.
+                    self.live.lock().remove(&id);
+                }
+                // It ended between the two look-ups: what the store has now is final.
+                Some(_) => {}
+            }
+        }
+    }
+
+    /// Jobs, the newest first.
+    pub async fn list(&self, selection: Selection) -> Result<Vec<Arc<Job>>, StoreError> {
+        let mut jobs = Vec::new();
+        for record in self.store.list(selection).await? {
+            let job = match record.status.state.is_final() {
+                true => Some(
+                    self.live(record.outline.id)
+                        .unwrap_or_else(|| self.job(record)),
+                ),
+                false => self.find(record.outline.id).await?,
+            };
+            jobs.extend(job);
+        }
+        Ok(jobs)
+    }
+
+    /// Forgets a job, and ends it first if it has not ended; says whether there was one.
+    pub async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
+        if let Some(job) = self.live(id) {
+            job.request_cancel();
+            job.ended().await;
+        }
+        let existed = self.store.remove(id).await?;
+        self.forget(&[id]);
+        Ok(existed)
+    }
+
+    /// Jobs are not in the store any more. Whoever holds them goes on with them; nobody finds them.
+    fn forget(&self, ids: &[Uuid]) {
+        self.deletions.fetch_add(1, Ordering::AcqRel);
+        for id in ids {
+            self.recent.forget(*id);
+            self.live.lock().remove(id);
+        }
+    }
+
+    fn live(&self, id: Uuid) -> Option<Arc<Job>> {
+        self.live.lock().get(&id).and_then(Weak::upgrade)
+    }
+
+    /// The one [`Job`] of a record, which all who deal with it share.
+    fn bring_to_life(&self, record: Record) -> Arc<Job> {
+        let mut live = self.live.lock();
+        let id = record.outline.id;
+        if let Some(job) = live.get(&id).and_then(Weak::upgrade) {
+            return job;
+        }
+        let job = self.job(record);
+        if live.len() == live.capacity() {
+            live.retain(|_, job| job.strong_count() > 0);
+        }
+        live.insert(id, Arc::downgrade(&job));
+        job
+    }
+
+    fn job(&self, record: Record) -> Arc<Job> {
+        let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
+        Arc::new(Job::new(record, store, resources))
+    }
+
+    /// The memory that a job takes some of.
+    fn share(&self, outline: &Outline) -> &Share {
+        let memory = &self.resources.memory;
+        match Lane::of(outline.step_cost) {
+            Lane::Quick => &memory.quick,
+            _ => &memory.heavy,
+        }
+    }
+
+    async fn retain(&self) {
+        loop {
+            match self.store.retain(self.limits.retention).await {
+                Ok(forgotten) => {
+                    self.forget(&forgotten);
+                    if forgotten.len() < FORGOTTEN_AT_ONCE {
+                        return;
+                    }
+                }
+                Err(error) => return error!(%error, "old jobs could not be removed"),
+            }
+        }
+    }
+}
