@@ -18,6 +18,7 @@ mod convex;
 mod cors;
 mod crashes;
 mod crowd;
+mod custom;
 mod damage;
 mod data;
 mod deleting;

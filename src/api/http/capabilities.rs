@@ -12,6 +12,7 @@ use crate::api::grpc::service::Service;
 use crate::api::json::numbers::MAX_DIMENSION;
 use crate::api::json::request::basis::BasisKind;
 use crate::api::json::request::method::Kind as MethodKind;
+use crate::api::json::request::schema::settings;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::api::proto::messages::fitting_service_server::FittingServiceServer;
 use crate::config::Config;
@@ -110,7 +111,7 @@ struct MethodCapability {
     #[schemars(with = "MethodKind")]
     kind: &'static str,
     /// Its settings.
-    settings: Names,
+    settings: Vec<&'static str>,
     /// Whether it fits surfaces.
     surface: bool,
     /// Whether it fits in homogeneous coordinates.
@@ -120,25 +121,13 @@ struct MethodCapability {
 impl MethodCapability {
     /// All methods.
     fn all() -> Vec<Self> {
-        let settings: [(_, Names); 10] = [
-            ("global", &[]),
-            ("weighted", &["omega"]),
-            ("local", &["indices", "row_by_row"]),
-            ("adaptive", &["threshold"]),
-            ("extended", &["start"]),
-            ("transpose", &[]),
-            ("convex", &[]),
-            ("chebyshev", &[]),
-            ("direct", &[]),
-            ("least_squares", &["control_points", "variant", "mu"]),
-        ];
-        let method = |(kind, settings)| Self {
+        let method = |&kind: &&'static str| Self {
             kind,
-            settings,
+            settings: settings(kind),
             surface: kind != "convex",
             homogeneous: kind != "convex",
         };
-        settings.map(method).into()
+        MethodKind::NAMES.iter().map(method).collect()
     }
 }
 

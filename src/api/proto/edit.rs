@@ -23,7 +23,7 @@ pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, Layout), P
     check_count(edit.weighted.len(), points, "weighted points", "weighted")?;
     let dimension = dimension(&edit)?;
     let columns = parent.surface.then_some(parent.grid.columns);
-    let mut layout = Layout::of_edit(dimension, columns);
+    let mut layout = Layout::of_edit(dimension, columns, edit.method.as_ref());
     let points = moves(&edit, dimension, &mut layout)?;
     let stream = edit.stream.map(stream::spec).transpose();
     let iteration = edit

@@ -1,6 +1,6 @@
 //! Where in a message an error is: JSON pointers of the model become paths of fields.
 
-use super::messages::{self as pb, job_input::Geometry};
+use super::messages::{self as pb, job_input::Geometry, method::Kind};
 use crate::api::problem::{FieldError, Problem};
 
 /// How the arrays of a message are laid out.
@@ -11,6 +11,8 @@ pub struct Layout {
     columns: Option<usize>,
     /// Edits: for each point that changes, its entry in `moved` and in `weighted`.
     pub(in crate::api) changes: Vec<(Option<usize>, Option<usize>)>,
+    /// The numbers of columns of the matrices of a transform.
+    transform: (usize, usize),
 }
 
 impl Layout {
@@ -25,15 +27,21 @@ impl Layout {
             dimension: dimension as usize,
             columns,
             changes: Vec::new(),
+            transform: transform(input.method.as_ref()),
         }
     }
 
     /// The layout of an edit.
-    pub(in crate::api) fn of_edit(dimension: usize, columns: Option<usize>) -> Self {
+    pub(in crate::api) fn of_edit(
+        dimension: usize,
+        columns: Option<usize>,
+        method: Option<&pb::Method>,
+    ) -> Self {
         Self {
             dimension,
             columns,
             changes: Vec::new(),
+            transform: transform(method),
         }
     }
 
@@ -62,6 +70,12 @@ impl Layout {
             ["surface", "weights", place @ ..] => format!("surface.weights{}", self.flat(place, 1)),
             [root @ ("curve" | "surface"), part, rest @ ..] => {
                 format!("{root}.{}", part_of_direction(part, rest))
+            }
+            ["method", "transform", "v", place @ ..] => {
+                entry("transform_v", place, self.transform.1)
+            }
+            ["method", "transform", "u", place @ ..] | ["method", "transform", place @ ..] => {
+                entry("transform_u", place, self.transform.0)
             }
             ["method", rest @ ..] => method(rest),
             ["stream", name, place @ ..] => format!("stream.{}{}", option(name), index(place)),
@@ -149,6 +163,28 @@ fn method(parts: &[&str]) -> String {
         ("control_points", _) => format!("method.{kind}.control_points_u"),
         (setting, place) => format!("method.{kind}.{setting}{}", index(place)),
     }
+}
+
+/// The numbers of columns of the matrices of a transform, which are square.
+fn transform(method: Option<&pb::Method>) -> (usize, usize) {
+    match method.and_then(|method| method.kind.as_ref()) {
+        Some(Kind::Custom(custom)) => {
+            let columns = |entries: &[f64]| entries.len().isqrt();
+            (columns(&custom.transform_u), columns(&custom.transform_v))
+        }
+        _ => (0, 0),
+    }
+}
+
+/// An entry of a matrix, or the first one of a row.
+fn entry(field: &str, place: &[&str], columns: usize) -> String {
+    let number = |text: &str| text.parse::<usize>().unwrap_or(0);
+    let place = match place {
+        [] => String::new(),
+        [row] => format!("[{}]", number(row) * columns),
+        [row, column, ..] => format!("[{}]", number(row) * columns + number(column)),
+    };
+    format!("method.custom.{field}{place}")
 }
 
 /// The place in an array.

@@ -28,7 +28,7 @@ pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
             Some(v) => Geometry::Surface(surface(request, v)),
         }),
         rational: rational(request).into(),
-        method: Some(method::message(&request.method, indices, None)),
+        method: Some(method::asked(&request.method, indices)),
         stop: Some(pb::StopRules {
             rule: Some(match request.tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),

@@ -6,11 +6,11 @@ use super::names::{count, known, some};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::{Count, Number};
 use crate::api::json::request::method::{
-    Index, Kind as MethodKind, MethodRequest, Omega, StartRequest, VariantRequest,
+    Index, Kind as MethodKind, Matrix, MethodRequest, Omega, StartRequest, VariantRequest,
 };
 use crate::api::problem::Problem;
 use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
 use crate::fit::system::Forecast;
 
@@ -62,6 +62,10 @@ pub(in crate::api) fn request(
         Kind::LeastSquares(settings) => {
             least_squares_request(settings, MethodRequest::of(MethodKind::LeastSquares))?
         }
+        Kind::Custom(custom) => MethodRequest {
+            transform: Some(transform(&custom)?),
+            ..MethodRequest::of(MethodKind::Custom)
+        },
     };
     Ok(Some(request))
 }
@@ -91,6 +95,45 @@ fn least_squares_request(
     })
 }
 
+/// The matrices of a transform.
+fn transform(custom: &pb::method::Custom) -> Result<PerDirection<Matrix>, Problem> {
+    let u = matrix(&custom.transform_u, "method.custom.transform_u")?;
+    if custom.transform_v.is_empty() {
+        return Ok(PerDirection::Both(u));
+    }
+    let v = matrix(&custom.transform_v, "method.custom.transform_v")?;
+    Ok(PerDirection::Each { u, v })
+}
+
+/// The rows of a square matrix.
+fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Problem> {
+    let count = entries.len();
+    check_count(count, LARGEST * LARGEST, "entries", field)?;
+    let rows = count.isqrt();
+    if rows * rows != count || count == 0 {
+        let detail = format!("{count} entries are no square matrix");
+        return Err(Problem::at_field(field, detail));
+    }
+    let rows = entries.chunks_exact(rows).map(<[f64]>::to_vec);
+    Ok(Matrix(rows.collect()))
+}
+
+/// The method as it was asked for.
+pub fn asked(method: &Method, indices: Vec<u32>) -> pb::Method {
+    match method {
+        Method::Custom(custom) => {
+            let custom = pb::method::Custom {
+                transform_u: custom.u().concat(),
+                transform_v: custom.v().map(<[Vec<f64>]>::concat).unwrap_or_default(),
+            };
+            pb::Method {
+                kind: Some(Kind::Custom(custom)),
+            }
+        }
+        method => message(method, indices, None),
+    }
+}
+
 /// The method with its settings, and the ω that was computed for it.
 pub fn message(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
     use pb::method as m;
@@ -116,8 +159,7 @@ pub fn message(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),
         Method::LeastSquares(settings) => Kind::LeastSquares(least_squares(settings)),
-        // The contract has no message for it yet.
-        Method::Custom(_) => return pb::Method { kind: None },
+        Method::Custom(_) => Kind::Custom(m::Custom::default()),
     };
     pb::Method { kind: Some(kind) }
 }

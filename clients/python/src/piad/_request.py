@@ -24,6 +24,7 @@ MethodKind = Literal[
     "chebyshev",
     "direct",
     "least_squares",
+    "custom",
 ]
 Method = Union[MethodKind, Mapping[str, Any]]
 """The kind of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""

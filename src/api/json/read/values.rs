@@ -210,7 +210,15 @@ macro_rules! names {
     ($type:ty, $what:literal, [$($name:literal => $variant:ident),+ $(,)?]) => {
         impl $type {
             /// How clients write them.
-            pub(in crate::api) const NAMES: &[&str] = &[$($name),+];
+            pub(in crate::api) const NAMES: &[&'static str] = &[$($name),+];
+
+            /// How clients write it.
+            #[allow(dead_code, reason = "not all enumerations are written")]
+            pub(in crate::api) fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)+
+                }
+            }
         }
 
         impl $crate::api::json::read::Reader for $crate::api::json::read::Of<$type> {

@@ -155,6 +155,7 @@ impl EditRequest {
             columns: request.grid.columns,
             moved: Vec::with_capacity(moved.len()),
             control_points_each: false,
+            transform_each: false,
         };
         let mut seen = HashSet::with_capacity(moved.len());
         let mut placed = HashSet::new();
@@ -183,6 +184,7 @@ impl EditRequest {
         request.missing.retain(|index| !placed.contains(index));
         if let Some(method) = self.method {
             places.control_points_each = method.has_control_points_each();
+            places.transform_each = method.has_transform_each();
             let method = method.method(request.grid, request.v.is_some());
             if let Some((method, selected)) = mistakes.keep(method) {
                 (request.method, request.selected) = (method, selected);
@@ -359,6 +361,7 @@ struct EditPlaces {
     /// The points that are moved, in the order of the edit.
     moved: Vec<usize>,
     control_points_each: bool,
+    transform_each: bool,
 }
 
 impl EditPlaces {
@@ -376,9 +379,9 @@ impl EditPlaces {
             Place::Weights | Place::AxisWeights(_) | Place::AxisWeight(..) => "/weights".to_owned(),
             Place::Method => "/method".to_owned(),
             Place::Setting(setting) => format!("/method/{}", setting.name()),
-            Place::Transform(_) => "/method/transform".to_owned(),
-            Place::TransformRow(_, row) => format!("/method/transform/{row}"),
-            Place::TransformEntry(_, row, column) => format!("/method/transform/{row}/{column}"),
+            place @ (Place::Transform(_) | Place::TransformRow(..) | Place::TransformEntry(..)) => {
+                super::places::transform(place, self.transform_each)
+            }
             Place::Index(index) => format!("/method/indices/{index}"),
             Place::ControlPoints(axis) => format!(
                 "/method/control_points{}",

@@ -94,6 +94,7 @@ impl JobRequest {
             None => Some((Method::Global, None)),
             Some(method) => {
                 shape.places.control_points_each = method.has_control_points_each();
+                shape.places.transform_each = method.has_transform_each();
                 mistakes.keep(method.method(shape.grid, shape.v.is_some()))
             }
         };

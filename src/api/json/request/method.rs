@@ -13,7 +13,7 @@ use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading, n
 use crate::api::problem::Problem;
 use crate::api::short::quoted;
 use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
 use crate::fit::points::Grid;
 
@@ -45,6 +45,9 @@ pub(in crate::api) struct MethodRequest {
     /// The length of the step; without one 1 / (largest column sum).
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) mu: Option<Number>,
+    /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
+    #[schemars(with = "Option<PerDirection<Matrix>>")]
+    pub(in crate::api) transform: Option<PerDirection<Matrix>>,
 }
 
 /// A kind of method.
@@ -62,6 +65,7 @@ pub(in crate::api) enum Kind {
     Chebyshev,
     Direct,
     LeastSquares,
+    Custom,
 }
 
 /// What iteration 0 of the extended method is: the transformed data, or the data themselves.
@@ -97,6 +101,7 @@ object!(
         control_points,
         variant,
         mu,
+        transform,
     ],
     of_name: |name, at| Kind::reader().text(name, at).map(MethodRequest::of)
 );
@@ -111,6 +116,7 @@ names!(Kind, "kind of method", [
     "chebyshev" => Chebyshev,
     "direct" => Direct,
     "least_squares" => LeastSquares,
+    "custom" => Custom,
 ]);
 names!(StartRequest, "start of the method extended", [
     "transformed" => Transformed,
@@ -138,12 +144,18 @@ impl MethodRequest {
             control_points: None,
             variant: None,
             mu: None,
+            transform: None,
         }
     }
 
     /// Whether the two directions have numbers of control points of their own.
     pub(super) fn has_control_points_each(&self) -> bool {
         self.control_points.is_some_and(|count| count.is_each())
+    }
+
+    /// Whether the two directions have transforms of their own.
+    pub(super) fn has_transform_each(&self) -> bool {
+        self.transform.as_ref().is_some_and(PerDirection::is_each)
     }
 
     /// The method for data points arranged in `grid`, and the points that it selects.
@@ -179,47 +191,40 @@ impl MethodRequest {
             Kind::Chebyshev => Method::Chebyshev,
             Kind::Direct => Method::Direct,
             Kind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
+            Kind::Custom => Method::Custom(match self.transform {
+                Some(PerDirection::Both(Matrix(u))) => Custom::new(u, None),
+                Some(PerDirection::Each { u, v }) => Custom::new(u.0, Some(v.0)),
+                None => {
+                    let detail = "custom needs a transform: the rows of a matrix, on surfaces also {\"u\": …, \"v\": …}";
+                    return Err(invalid("/method", detail));
+                }
+            }),
         };
         Ok((method, selected))
     }
 
     /// Refuses settings of other methods.
     pub(super) fn check_settings(&self) -> Result<(), Problem> {
-        let settings = [
-            ("omega", self.omega.is_some(), Kind::Weighted, "weighted"),
-            ("indices", self.indices.is_some(), Kind::Local, "local"),
-            (
-                "row_by_row",
-                self.row_by_row.is_some(),
-                Kind::Local,
-                "local",
-            ),
-            (
-                "threshold",
-                self.threshold.is_some(),
-                Kind::Adaptive,
-                "adaptive",
-            ),
-            ("start", self.start.is_some(), Kind::Extended, "extended"),
-            (
-                "control_points",
-                self.control_points.is_some(),
-                Kind::LeastSquares,
-                "least_squares",
-            ),
-            (
-                "variant",
-                self.variant.is_some(),
-                Kind::LeastSquares,
-                "least_squares",
-            ),
-            ("mu", self.mu.is_some(), Kind::LeastSquares, "least_squares"),
+        let given = [
+            ("omega", self.omega.is_some()),
+            ("indices", self.indices.is_some()),
+            ("row_by_row", self.row_by_row.is_some()),
+            ("threshold", self.threshold.is_some()),
+            ("start", self.start.is_some()),
+            ("control_points", self.control_points.is_some()),
+            ("variant", self.variant.is_some()),
+            ("mu", self.mu.is_some()),
+            ("transform", self.transform.is_some()),
         ];
-        let of_others = settings
+        let own = schema::settings(self.kind.name());
+        let of_others = given
             .into_iter()
-            .filter(|&(_, given, kind, _)| given && kind != self.kind);
+            .filter(|(name, given)| *given && !own.contains(name));
         let mut wrong: Vec<Problem> = of_others
-            .map(|(name, _, _, method)| {
+            .map(|(name, _)| {
+                let mut kinds = Kind::NAMES.iter();
+                let method = kinds.find(|kind| schema::settings(kind).contains(&name));
+                let method = method.unwrap_or(&"");
                 let detail = format!("{name} is a setting of the method {method:?}");
                 invalid(&format!("/method/{name}"), detail)
             })
@@ -299,6 +304,62 @@ impl Reader for Of<Omega> {
         }
         at.mismatch(&self.expected(), &quoted(value));
         None
+    }
+}
+
+/// The rows of a matrix.
+#[derive(Clone, Debug)]
+pub(in crate::api) struct Matrix(pub(in crate::api) Vec<Vec<f64>>);
+
+impl Reader for Of<Matrix> {
+    type Value = Matrix;
+
+    fn expected(&self) -> String {
+        "a matrix, [[a, b], [c, d]]".to_owned()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Matrix>, A::Error> {
+        let mut rows = Vec::new();
+        let most = Most::of(LARGEST, "rows");
+        let whole = at.elements(
+            list,
+            most,
+            || RowReader,
+            |row, _| {
+                rows.push(row);
+                Some(())
+            },
+        )?;
+        Ok(whole.then_some(Matrix(rows)))
+    }
+}
+
+/// Reads a row of a matrix.
+struct RowReader;
+
+impl Reader for RowReader {
+    type Value = Vec<f64>;
+
+    fn expected(&self) -> String {
+        "a row of numbers".to_owned()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Vec<f64>>, A::Error> {
+        let mut row = Vec::new();
+        let most = Most::of(LARGEST, "entries");
+        let whole = at.elements(list, most, Number::reader, |Number(entry), _| {
+            row.push(entry);
+            Some(())
+        })?;
+        Ok(whole.then_some(row))
     }
 }
 

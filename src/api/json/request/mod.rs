@@ -14,7 +14,7 @@ pub mod job;
 pub mod method;
 pub mod mistakes;
 pub mod places;
-mod schema;
+pub(in crate::api) mod schema;
 pub mod shape;
 pub mod stop;
 pub mod weights;

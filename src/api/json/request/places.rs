@@ -14,6 +14,7 @@ pub(in crate::api) struct Places {
     pub(super) closed_each: bool,
     pub(super) weights_each: bool,
     pub(super) control_points_each: bool,
+    pub(super) transform_each: bool,
 }
 
 impl Places {
@@ -85,9 +86,9 @@ impl Places {
             Place::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
             Place::Method => "/method".to_owned(),
             Place::Setting(setting) => format!("/method/{}", setting.name()),
-            Place::Transform(_) => "/method/transform".to_owned(),
-            Place::TransformRow(_, row) => format!("/method/transform/{row}"),
-            Place::TransformEntry(_, row, column) => format!("/method/transform/{row}/{column}"),
+            Place::Transform(_) | Place::TransformRow(..) | Place::TransformEntry(..) => {
+                transform(place, self.transform_each)
+            }
             Place::Index(index) => format!("/method/indices/{index}"),
             Place::ControlPoints(axis) => format!(
                 "/method/control_points{}",
@@ -96,6 +97,17 @@ impl Places {
             Place::Tolerance => "/stop/tolerance".to_owned(),
             Place::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
         }
+    }
+}
+
+/// A matrix, or a part of it; everything else is the method.
+pub(super) fn transform(place: Place, each: bool) -> String {
+    let matrix = |axis| format!("/method/transform{}", direction(each, axis));
+    match place {
+        Place::Transform(axis) => matrix(axis),
+        Place::TransformRow(axis, row) => format!("{}/{row}", matrix(axis)),
+        Place::TransformEntry(axis, row, column) => format!("{}/{row}/{column}", matrix(axis)),
+        _ => "/method".to_owned(),
     }
 }
 

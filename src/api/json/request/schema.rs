@@ -5,12 +5,13 @@ use serde_json::{Value, json};
 
 use super::basis::{BasisKind, KnotRule, ParameterRule};
 use super::edit::IterationRequest;
-use super::method::{Index, Kind, Omega};
+use super::method::{Index, Kind, Matrix, Omega};
 use crate::api::json::per_direction::Pair;
 use crate::api::json::read::values::Count;
 use crate::api::json::schema::alternatives::{Alternative, Constant, or_name, split};
 use crate::api::json::schema::schema_of;
 use crate::fit::basis::MAX_DEGREE;
+use crate::fit::method::LARGEST;
 
 /// How data points get their parameters.
 pub(super) enum Parameters {}
@@ -101,6 +102,24 @@ schema_of!(
     })
 );
 
+schema_of!(
+    Matrix,
+    "Matrix",
+    json_schema!({
+        "description": "The rows of a square matrix, with a row and a column for each control point of the direction.",
+        "type": "array",
+        "items": {
+            "type": "array",
+            "items": {"type": "number"},
+            "minItems": 2,
+            "maxItems": LARGEST,
+        },
+        "minItems": 2,
+        "maxItems": LARGEST,
+        "examples": [[[1, 0], [0, 1]]],
+    })
+);
+
 /// The number of control points of a least-squares fit.
 pub(super) enum ControlPoints {}
 
@@ -180,7 +199,21 @@ pub(super) fn method(schema: &mut Schema) {
     or_name(schema, names.copied().collect());
 }
 
-const METHODS: [Alternative; 12] = [
+/// The settings of a method.
+pub(in crate::api) fn settings(kind: &str) -> Vec<&'static str> {
+    let mut settings = Vec::new();
+    for method in METHODS.iter().filter(|method| method.kind() == Some(kind)) {
+        let fixed = method.is.iter().map(|(name, _)| name);
+        for name in method.needs.iter().chain(method.takes).chain(fixed) {
+            if *name != "kind" && !settings.contains(name) {
+                settings.push(*name);
+            }
+        }
+    }
+    settings
+}
+
+const METHODS: [Alternative; 13] = [
     Alternative {
         title: "Global",
         description: "Classical progressive iterative approximation.",
@@ -269,6 +302,13 @@ const METHODS: [Alternative; 12] = [
             ("variant", Constant::Name("lspia")),
         ],
         needs: &["control_points", "mu"],
+        takes: &[],
+    },
+    Alternative {
+        title: "Custom",
+        description: "Any transform, given as a matrix.",
+        is: &[("kind", Constant::Name("custom"))],
+        needs: &["transform"],
         takes: &[],
     },
 ];

@@ -157,6 +157,7 @@ impl SurfaceRequest {
             closed_each: self.closed.is_some_and(|closed| closed.is_each()),
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
             control_points_each: false,
+            transform_each: false,
         };
         let weights = surface_weights(self.weights, rational, grid, "/surface/weights");
         let weights = mistakes.keep(weights);
