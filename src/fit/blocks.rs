@@ -11,15 +11,15 @@ use std::ops::Range;
 use super::points::Grid;
 
 /// The most points of a block: 8 KiB for each coordinate.
-pub const BLOCK: usize = 1024;
+pub(super) const BLOCK: usize = 1024;
 
 /// The number of lanes, sums that are kept side by side: the longest vectors of today's processors.
-pub const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// The division of a grid into blocks: several whole lines, or equal parts of one line. (A curve is
 /// a grid of lines with one point each.)
 #[derive(Clone, Copy, Debug)]
-pub struct Blocks {
+pub(super) struct Blocks {
     grid: Grid,
     /// The number of whole lines in a block, or one if a line has several blocks.
     lines: usize,
@@ -29,7 +29,7 @@ pub struct Blocks {
 
 impl Blocks {
     /// The blocks of a grid.
-    pub fn new(grid: Grid) -> Self {
+    pub(super) fn new(grid: Grid) -> Self {
         Self {
             grid,
             lines: (BLOCK / grid.columns.max(1)).max(1),
@@ -38,23 +38,23 @@ impl Blocks {
     }
 
     /// How many there are.
-    pub fn count(self) -> usize {
+    pub(super) fn count(self) -> usize {
         self.grid.rows.div_ceil(self.lines) * self.parts
     }
 
     /// How many whole lines are how many whole blocks: (lines, blocks), one of which is 1.
-    pub fn unit(self) -> (usize, usize) {
+    pub(super) fn unit(self) -> (usize, usize) {
         (self.lines, self.parts)
     }
 
     /// The block of a point.
-    pub fn of(self, point: usize) -> usize {
+    pub(super) fn of(self, point: usize) -> usize {
         let (line, column) = (point / self.grid.columns, point % self.grid.columns);
         line / self.lines * self.parts + column / BLOCK
     }
 
     /// The points of a block.
-    pub fn points(self, index: usize) -> Range<usize> {
+    pub(super) fn points(self, index: usize) -> Range<usize> {
         let Grid { rows, columns } = self.grid;
         let line = index / self.parts * self.lines;
         let end = (line + self.lines).min(rows) * columns;
@@ -74,7 +74,7 @@ impl Blocks {
 
 /// The norms of the points of a block, by the squares of their scaled distances.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Block {
+pub(super) struct Block {
     /// The largest square.
     pub max: f64,
     /// The first point with it.
@@ -93,7 +93,7 @@ pub struct Block {
 
 /// The squares of a block, summed up in lanes: number k of a block goes to lane k mod [`LANES`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
+pub(super) struct Sums {
     /// The largest square.
     pub max: [f64; LANES],
     /// The sum of the squares.
@@ -104,13 +104,13 @@ pub struct Sums {
 
 impl Sums {
     /// The sums of all squares of a block.
-    pub fn of(squares: &[f64]) -> Self {
+    pub(super) fn of(squares: &[f64]) -> Self {
         pulp::Arch::new().dispatch(AddUp(squares))
     }
 
     /// Adds a square to its lane.
     #[inline(always)]
-    pub fn add(&mut self, lane: usize, square: f64) {
+    pub(super) fn add(&mut self, lane: usize, square: f64) {
         self.max[lane] = larger(square, self.max[lane]);
         self.squares[lane] += square;
         self.roots[lane] += square.sqrt();
@@ -145,18 +145,18 @@ impl pulp::NullaryFnOnce for AddUp<'_> {
 /// Room for the squares of a block, from the start of a cache line on.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Squares([f64; BLOCK]);
+pub(super) struct Squares([f64; BLOCK]);
 
 impl Squares {
     /// All zero.
     #[inline(always)]
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self([0.0; BLOCK])
     }
 
     /// The first `count` of them.
     #[inline(always)]
-    pub fn first(&mut self, count: usize) -> &mut [f64] {
+    pub(super) fn first(&mut self, count: usize) -> &mut [f64] {
         &mut self.0[..count]
     }
 }
@@ -175,12 +175,12 @@ fn larger(square: f64, max: f64) -> f64 {
 
 impl Block {
     /// The norms of consecutive points from `start` on, by their squares.
-    pub fn of(start: usize, squares: &[f64]) -> Self {
+    pub(super) fn of(start: usize, squares: &[f64]) -> Self {
         Self::new(start, squares, &Sums::of(squares))
     }
 
     /// The same, if the squares have been summed up.
-    pub fn new(start: usize, squares: &[f64], sums: &Sums) -> Self {
+    pub(super) fn new(start: usize, squares: &[f64], sums: &Sums) -> Self {
         let max = sums.max.into_iter().fold(0.0, f64::max);
         let mut block = Self {
             max,
@@ -195,7 +195,7 @@ impl Block {
     }
 
     /// The norms of consecutive blocks together.
-    pub fn total(blocks: &[Self]) -> Self {
+    pub(super) fn total(blocks: &[Self]) -> Self {
         let mut total = Self::default();
         for block in blocks {
             if block.max > total.max {

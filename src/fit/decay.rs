@@ -26,7 +26,7 @@ const HORIZON: f64 = 8.0;
 
 /// The errors of the levels so far.
 #[derive(Clone, Debug)]
-pub struct Decay {
+pub(super) struct Decay {
     /// Logarithms of the errors of every `stride`-th level.
     logs: Vec<f64>,
     /// A power of two.
@@ -44,7 +44,7 @@ impl Default for Decay {
 
 impl Decay {
     /// Notes the error of a level, in any unit. Levels come one after the other, from 0 on.
-    pub fn record(&mut self, level: usize, error: f64) {
+    pub(super) fn record(&mut self, level: usize, error: f64) {
         if !level.is_multiple_of(self.stride) {
             return;
         }
@@ -71,7 +71,7 @@ impl Decay {
     /// The level at which the error will be within the tolerance, if the errors so far say it. Both
     /// are in the same unit. In the long run each level reduces the error at least by the factor
     /// `slowest`, if that is known.
-    pub fn end(
+    pub(super) fn end(
         &self,
         level: usize,
         error: f64,

@@ -9,7 +9,7 @@ const LANES: usize = 8;
 /// The least and the largest of some numbers. An empty array has the extent from infinity to minus
 /// infinity. NaN is ignored, but for [`is_finite`](Self::is_finite).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
+pub(super) struct Extent {
     /// The least.
     pub low: f64,
     /// The largest.
@@ -20,12 +20,12 @@ pub struct Extent {
 
 impl Extent {
     /// The extent of all values.
-    pub fn of(values: &[f64]) -> Self {
+    pub(super) fn of(values: &[f64]) -> Self {
         pulp::Arch::new().dispatch(Look(values))
     }
 
     /// The difference of the largest and the least number, or 0 for an empty array.
-    pub fn length(&self) -> f64 {
+    pub(super) fn length(&self) -> f64 {
         if self.low <= self.high {
             self.high - self.low
         } else {

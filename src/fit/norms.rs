@@ -53,7 +53,7 @@ impl FitError {
 
 /// Measures residuals, and remembers the norms of every block.
 #[derive(Debug)]
-pub struct Norms {
+pub(super) struct Norms {
     /// A power of two that brings the data to the order of one, so that squares of distances
     /// neither over- nor underflow.
     scale: f64,
@@ -72,7 +72,7 @@ pub struct Norms {
 
 impl Norms {
     /// Of the data of a fit; `counted` says which points count.
-    pub fn new(setup: &Setup, counted: Option<Vec<bool>>) -> Self {
+    pub(super) fn new(setup: &Setup, counted: Option<Vec<bool>>) -> Self {
         let (data, homogeneous) = (setup.data(), setup.is_homogeneous());
         let count = counted.as_ref().map_or(data.len(), |counted| {
             counted.iter().filter(|counted| **counted).count()
@@ -99,7 +99,7 @@ impl Norms {
     }
 
     /// Measures all points, in O(n d).
-    pub fn measure(&mut self, data: &Points, residual: &Points) -> FitError {
+    pub(super) fn measure(&mut self, data: &Points, residual: &Points) -> FitError {
         for index in 0..self.blocks.len() {
             self.blocks[index] = self.block(index, data, residual);
         }
@@ -108,7 +108,7 @@ impl Norms {
 
     /// Measures again, after the residual of the points `changed` (increasing indices) has changed:
     /// only their blocks.
-    pub fn measure_again(
+    pub(super) fn measure_again(
         &mut self,
         data: &Points,
         residual: &Points,
@@ -126,7 +126,7 @@ impl Norms {
 
     /// The Euclidean length of the residual, up to a factor: what least-squares fits minimize. In
     /// homogeneous fits it is that of homogeneous coordinates, rather than of distances of points.
-    pub fn residual_length(&self) -> f64 {
+    pub(super) fn residual_length(&self) -> f64 {
         let squares = |block: &Block| match self.homogeneous {
             true => block.homogeneous_squares,
             false => block.squares,
@@ -135,7 +135,7 @@ impl Norms {
     }
 
     /// The distance of the curve from data point `index`, in data units.
-    pub fn distance(&self, data: &Points, residual: &Points, index: usize) -> f64 {
+    pub(super) fn distance(&self, data: &Points, residual: &Points, index: usize) -> f64 {
         let mut square = [0.0];
         self.squares(index, data, residual, &mut square);
         square[0].sqrt() / self.scale
@@ -154,7 +154,7 @@ impl Norms {
     }
 
     /// The error of a fit of which all points count, from all its blocks taken together.
-    pub fn error_of(&self, total: &Block) -> FitError {
+    pub(super) fn error_of(&self, total: &Block) -> FitError {
         FitError {
             max: self.length(total.max),
             at: total.at,
@@ -167,7 +167,7 @@ impl Norms {
     }
 
     /// The power of two that residuals are multiplied with before they are squared.
-    pub fn scale(&self) -> f64 {
+    pub(super) fn scale(&self) -> f64 {
         self.scale
     }
 

@@ -11,23 +11,23 @@ const CHUNK: usize = 1 << 16;
 
 /// Whether each number is less than the one after it. If so, two or more numbers have no NaN among
 /// them.
-pub fn increases(values: &[f64]) -> bool {
+pub(super) fn increases(values: &[f64]) -> bool {
     values.len() < 2 || all_less(&values[..values.len() - 1], &values[1..])
 }
 
 /// Whether each number is at most the one after it. If so, two or more numbers have no NaN among
 /// them.
-pub fn never_decreases(values: &[f64]) -> bool {
+pub(super) fn never_decreases(values: &[f64]) -> bool {
     values.len() < 2 || all(&values[..values.len() - 1], &values[1..], |a, b| a <= b)
 }
 
 /// Whether each number is less than the other one at its place, as far as both arrays reach.
-pub fn all_less(these: &[f64], others: &[f64]) -> bool {
+pub(super) fn all_less(these: &[f64], others: &[f64]) -> bool {
     all(these, others, |a, b| a < b)
 }
 
 /// Whether all numbers are zero. It stops at the first chunk that has another one.
-pub fn is_zero(values: &[f64]) -> bool {
+pub(super) fn is_zero(values: &[f64]) -> bool {
     /// The numbers of a chunk.
     const LOOK: usize = 256;
     let mut looks = values.chunks(LOOK);

@@ -279,7 +279,7 @@ fn explicit(
 /// # Errors
 ///
 /// [`Invalid::ParameterRange`] if neighbours fall together by rounding, or the range overflows.
-pub fn rescale(t: &mut [f64], low: f64, high: f64, axis: Axis) -> Result<(), Invalid> {
+pub(super) fn rescale(t: &mut [f64], low: f64, high: f64, axis: Axis) -> Result<(), Invalid> {
     let (Some(&first), Some(&last)) = (t.first(), t.last()) else {
         return Ok(());
     };

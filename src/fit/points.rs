@@ -123,7 +123,7 @@ impl Points {
     }
 
     /// The extent of each coordinate.
-    pub fn extents(&self) -> Vec<Extent> {
+    pub(super) fn extents(&self) -> Vec<Extent> {
         let lanes = self.lanes.iter().map(|lane| &lane[..]);
         if self.len() < PARALLEL {
             lanes.map(Extent::of).collect()
@@ -195,12 +195,12 @@ impl pulp::NullaryFnOnce for Squares<'_> {
 
 /// The diagonal of the box with these extents, in data units; infinite if it exceeds the range of
 /// numbers.
-pub fn diagonal(extents: &[Extent]) -> f64 {
+pub(super) fn diagonal(extents: &[Extent]) -> f64 {
     norm(extents.iter().map(|extent| extent.length()))
 }
 
 /// The largest absolute value within these extents.
-pub fn magnitude(extents: &[Extent]) -> f64 {
+pub(super) fn magnitude(extents: &[Extent]) -> f64 {
     let filled = extents.iter().filter(|extent| extent.low <= extent.high);
     let ends = filled.flat_map(|extent| [extent.low, extent.high]);
     ends.fold(0.0, |largest, end| end.abs().max(largest))

@@ -203,7 +203,7 @@ fn alternating(i: usize) -> f64 {
 
 /// ρ(B Bᵀ), the square of the largest singular value of the matrix of one direction, by power
 /// iteration on `Bᵀ B`.
-pub fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
+pub(super) fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
     let (rows, columns) = (matrix.rows(), matrix.columns());
     // A constant vector is near the largest one; the ripple has a part of every other.
     let mut x: Vec<f64> = (0..columns).map(|i| 1.0 + 0.1 * (i as f64).sin()).collect();
@@ -233,7 +233,7 @@ pub fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
 /// ```
 ///
 /// With λ = a it is `(1 − √a)/(1 + √a)` (Golub, Varga 1961).
-pub fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
+pub(super) fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
     // Both times (1 − a), so that a = 1 is no exception: 1 − λ, the rate of classical PIA.
     let grown = |lambda: f64| {
         let excess = a - lambda;

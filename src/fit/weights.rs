@@ -20,7 +20,7 @@ const SEPARABLE: f64 = 1e-12;
 ///
 /// The number of weights is not n, one of them is not finite and positive, or products with
 /// coordinates overflow or lose digits.
-pub fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
+pub(super) fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> {
     check(weights, points.len())?;
     let mut lanes = Vec::with_capacity(points.dimension() + 1);
     for coordinates in points.lanes() {
@@ -62,7 +62,7 @@ fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Resul
 ///
 /// As with [`lift`], and [`Invalid::NotSeparable`] if the weights are not such products to 12
 /// digits.
-pub fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64>), Invalid> {
+pub(super) fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64>), Invalid> {
     check(weights, grid.count())?;
     let first = weights[0];
     let rows: Vec<f64> = weights.iter().step_by(grid.columns).copied().collect();

@@ -34,7 +34,7 @@ pub(super) const WANG_BALL: About = About {
 ///
 /// The basis is normalized totally positive, so that PIA converges, more slowly than with Bernstein
 /// polynomials. It takes O(m); values below 1e-308 become zero.
-pub fn said_ball(degree: usize, t: f64, values: &mut [f64]) {
+pub(crate) fn said_ball(degree: usize, t: f64, values: &mut [f64]) {
     let half = degree / 2;
     let left = degree.div_ceil(2);
     let s = 1.0 - t;
@@ -68,7 +68,7 @@ pub fn said_ball(degree: usize, t: f64, values: &mut [f64]) {
 /// Degree 4: `(1−t)², 2t(1−t)³, 4t²(1−t)², 2t³(1−t), t²`. It is not totally positive from degree 4
 /// on: classical PIA is slow with uniform parameters and may diverge with others, and the extended
 /// method always works. It takes O(m); values below 1e-308 become zero.
-pub fn wang_ball(degree: usize, t: f64, values: &mut [f64]) {
+pub(crate) fn wang_ball(degree: usize, t: f64, values: &mut [f64]) {
     let half = degree / 2;
     let s = 1.0 - t;
     let mut product = 1.0;

@@ -32,7 +32,7 @@ pub(super) const ABOUT: About = About {
 /// which falls on both sides. Then all are divided by their sum, because Bernstein polynomials sum
 /// to one. The relative error of a value is a few rounding errors times the number of steps from
 /// the largest one; values below 1e-308 become zero.
-pub fn evaluate(degree: usize, t: f64, values: &mut [f64]) {
+pub(crate) fn evaluate(degree: usize, t: f64, values: &mut [f64]) {
     let m = degree as f64;
     let s = 1.0 - t;
     let peak = (((m + 1.0) * t) as usize).min(degree);

@@ -24,7 +24,7 @@ pub(super) const ABOUT: About = About {
 
 /// The knot span that holds `t`: `knots[span] ≤ t < knots[span + 1]`, at the right end of the
 /// domain the last span that is not empty (PT97, algorithm A2.1). Bisection, O(log n).
-pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
+pub(crate) fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
     let last = knots.len() - degree - 2;
     let inside = &knots[degree + 1..=last];
     // Interior knots only: what lies beyond the ends falls into the first or last span.
@@ -40,7 +40,7 @@ pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
 ///
 /// The weights of the recurrence are formed as quotients of differences, so that knots of any
 /// magnitude are treated alike.
-pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
+pub(crate) fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
     values[0] = 1.0;
     for r in 1..=degree {
         let mut carried = 0.0;
@@ -57,13 +57,13 @@ pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut 
 }
 
 /// The most parameters of a run: 2 KiB for each function, which stay in the nearest cache.
-pub const BLOCK: usize = 256;
+pub(in crate::fit) const BLOCK: usize = 256;
 
 /// Writes the values at each `t_i` of the p + 1 B-splines that differ from zero on span
 /// `degree + i` of the given knots: those of function `i + k` to place i of lane k, k = 0 … p. The
 /// same numbers as [`evaluate`] computes, for as many parameters at a time as the processor can; at
 /// most [`BLOCK`] parameters.
-pub fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut [f64]]) {
+pub(crate) fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut [f64]]) {
     pulp::Arch::new().dispatch(EvaluateRun {
         degree,
         knots,

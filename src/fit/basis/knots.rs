@@ -16,7 +16,7 @@ use crate::fit::invalid::{Axis, Invalid};
 use crate::fit::order;
 
 /// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
-pub const LARGEST: f64 = 1e300;
+pub(in crate::fit) const LARGEST: f64 = 1e300;
 
 /// How the knots of a B-spline direction are chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,14 +33,14 @@ pub enum Knots {
 
 /// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1
 /// knots for n + 1 parameters, and n + p functions. Any degree will do, even one above n.
-pub fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
+pub(in crate::fit) fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, t[1..t.len() - 1].iter().copied())
 }
 
 /// `u_{j+p} = (t_j + … + t_{j+p−1}) / p`, j = 1 … n − p, ends of multiplicity p + 1 (PT97 (9.8)):
 /// n + p + 2 knots for n + 1 parameters, and n + 1 functions. The collocation matrix is
 /// nonsingular. Needs p ≤ n.
-pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
+pub(in crate::fit) fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
     let interior = t[1..t.len() - 1]
         .windows(degree)
         .map(|window| window.iter().sum::<f64>() / degree as f64);
@@ -55,7 +55,7 @@ pub fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
 /// ```
 ///
 /// There is a parameter in every span, so that `AᵀA` is nonsingular. Needs p ≤ n.
-pub fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
+pub(in crate::fit) fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
     let spans = control_points - degree;
     let d = t.len() as f64 / spans as f64;
     let interior = (1..spans).map(|j| {
@@ -74,7 +74,12 @@ pub fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64
 /// them at equal distances. Odd degrees have their knots at the sites, even degrees half a
 /// parameter before them: at the sites the collocation matrix of an even number of points would be
 /// singular, and further away the last parameters would lie outside of the domain.
-pub fn periodic(t: &[f64], period: f64, degree: usize, control_points: usize) -> Vec<f64> {
+pub(in crate::fit) fn periodic(
+    t: &[f64],
+    period: f64,
+    degree: usize,
+    control_points: usize,
+) -> Vec<f64> {
     let before = if degree.is_multiple_of(2) { 0.5 } else { 0.0 };
     let knot = |j: isize| -> f64 {
         let n = control_points as isize;
@@ -114,7 +119,12 @@ fn clamped(t: &[f64], degree: usize, interior: impl Iterator<Item = f64>) -> Vec
 /// Names the direction `axis` and the first wrong knot: their number must be count + degree + 1,
 /// they must not decrease, the first and the last degree + 1 must be equal, and no other knot may
 /// occur more than `degree` times.
-pub fn check(knots: &[f64], degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
+pub(in crate::fit) fn check(
+    knots: &[f64],
+    degree: usize,
+    count: usize,
+    axis: Axis,
+) -> Result<(), Invalid> {
     let expected = count + degree + 1;
     if knots.len() != expected {
         return Err(Invalid::KnotCount {
@@ -215,7 +225,7 @@ fn check_clamped(knots: &[f64], degree: usize, axis: Axis) -> Result<(), Invalid
 /// # Errors
 ///
 /// Names the first parameter outside of the support of its B-spline.
-pub fn check_schoenberg_whitney(
+pub(in crate::fit) fn check_schoenberg_whitney(
     knots: &[f64],
     degree: usize,
     t: &[f64],

@@ -12,9 +12,9 @@
 //! | Wang–Ball, degree m | m + 1 on [0, 1] | all | up to degree 3 |
 //! | B-spline, degree p | knots − p − 1 | p + 1 | yes |
 
-pub mod ball;
-pub mod bernstein;
-pub mod bspline;
+pub(crate) mod ball;
+pub(crate) mod bernstein;
+pub(crate) mod bspline;
 pub mod knots;
 
 use std::borrow::Cow;

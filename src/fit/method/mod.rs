@@ -4,37 +4,37 @@
 //!
 //! | method | U | X⁰ | converges | source |
 //! |---|---|---|---|---|
-//! | [`global`] | I | P | by 1 − λ_min | LBW05 (2.9), DP07 (1) |
-//! | [`weighted`] | ω I, ω = 2/(1 + λ_min) | P | by (1 − λ_min)/(1 + λ_min) | Lu 2010; Deng13, Cor. 2.3 |
-//! | [`local`] | diagonal of 0 and 1 | P | at the selected points | Lin10, sections 2–5 |
-//! | [`adaptive`] | such a one at every level | P | to the threshold | Lin10, section 6 |
-//! | [`extended`] | H Qᵀ, B = Q R | U P or P | exact after n + 1 levels | Deng13 (9) |
-//! | [`transpose`] | Bᵀ/ρ(B Bᵀ) | P | for any nonsingular B | Deng13, Lemma 2.1 |
-//! | [`convex`] | ε_k I, by bisection | P | while it keeps the turns | LWD04, Algorithm 1 |
-//! | [`chebyshev`] | ω_k I and momentum | P | by (1 − √λ_min)/(1 + √λ_min) | Golub, Varga 1961 |
-//! | [`direct`] | B⁻¹ | P | at level 1 | PT97, section 9.2.1 |
-//! | [`least_squares`] | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
-//! | [`custom`] | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
+//! | `global` | I | P | by 1 − λ_min | LBW05 (2.9), DP07 (1) |
+//! | `weighted` | ω I, ω = 2/(1 + λ_min) | P | by (1 − λ_min)/(1 + λ_min) | Lu 2010; Deng13, Cor. 2.3 |
+//! | `local` | diagonal of 0 and 1 | P | at the selected points | Lin10, sections 2–5 |
+//! | `adaptive` | such a one at every level | P | to the threshold | Lin10, section 6 |
+//! | `extended` | H Qᵀ, B = Q R | U P or P | exact after n + 1 levels | Deng13 (9) |
+//! | `transpose` | Bᵀ/ρ(B Bᵀ) | P | for any nonsingular B | Deng13, Lemma 2.1 |
+//! | `convex` | ε_k I, by bisection | P | while it keeps the turns | LWD04, Algorithm 1 |
+//! | `chebyshev` | ω_k I and momentum | P | by (1 − √λ_min)/(1 + √λ_min) | Golub, Varga 1961 |
+//! | `direct` | B⁻¹ | P | at level 1 | PT97, section 9.2.1 |
+//! | `least_squares` | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
+//! | `custom` | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
 //!
-//! What a method is for the rest of `fit` is the trait [`Scheme`]: its checks, its demand of
+//! What a method is for the rest of `fit` is the trait `Scheme`: its checks, its demand of
 //! memory, its forecast, its transform, its level 0, its update, its stop rule and its warnings.
 //! Functions of it that a method does not have are those of classical PIA.
 //!
 //! # To add a method
 //!
-//! Write a file with a type that implements [`Scheme`], whose documentation gives its formula and
-//! its source, and add a line to each of [`Method`], [`Method::scheme`] and [`METHODS`]. Nothing
+//! Write a file with a type that implements `Scheme`, whose documentation gives its formula and
+//! its source, and add a line to each of [`Method`], `Method::scheme` and [`METHODS`]. Nothing
 //! else in `fit` tells methods apart.
 //!
 //! # What methods share
 //!
-//! - [`linear`]: the update with a fixed linear map U; [`recurrence`]: that of the Chebyshev
+//! - `linear`: the update with a fixed linear map U; `recurrence`: that of the Chebyshev
 //!   semi-iteration;
-//! - [`selection`]: updates that move only some control points;
-//! - [`update`] and [`relaxation`]: how the plain loop and the sweeps take a method's steps;
-//! - [`eigenvalues`]: forecasts by the least eigenvalue; [`stability`]: whether a transform
+//! - `selection`: updates that move only some control points;
+//! - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
+//! - `eigenvalues`: forecasts by the least eigenvalue; `stability`: whether a transform
 //!   diverges;
-//! - [`rehearsal`]: fits in advance.
+//! - `rehearsal`: fits in advance.
 
 mod adaptive;
 mod chebyshev;

@@ -24,15 +24,15 @@
 //!
 //! Square banded matrices in all directions, at most three coordinates, no missing points and no
 //! homogeneous coordinates; and a method whose step is a relaxation or a transform
-//! ([`Relaxation`]): global, weighted, Chebyshev, transpose, direct.
+//! (`Relaxation`): global, weighted, Chebyshev, transpose, direct.
 //!
 //! # Parts
 //!
-//! - [`buffers`]: the control points of two levels, and [`pass`]: what all threads of a pass share;
-//! - [`parts`]: what a thread writes, and [`room`]: where it works;
-//! - [`fused`]: the innermost loop, of all coordinates, over [`vectors`];
-//! - [`curve`] and [`surface`]: a level in one pass;
-//! - [`tiles`]: several levels of a curve in one pass.
+//! - `buffers`: the control points of two levels, and `pass`: what all threads of a pass share;
+//! - `parts`: what a thread writes, and `room`: where it works;
+//! - `fused`: the innermost loop, of all coordinates, over `vectors`;
+//! - `curve` and `surface`: a level in one pass;
+//! - `tiles`: several levels of a curve in one pass.
 
 mod buffers;
 mod curve;
@@ -75,7 +75,7 @@ pub struct Plan {
     pub parts: usize,
     /// How many levels are computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
     pub levels: usize,
-    /// The number of points of a tile of [`tiles`], a multiple of [`BLOCK`].
+    /// The number of points of a tile of `tiles`, a multiple of [`BLOCK`].
     pub tile: usize,
 }
 
