@@ -1,8 +1,10 @@
 //! The rows of the collocation matrix of a B-spline direction.
 //!
-//! Parameters and knots usually advance together: row i lies in the knot span i + s for long *runs*
-//! of rows. The functions of a run are evaluated for many rows at a time, by the same operations in
-//! the same order as for a single one: O(n p²) in all, on all threads.
+//! Row i has the values `B_j(t_i)` of the p + 1 functions that can differ from zero at parameter
+//! t_i. Parameters and knots usually advance together: row i lies in the knot span i + s for long
+//! *runs* of rows, with knots at the data all of them but the first and the last few. The functions
+//! of a run are evaluated for many rows at a time, by the same operations in the same order as for
+//! a single one: O(n p²) in all, on all threads.
 
 use std::ops::Range;
 

@@ -1,4 +1,15 @@
 //! From what is asked for in a direction to its parameters, knots and basis.
+//!
+//! | basis | control points | knots | source |
+//! |---|---|---|---|
+//! | polynomial | as many as data points, or fewer | none | LBW05, section 2 |
+//! | open B-spline | n, and p − 1 end copies | at the data | LBW05 (3.1)–(3.2) |
+//! | open B-spline | n | averaged, or given | PT97 (9.8) |
+//! | open B-spline | fewer than data points | least squares, or given | PT97 (9.68)–(9.69) |
+//! | closed B-spline | n, or fewer | periodic | |
+//!
+//! Whatever is given is checked against what it has to fit: parameters against knots, knots against
+//! the number of control points, weights against that of functions.
 
 use std::sync::Arc;
 

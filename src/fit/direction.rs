@@ -9,6 +9,14 @@
 //! - closed: the functions of a period and p more, which belong to the control points of the next
 //!   turn.
 //!
+//! For example with n = 5 points and degree 3, where functions are numbered from 0:
+//!
+//! ```text
+//! function                       0  1  2  3  4  5  6
+//! control point, at the data     0  0  1  2  3  4  4
+//! control point, closed (n = 4)  3  0  1  2  3  0  1
+//! ```
+//!
 //! Weights of the functions make the basis rational, `w_j B_j / Σ_k w_k B_k` (LBW05 (3.7)).
 
 use std::ops::Range;
@@ -115,7 +123,8 @@ impl Direction {
         self.weights.as_deref()
     }
 
-    /// The free control point that basis function `j` is multiplied with.
+    /// The free control point that basis function `j` is multiplied with. On closed curves function
+    /// ⌊p/2⌋ is centred on the first data point.
     pub fn free_index(&self, j: usize) -> usize {
         match self.ends {
             Ends::Open { front_copies } => j.saturating_sub(front_copies).min(self.free - 1),

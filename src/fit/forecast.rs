@@ -1,4 +1,7 @@
 //! What is known of the convergence of a fit before its first step.
+//!
+//! Methods say it, by eigenvalues and rehearsals; clients see it before they wait. Where nothing is
+//! said nothing is known: of long curves λ_min alone would take longer than many levels.
 
 /// What is known of the convergence before the first step. Rates are factors per level, without a
 /// unit; lengths are in the unit of the data.

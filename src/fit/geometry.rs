@@ -7,6 +7,10 @@
 //! with the rational basis functions of directions that have weights. In a homogeneous fit X has
 //! one coordinate more, the weight, and points are projected: the first d coordinates of the sum
 //! over the last one.
+//!
+//! Readers see the *complete* control net, as a CAD kernel stores it: with end copies, and on
+//! closed curves with the control points of the next turn, one for each basis function. The
+//! iteration has the free ones only.
 
 use super::direction::Direction;
 use super::points::{Grid, Points};
@@ -55,8 +59,8 @@ impl<'a> Geometry<'a> {
             .map(move |j| start + problem.v().map_or(0, |v| v.free_index(j)))
     }
 
-    /// Where the complete control net has free control point `index`: `(row, column)`, the column
-    /// of a curve being 0.
+    /// Where the complete control net has free control point `index`: every `(row, column)`, the
+    /// column of a curve being 0.
     pub fn occurrences(&self, index: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
         let columns = self.problem.control_grid().columns;
         let v = self.problem.v();

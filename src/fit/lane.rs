@@ -94,6 +94,7 @@ pub fn lanes(count: usize, length: usize, lane: impl Fn(usize) -> Lane + Send + 
 }
 
 impl Clone for Lane {
+    /// A copy starts at another place of a page than the original.
     fn clone(&self) -> Self {
         Self::from(&self[..])
     }

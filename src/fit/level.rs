@@ -1,4 +1,7 @@
 //! What is known of a level of an iteration.
+//!
+//! It is small, and is told for every level, whether somebody looks at the control points or not.
+//! Errors are in data units; rates have no unit.
 
 use super::norms::FitError;
 

@@ -2,7 +2,8 @@
 //!
 //! Scanned surfaces have points without a measurement. They stay in the grid, as rows and columns
 //! have parameters in common, but their residuals are zero: in `X ← X + D Aᵀ Δ` they pull at
-//! nothing.
+//! nothing. Parameters by distance leave out steps from and to them. Control points in whose
+//! support all data are missing stay where they start.
 
 use std::collections::VecDeque;
 

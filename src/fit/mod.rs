@@ -39,6 +39,57 @@
 //! - Everything that can be wrong with a problem is found before the first level, with its place.
 //! - Memory and time are known from the sizes, before anything is computed.
 //!
+//! # Example
+//!
+//! A cubic B-spline through points of a sine, by classical PIA:
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use piad::fit::basis::knots::Knots;
+//! use piad::fit::direction::{BasisChoice, DirectionChoice};
+//! use piad::fit::iteration::{Iteration, Outcome};
+//! use piad::fit::method::Method;
+//! use piad::fit::parameters::Parametrization;
+//! use piad::fit::points::{Grid, Points};
+//! use piad::fit::problem::{Problem, Request, Tolerance, Weights};
+//! use piad::fit::system::System;
+//!
+//! let mut points = Points::new(2);
+//! for i in 0..20 {
+//!     let x = 0.3 * f64::from(i);
+//!     points.push(&[x, x.sin()]);
+//! }
+//! let problem = Problem::new(Request {
+//!     points: Arc::new(points),
+//!     grid: Grid { rows: 20, columns: 1 },
+//!     missing: Vec::new(),
+//!     u: DirectionChoice {
+//!         basis: BasisChoice::BSpline { degree: 3, knots: Knots::Data },
+//!         parameters: Parametrization::ChordLength,
+//!         closed: false,
+//!         control_points: None,
+//!         weights: None,
+//!     },
+//!     v: None,
+//!     weights: Weights::None,
+//!     method: Method::Global,
+//!     selected: None,
+//!     start: None,
+//!     lambda_min: None,
+//!     tolerance: Tolerance::Absolute(1e-9),
+//!     max_iterations: 100,
+//! })?;
+//! let mut fit = Iteration::start(Arc::new(System::new(Arc::new(problem))));
+//! while fit.outcome().is_none() {
+//!     let level = fit.step();
+//!     println!("{}: {:e}", level.iteration, level.error.max);
+//! }
+//! assert_eq!(fit.outcome(), Some(Outcome::Converged));
+//! assert_eq!(fit.control_points().len(), 20);
+//! # Ok::<(), piad::fit::invalid::Invalid>(())
+//! ```
+//!
 //! # Vocabulary, in the order in which a fit is made
 //!
 //! - [`points`]: ordered data points and control points, coordinate by coordinate;

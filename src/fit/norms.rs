@@ -4,14 +4,16 @@
 //! max = max_i ‖Δ_i‖,   rms = √(Σ_i ‖Δ_i‖² / n),   sum = Σ_i ‖Δ_i‖,   Δ = P − B X
 //! ```
 //!
-//! They are computed [block](super::blocks) by block: after a local update only the blocks that it
-//! has touched are measured again, and blocks can be measured anywhere and in any order, with the
-//! same errors to the last bit. Residuals are scaled by a power of two before they are squared, so
-//! that data of any magnitude have the same errors in their own units.
+//! The largest one is the fitting error of the papers; Lin10 has the sum. They are computed
+//! [block](super::blocks) by block: after a local update only the blocks that it has touched are
+//! measured again, and blocks can be measured anywhere and in any order, with the same errors to
+//! the last bit. Residuals are scaled by a power of two before they are squared, so that data of
+//! any magnitude have the same errors in their own units.
 //!
 //! In a homogeneous fit residuals are those of `(w P, w)`. Then the distances are those of points,
 //! `‖P_i − C(t_i)‖` with the projected curve C (Lin10, section 3.4), and the largest homogeneous
-//! residual is told apart.
+//! residual is told apart. A point at which the weight of the curve is not positive is at an
+//! infinite distance.
 
 use super::blocks::{BLOCK, Block, Blocks};
 use super::lane::Lane;

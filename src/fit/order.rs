@@ -2,7 +2,7 @@
 //!
 //! Nearly all of them are, so that every number has to be compared: many at a time, without a
 //! branch for each, and long arrays by several threads. Where the answer is no, the caller looks
-//! for the place.
+//! for the place. They are explicit parameters and knots, and diagonals of matrices.
 
 use rayon::prelude::*;
 

@@ -19,6 +19,16 @@ const PARALLEL: usize = 100_000;
 ///
 /// Kernels run over one coordinate at a time, so each coordinate is contiguous. The memory is 8 d
 /// bytes for each point.
+///
+/// ```
+/// use piad::fit::points::Points;
+///
+/// let mut points = Points::new(2);
+/// points.push(&[0.0, 1.0]);
+/// points.push(&[3.0, 5.0]);
+/// assert_eq!(points.lane(0), [0.0, 3.0]);
+/// assert_eq!(points.distance(0, 1), 5.0);
+/// ```
 #[derive(Debug, PartialEq)]
 pub struct Points {
     lanes: Vec<Lane>,
@@ -157,6 +167,7 @@ impl Points {
 }
 
 impl Clone for Points {
+    /// Copies long lanes by several threads.
     fn clone(&self) -> Self {
         let lane = |c: usize| self.lanes[c].clone();
         Self {

@@ -40,6 +40,7 @@ pub struct Problem {
 impl Deref for Problem {
     type Target = Setup;
 
+    /// What is fitted, whatever the method.
     fn deref(&self) -> &Setup {
         &self.setup
     }

@@ -1,4 +1,8 @@
 //! Points of a curve or surface at equal steps of its parameters: any of them, at any time.
+//!
+//! Clients ask for a polyline or a mesh of every level. Samples are evaluated when they are
+//! written, a few hundred at a time, and none is kept: their number is limited by what the client
+//! wants to read, not by memory.
 
 use std::sync::Arc;
 

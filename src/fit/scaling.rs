@@ -1,4 +1,7 @@
 //! Powers of two that bring numbers to the order of one.
+//!
+//! Squares of lengths above 10¹⁵⁴ overflow, and those below 10⁻¹⁵⁴ lose digits. So lengths are
+//! scaled before they are squared, by a power of two, which changes no digit.
 
 /// A power of two near `1 / length`: squares of lengths like this neither over- nor underflow, and
 /// multiplying with it is exact. It is 1 if the length is zero or NaN.

@@ -19,7 +19,7 @@ use super::setup::Setup;
 use super::tensor::Tensor;
 
 /// Bases that are not totally positive are checked up to this number of control points in a
-/// direction, in O(n³).
+/// direction: all eigenvalues take O(n³).
 const CHECKED: usize = 60;
 
 /// The most steps of the QR algorithm for each eigenvalue: it takes about two, and with numbers

@@ -1,8 +1,13 @@
 //! The collocation matrix of a surface.
 //!
 //! It is the tensor product `B_u ⊗ B_v`, applied one direction after the other and never formed:
-//! with the points as a row-major grid X of rows × columns, `(B_u ⊗ B_v) X` is `B_u X B_vᵀ`. On n ×
-//! m points with degrees p and q it takes `n m (p + q + 2)` multiplications rather than
+//! with the points as a row-major grid X of rows × columns
+//!
+//! ```text
+//! (B_u ⊗ B_v) X = B_u X B_vᵀ,      (B_u ⊗ B_v)ᵀ X = B_uᵀ X B_v,      (B_u ⊗ B_v)⁻¹ X = B_u⁻¹ X B_v⁻ᵀ
+//! ```
+//!
+//! On n × m points with degrees p and q that takes `n m (p + q + 2)` multiplications rather than
 //! `n m (p + 1)(q + 1)`. Eigenvalues and singular values are the products of those of both
 //! directions.
 

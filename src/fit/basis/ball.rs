@@ -101,6 +101,7 @@ mod tests {
         values
     }
 
+    /// All values differ by less than 1e-15.
     fn assert_close(values: &[f64], expected: &[f64]) {
         assert_eq!(values.len(), expected.len());
         for (value, expected) in values.iter().zip(expected) {

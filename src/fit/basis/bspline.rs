@@ -8,9 +8,17 @@
 //! ```
 //!
 //! At a parameter in the span [u_s, u_{s+1}) the p + 1 functions N_{s−p,p} … N_s,p differ from
-//! zero; they are computed together, degree by degree, in `3/2 p (p + 1)` divisions and
-//! multiplications (the triangular scheme, PT97, algorithm A2.2). All terms are sums of numbers
-//! that are not negative, so that nothing cancels.
+//! zero. They are computed together, degree by degree, in `3/2 p (p + 1)` divisions and
+//! multiplications (the triangular scheme, PT97, algorithm A2.2), for example of degree 2:
+//!
+//! ```text
+//! N_s,0 ──► N_s−1,1 ──► N_s−2,2
+//!      ╲──► N_s,1   ──► N_s−1,2
+//!                  ╲──► N_s,2
+//! ```
+//!
+//! All terms are sums of numbers that are not negative, so that nothing cancels: each value is
+//! right to a few times p rounding errors.
 
 use crate::fit::about::About;
 
@@ -24,7 +32,7 @@ pub(super) const ABOUT: About = About {
 
 /// The knot span that holds `t`: `knots[span] ≤ t < knots[span + 1]`, at the right end of the
 /// domain the last span that is not empty (PT97, algorithm A2.1). Bisection, O(log n).
-pub(crate) fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
+pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
     let last = knots.len() - degree - 2;
     let inside = &knots[degree + 1..=last];
     // Interior knots only: what lies beyond the ends falls into the first or last span.
@@ -40,7 +48,7 @@ pub(crate) fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
 ///
 /// The weights of the recurrence are formed as quotients of differences, so that knots of any
 /// magnitude are treated alike.
-pub(crate) fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
+pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
     values[0] = 1.0;
     for r in 1..=degree {
         let mut carried = 0.0;
@@ -63,7 +71,12 @@ pub(in crate::fit) const BLOCK: usize = 256;
 /// `degree + i` of the given knots: those of function `i + k` to place i of lane k, k = 0 … p. The
 /// same numbers as [`evaluate`] computes, for as many parameters at a time as the processor can; at
 /// most [`BLOCK`] parameters.
-pub(crate) fn evaluate_run(degree: usize, knots: &[f64], t: &[f64], values: &mut [&mut [f64]]) {
+pub(in crate::fit) fn evaluate_run(
+    degree: usize,
+    knots: &[f64],
+    t: &[f64],
+    values: &mut [&mut [f64]],
+) {
     pulp::Arch::new().dispatch(EvaluateRun {
         degree,
         knots,

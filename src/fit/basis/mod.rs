@@ -14,7 +14,7 @@
 
 pub(crate) mod ball;
 pub(crate) mod bernstein;
-pub(crate) mod bspline;
+pub mod bspline;
 pub mod knots;
 
 use std::borrow::Cow;
@@ -34,6 +34,15 @@ pub const BASES: [&About; 4] = [
 pub const MAX_DEGREE: usize = 1000;
 
 /// A normalized basis (its functions sum to one) of one direction.
+///
+/// ```
+/// use piad::fit::basis::{Basis, Polynomial};
+///
+/// let cubic = Basis::Polynomial { kind: Polynomial::Bernstein, degree: 3 };
+/// let mut values = [0.0; 4];
+/// assert_eq!(cubic.evaluate(0.5, &mut values), 0);
+/// assert_eq!(values, [0.125, 0.375, 0.375, 0.125]);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Basis {
     /// Polynomials on [0, 1]: `degree + 1` functions.

@@ -3,7 +3,16 @@
 //! The matrix of a closed curve has entries around the corners, which elimination would spread over
 //! whole columns. If its indices are ordered 0, n−1, 1, n−2, …, as on a circle that is pressed
 //! flat, neighbours stay within two places of each other, and the matrix is an ordinary banded one
-//! of twice the bandwidth.
+//! of twice the bandwidth:
+//!
+//! ```text
+//! x x · · · x               x x x · · ·
+//! x x x · · ·               x x · x · ·
+//! · x x x · ·    folded     x · x · x ·
+//! · · x x x ·   ────────►   · x · x · x
+//! · · · x x x               · · x · x x
+//! x · · · x x               · · · x x x
+//! ```
 
 use super::banded::{Banded, Diagonal};
 use crate::fit::order;

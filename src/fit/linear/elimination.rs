@@ -372,6 +372,7 @@ impl<const H: usize> LineMap for Elimination<H> {
         self.apply_each(&mut lines);
     }
 
+    /// Groups of lines that registers hold, on several threads if there are many numbers.
     fn apply_each(&self, lines: &mut [&mut [f64]]) {
         let numbers = lines.iter().map(|line| line.len()).sum::<usize>();
         if lines.len() > LINES && numbers >= PARALLEL {

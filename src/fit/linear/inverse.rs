@@ -60,6 +60,7 @@ impl Inverse {
 }
 
 impl LineMap for Inverse {
+    /// Solves for every line of a contiguous array.
     fn apply(&self, lines: &mut [f64]) {
         match self {
             Self::Banded(lu) => lu.apply(lines),
@@ -68,6 +69,7 @@ impl LineMap for Inverse {
         }
     }
 
+    /// Solves for lines that lie anywhere; without pivots several at a time.
     fn apply_each(&self, lines: &mut [&mut [f64]]) {
         match self {
             Self::Positive(elimination) => elimination.apply_each(lines),

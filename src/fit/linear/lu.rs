@@ -4,6 +4,9 @@
 //! operations, and solving for a line `2 n (2 l + r)`: swapping rows lets U reach l places further
 //! to the right. Cyclic matrices are factorized in the folded order of [`folded`](super::folded),
 //! in which they are banded.
+//!
+//! It is the fallback where elimination without pivots is not safe, or not written for the
+//! bandwidth: for closed curves, high degrees, and matrices that are shifted near an eigenvalue.
 
 use super::band::{Band, unfolded};
 use super::banded::Banded;

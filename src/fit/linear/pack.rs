@@ -3,9 +3,12 @@
 //! B-splines of degree p have p + 1 functions at a parameter, but with knots at the data one of
 //! them vanishes at each, sometimes the first and sometimes the last. Packing leaves out places at
 //! either end that are zero throughout a stretch, so that a cubic takes three numbers in each row
-//! rather than four; and where rows begin differently at every other parameter, as between averaged
+//! rather than four. Where rows begin differently at every other parameter, as between averaged
 //! knots, it joins them again by zeros, as a few long stretches are multiplied many times faster
 //! than many short ones.
+//!
+//! It is done in place: entries move from lane to lane, and no row is copied elsewhere. O(n p) in
+//! all.
 
 use std::ops::Range;
 

@@ -90,6 +90,7 @@ impl Scheme for Chebyshev {
         Box::new(Steps::new(equations))
     }
 
+    /// Every control point moves by its own adjusting vector and its last step.
     fn relaxation(&self, equations: &Equations) -> Option<Relaxation> {
         Some(Relaxation::chebyshev(recurrence(&equations.forecast)))
     }
@@ -140,6 +141,7 @@ impl Steps {
 }
 
 impl Update for Steps {
+    /// `d ← momentum d + gain Δ`, `X ← X + d`.
     fn update(&mut self, _equations: &Equations, state: &mut State) -> Change {
         let (momentum, gain) = self.recurrence.advance();
         let lanes = state.control_points.lanes_mut().iter_mut();

@@ -167,6 +167,7 @@ impl Steps {
 }
 
 impl Update for Steps {
+    /// A whole step, or the longest part of it that keeps the turns.
     fn update(&mut self, _equations: &Equations, state: &mut State) -> Change {
         let State {
             control_points,
@@ -191,6 +192,7 @@ impl Update for Steps {
         }
     }
 
+    /// After a few steps without progress, as the polygon of the limit turns otherwise.
     fn stalled(&self) -> Option<Stall> {
         (self.idle >= PATIENCE).then_some(Stall::Convexity)
     }

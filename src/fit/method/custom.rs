@@ -53,6 +53,22 @@ const FORECAST: usize = 100;
 const EIGENVALUES: usize = 25;
 
 /// PIA with given matrices. Clones share them.
+///
+/// ```
+/// use piad::fit::method::{Custom, Method};
+///
+/// // 1.5 I for a curve of three points, or a surface of 3 × 3.
+/// let rows = |n: usize| -> Vec<Vec<f64>> {
+///     let row = |i| (0..n).map(|j| if i == j { 1.5 } else { 0.0 }).collect();
+///     (0..n).map(row).collect()
+/// };
+/// let weighted = Method::Custom(Custom::new(rows(3), None));
+/// assert_eq!(weighted.name(), "custom");
+///
+/// // One for each direction of a surface of 3 × 4.
+/// let surface = Custom::new(rows(3), Some(rows(4)));
+/// assert_eq!((surface.u().len(), surface.v().map(<[_]>::len)), (3, Some(4)));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Custom {
     u: Arc<Vec<Vec<f64>>>,
@@ -129,12 +145,14 @@ impl Scheme for Custom {
         }
     }
 
+    /// n² for each coordinate of a curve of n points, `n m (n + m)` of a surface.
     fn step_cost(&self, setup: &Setup) -> usize {
         let grid = setup.grid();
         let across = setup.v().map_or(0, |_| grid.columns);
         setup.data().dimension() * grid.count() * (grid.rows + across)
     }
 
+    /// All eigenvalues of `U B`, in each direction.
     fn start_cost(&self, setup: &Setup) -> usize {
         let grid = setup.grid();
         let across = setup.v().map_or(0, |_| grid.columns);
@@ -152,6 +170,7 @@ impl Scheme for Custom {
         }
     }
 
+    /// Dense maps; one matrix for both directions is used twice.
     fn transform(&self, collocation: &Tensor, _forecast: &Forecast) -> Transform {
         let map = |rows| DenseMap::new(matrix(rows));
         let v = collocation.v.as_ref().map(|_| map(self.across()));

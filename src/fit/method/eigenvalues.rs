@@ -2,7 +2,7 @@
 //!
 //! Weighted PIA with its best ω and the Chebyshev semi-iteration choose their steps by λ_min, and
 //! always compute it; others only for their forecast, unless there are many points. An edit of a
-//! fit passes on what is known.
+//! fit passes on what is known, as points that move do not change the matrix while parameters stay.
 
 use crate::fit::forecast::Forecast;
 use crate::fit::setup::Setup;

@@ -81,6 +81,7 @@ impl Scheme for Extended {
         }
     }
 
+    /// The QR decomposition of each direction.
     fn transform(&self, collocation: &Tensor, _forecast: &Forecast) -> Transform {
         let (u, v) = (&collocation.u, collocation.v.as_ref());
         Transform::Orthogonal(u.orthogonal(), v.map(|v| v.orthogonal()))
@@ -91,6 +92,7 @@ impl Scheme for Extended {
         equations.forecast.rounding = rehearsal::left_by_rounding(self, equations);
     }
 
+    /// `U P`, which is one level ahead, unless the data are asked for.
     fn start(&self, equations: &Equations) -> Arc<Points> {
         let data = equations.setup.data();
         match self.start {

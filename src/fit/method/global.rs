@@ -64,6 +64,7 @@ impl Scheme for Global {
         Box::new(Linear::endless())
     }
 
+    /// Every control point moves by its own adjusting vector.
     fn relaxation(&self, _equations: &Equations) -> Option<Relaxation> {
         Some(Relaxation::Scale(1.0))
     }

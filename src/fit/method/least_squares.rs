@@ -85,10 +85,12 @@ impl Scheme for LeastSquares {
         }
     }
 
+    /// Those that were asked for.
     fn control_points(&self) -> Option<(usize, usize)> {
         Some((self.u, self.v))
     }
 
+    /// Points without data have no residual, and pull at nothing.
     fn fits_holes(&self) -> bool {
         true
     }
@@ -107,6 +109,7 @@ impl Scheme for LeastSquares {
         equations.forecast.without_data = Steps::new(equations, self.variant).fixed();
     }
 
+    /// Samples of the data.
     fn start(&self, equations: &Equations) -> Arc<Points> {
         Arc::new(start(&equations.setup))
     }
@@ -120,6 +123,7 @@ impl Scheme for LeastSquares {
         false
     }
 
+    /// At the minimum.
     fn ends_by_itself(&self) -> bool {
         true
     }
@@ -245,6 +249,7 @@ impl Update for Steps {
         Change::All { moved }
     }
 
+    /// `g = Aᵀ Δ`, for the next step and as a measure of how far the minimum is.
     fn measured(&mut self, equations: &Equations, state: &mut State) {
         self.square = 0.0;
         let unit = self.units.iter().copied().fold(f64::INFINITY, f64::min);
@@ -261,6 +266,7 @@ impl Update for Steps {
         self.first_square.get_or_insert(self.square);
     }
 
+    /// `‖g‖² / ‖g⁰‖²`.
     fn gradient(&self) -> Option<f64> {
         let first = self.first_square?;
         Some(if first > 0.0 {

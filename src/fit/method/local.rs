@@ -112,6 +112,7 @@ fn adjusted(setup: &Setup) -> Vec<usize> {
     indices
 }
 
+/// Refuses indices that there are not, or that are given twice; there must be one at least.
 fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
     if indices.is_empty() {
         return Err(Invalid::NoIndices);

@@ -16,15 +16,15 @@
 //! | `least_squares` | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
 //! | `custom` | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
 //!
-//! What a method is for the rest of `fit` is the trait `Scheme`: its checks, its demand of
-//! memory, its forecast, its transform, its level 0, its update, its stop rule and its warnings.
-//! Functions of it that a method does not have are those of classical PIA.
+//! What a method is for the rest of `fit` is the trait `Scheme`: its checks, its demand of memory,
+//! its forecast, its transform, its level 0, its update, its stop rule and its warnings. Functions
+//! of it that a method does not have are those of classical PIA.
 //!
 //! # To add a method
 //!
-//! Write a file with a type that implements `Scheme`, whose documentation gives its formula and
-//! its source, and add a line to each of [`Method`], `Method::scheme` and [`METHODS`]. Nothing
-//! else in `fit` tells methods apart.
+//! Write a file with a type that implements `Scheme`, whose documentation gives its formula and its
+//! source, and add a line to each of [`Method`], `Method::scheme` and [`METHODS`]. Nothing else in
+//! `fit` tells methods apart.
 //!
 //! # What methods share
 //!
@@ -32,8 +32,7 @@
 //!   semi-iteration;
 //! - `selection`: updates that move only some control points;
 //! - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
-//! - `eigenvalues`: forecasts by the least eigenvalue; `stability`: whether a transform
-//!   diverges;
+//! - `eigenvalues`: forecasts by the least eigenvalue; `stability`: whether a transform diverges;
 //! - `rehearsal`: fits in advance.
 
 mod adaptive;
@@ -97,6 +96,15 @@ pub enum Method {
 }
 
 /// All methods, in the order in which they are listed.
+///
+/// ```
+/// use piad::fit::method::{METHODS, Method};
+///
+/// for method in METHODS {
+///     println!("{}: {} ({})", method.title, method.summary, method.source);
+/// }
+/// assert_eq!(Method::Direct.name(), "direct");
+/// ```
 pub const METHODS: [&About; 11] = [
     &global::ABOUT,
     &weighted::ABOUT,

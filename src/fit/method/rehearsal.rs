@@ -5,16 +5,19 @@
 //! where eigenvectors are nearly parallel these say little: with knots at the data and an even
 //! degree distances of 400 points rise by 10⁸⁸. How far they rise depends on the whole matrix, so
 //! that the quickest way to know it is to try.
+//!
+//! A rehearsal is made with the data of the fit, by the plain loop, when a system is made. It is
+//! limited by a number of multiplications, so that it never takes longer than a moment.
 
 use super::scheme::Scheme;
 use crate::fit::equations::Equations;
 
-/// Most multiplications of a rehearsal: a moment.
+/// The most multiplications of a rehearsal: a moment.
 const WORK: usize = 50_000_000;
 
-/// About how large a distance rounding leaves at the end of an extended fit, if it is beyond the
-/// tolerance. Of long fits only the beginning is tried: what is left of them is at least the
-/// rounding of the largest distance there.
+/// About how large a distance rounding leaves at the end of an extended fit, in data units, if it
+/// is beyond the tolerance; infinite if numbers overflow between. Of long fits only the beginning
+/// is tried: what is left of them is at least the rounding of the largest distance there.
 pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Option<f64> {
     let setup = &equations.setup;
     let levels = equations.forecast.exact_after?;
@@ -44,21 +47,22 @@ pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Op
     (left > setup.tolerance()).then_some(left)
 }
 
-/// How far distances may rise in Chebyshev fits, as a multiple of those of level 0.
+/// How far the residual may rise in Chebyshev fits, as a multiple of that of level 0.
 const RISE: f64 = 100.0;
 
-/// Above this least eigenvalue distances rise little, unless it is one of many that nearly
+/// With λ_min above this residuals rise little, unless it is one of many eigenvalues that nearly
 /// coincide.
 const WELL_CONDITIONED: f64 = 0.01;
 
-/// Least eigenvalues below this one are rounding.
+/// An eigenvalue below this one is rounding.
 const ROUNDING: f64 = f64::EPSILON;
 
-/// Steps that are tried of a Chebyshev fit, however long or short they are.
+/// The fewest and the most steps that are tried of a Chebyshev fit.
 const STEPS: (usize, usize) = (50, 1000);
 
-/// The beginning of the interval [a, 1] of the Chebyshev steps, if λ_min will not do: the first one
-/// with which distances do not rise far. At the end stands a = 1, the steps of classical PIA.
+/// Where the interval [a, 1] of the Chebyshev steps may begin, if λ_min will not do: √λ_min, its
+/// root, and so on up to a = 1, the steps of classical PIA. The first one with which residuals do
+/// not rise far is taken. None if λ_min is not in doubt.
 pub(super) fn safe_intervals(equations: &Equations) -> impl Iterator<Item = f64> + use<> {
     let least = equations.forecast.lambda_min.unwrap_or(1.0).max(ROUNDING);
     let begin = is_doubtful(equations).then_some(least.sqrt());
@@ -76,7 +80,7 @@ fn is_doubtful(equations: &Equations) -> bool {
     ill || setup.is_clustered()
 }
 
-/// Whether distances stay low in a fit with these steps, as far as it is tried.
+/// Whether residuals stay low in a fit with the steps of the forecast, as far as it is tried.
 pub(super) fn stays_low(method: &dyn Scheme, equations: &Equations) -> bool {
     let setup = &equations.setup;
     let steps = (WORK / setup.residual_cost().max(1)).clamp(STEPS.0, STEPS.1);

@@ -124,6 +124,8 @@ impl<C: Choice> Selection<C> {
 }
 
 impl<C: Choice> Update for Selection<C> {
+    /// Moves the chosen points, and brings the residual up to date where that is less work than all
+    /// of it.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change {
         let moved = self.active.len();
         if moved * self.point_cost < self.whole_cost {
@@ -153,6 +155,7 @@ impl<C: Choice> Update for Selection<C> {
         }
     }
 
+    /// The points that the last update moved: of a choice that varies not those of the next one.
     fn moved(&self) -> Option<&[usize]> {
         Some(if C::VARIES { &self.moved } else { &self.active })
     }

@@ -12,6 +12,10 @@
 //!
 //! with its right and left eigenvectors x and y (Golub, Van Loan, *Matrix Computations*, section
 //! 7.2.2).
+//!
+//! The QR algorithm takes about 25 n³ operations, and each condition number two complex LU
+//! decompositions: for n = 500 less than a second in all. What is in doubt is accepted, and shows
+//! itself as the fit goes on.
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
@@ -27,6 +31,7 @@ const STEPS: usize = 3;
 /// An eigenvalue with at most this error is well known.
 const WELL_KNOWN: f64 = 1e-9;
 
+/// One, as a complex number.
 const ONE: Complex<f64> = Complex::new(1.0, 0.0);
 
 /// An eigenvalue of each direction, and what their product is worth.
@@ -63,13 +68,14 @@ pub(super) fn diverging_rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
 }
 
 impl Suspect {
+    /// The eigenvalue of the tensor product.
     fn product(&self) -> Complex<f64> {
         self.values.iter().product()
     }
 }
 
 /// The eigenvalues of the tensor product, the least contracting first: at most [`SUSPECTS`] of
-/// them.
+/// them. `None` if the QR algorithm does not end.
 fn suspects(matrices: &[DMatrix<f64>]) -> Option<Vec<Suspect>> {
     let mut products = vec![Vec::new()];
     for matrix in matrices {
@@ -131,7 +137,8 @@ fn condition(matrix: &DMatrix<f64>, value: Complex<f64>) -> f64 {
     }
 }
 
-/// The eigenvector of unit length that belongs to an eigenvalue, by inverse iteration.
+/// The eigenvector of unit length that belongs to an eigenvalue, by inverse iteration. `None` if it
+/// overflows.
 fn eigenvector(matrix: &DMatrix<f64>, value: Complex<f64>) -> Option<DVector<Complex<f64>>> {
     let n = matrix.nrows();
     // Not quite singular: the direction of the solution is what counts.

@@ -6,8 +6,12 @@
 //!
 //! (Deng13, Lemma 2.1): the Landweber iteration. The eigenvalues of `U B` are the squares of the
 //! singular values of B over that of the largest, in (0, 1], so that the rate is `1 − 1/κ(B)²` with
-//! the condition number κ(B). Of a surface ρ is the product of those of both directions. A level
-//! costs two applications of B.
+//! the condition number κ(B): where classical PIA takes k levels, this one takes about κ(B) k. It
+//! needs no total positivity, and is the only method of this kind that converges for every basis
+//! and all parameters.
+//!
+//! Of a surface ρ is the product of those of both directions. A level costs two applications of B;
+//! ρ is found by power iteration before.
 
 use super::linear::Linear;
 use super::relaxation::Relaxation;

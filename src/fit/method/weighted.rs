@@ -85,6 +85,7 @@ impl Scheme for Weighted {
         }
     }
 
+    /// `ω I` with the given ω or the best one.
     fn transform(&self, _collocation: &Tensor, forecast: &Forecast) -> Transform {
         Transform::Scale(forecast.omega.unwrap_or(1.0))
     }
@@ -93,6 +94,7 @@ impl Scheme for Weighted {
         Box::new(Linear::endless())
     }
 
+    /// Every control point moves by ω times its adjusting vector.
     fn relaxation(&self, equations: &Equations) -> Option<Relaxation> {
         let omega = equations.forecast.omega.unwrap_or(1.0);
         Some(Relaxation::Scale(omega))

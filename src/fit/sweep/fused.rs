@@ -207,6 +207,9 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         }
     }
 
+    /// Rows as vectors, in rounds that fill the lanes: each round computes [`LANES`] rows, and adds
+    /// their squares to the lanes in order. The branch on the step is the same in all rounds, so
+    /// that the processor foresees it.
     #[inline(always)]
     fn vectors<S: Simd, const MOMENTUM: bool>(&mut self, simd: S, range: Range<usize>) {
         let (start, rounds) = (range.start, range.len() / LANES);
@@ -317,8 +320,10 @@ mod tests {
     use crate::fit::blocks::Squares;
     use crate::fit::lane::Lane;
 
+    /// The number of rows.
     const N: usize = 83;
 
+    /// Numbers of all signs.
     fn lane(seed: usize) -> Lane {
         let number = |i| ((i * 37 + seed * 101) as f64).sin() * 10.0;
         (0..N + 3).map(number).collect()
@@ -359,6 +364,7 @@ mod tests {
     /// Vectors of any length compute the same bits.
     #[test]
     fn instruction_sets_agree() {
+        /// The loop with the instructions of this processor.
         struct Here(usize, Step, bool);
         impl WithSimd for Here {
             type Output = Vec<u64>;

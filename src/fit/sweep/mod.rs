@@ -23,8 +23,8 @@
 //! # What can be swept
 //!
 //! Square banded matrices in all directions, at most three coordinates, no missing points and no
-//! homogeneous coordinates; and a method whose step is a relaxation or a transform
-//! (`Relaxation`): global, weighted, Chebyshev, transpose, direct.
+//! homogeneous coordinates; and a method whose step is a relaxation or a transform (`Relaxation`):
+//! global, weighted, Chebyshev, transpose, direct.
 //!
 //! # Parts
 //!

@@ -2,7 +2,13 @@
 //!
 //! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors.
 //! Parts are halved until there is one for each room, so that all borrow disjoint slices of the
-//! same arrays. They begin and end with whole blocks, so that sums do not depend on the division.
+//! same arrays, without locks. They begin and end with whole blocks, so that sums do not depend on
+//! the division:
+//!
+//! ```text
+//! points    |  block  |  block  |  block  |  block  |  block  |
+//! 2 parts   |       first       |           second            |
+//! ```
 
 use std::ops::Range;
 

@@ -3,8 +3,17 @@
 //! After k levels a control point depends on its neighbours up to k times the reach of a row of B,
 //! a few points on both sides of a tile of two thousand. So each tile is loaded with a margin on
 //! both sides, which shrinks by the reach with every level, and goes through all levels in the
-//! nearest caches. Memory is moved once for up to eight levels; the margins are computed by both
-//! neighbours, about one in a hundred.
+//! nearest caches:
+//!
+//! ```text
+//! level 0   ├──margin──┼────────────── tile ──────────────┼──margin──┤
+//! level 1      ├───────┼──────────────────────────────────┼───────┤
+//! level 2         ├────┼──────────────────────────────────┼────┤
+//! level 3            ├─┼──────────────────────────────────┼─┤
+//! ```
+//!
+//! Memory is moved once for up to eight levels; the margins are computed by both neighbours, about
+//! one point in a hundred. On closed curves margins go around the end.
 //!
 //! The levels between are not kept: if one of them is the last of the fit, the pass is taken again
 //! with fewer levels, from control points that it has not touched.
