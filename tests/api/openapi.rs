@@ -345,33 +345,30 @@ fn described(description: &Description, name: &str) -> BTreeSet<String> {
     names
 }
 
+/// Descriptions of settings say with which method they go.
 #[tokio::test]
 async fn methods_have_the_settings_that_capabilities_tell() {
     let server = Server::start().await;
     let description = Description::of(&server).await;
-    let mut settings: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    let method = description.component("schemas", "Method");
-    let objects = method["oneOf"].as_array().unwrap().iter();
-    for alternative in objects.filter(|it| it["type"] == "object") {
-        let fields = alternative["properties"].as_object().unwrap();
-        let kind = fields["kind"]["const"].as_str().unwrap().to_owned();
-        let names = fields.keys().filter(|name| *name != "kind").cloned();
-        settings.entry(kind).or_default().extend(names);
-    }
+    let schema = description.component("schemas", "Method");
+    let fields = schema["properties"].as_object().unwrap();
     let capabilities = server.json("/v1/capabilities").await;
-    let methods = capabilities["methods"].as_array().unwrap();
-    assert_eq!(methods.len(), settings.len());
-    for method in methods {
-        let names = method["settings"].as_array().unwrap().iter();
-        let names = names
-            .map(|name| name.as_str().unwrap().to_owned())
-            .collect();
-        assert_eq!(
-            settings[method["kind"].as_str().unwrap()],
-            names,
-            "{method}"
-        );
+    let mut told = BTreeSet::from(["kind"]);
+    for method in capabilities["methods"].as_array().unwrap() {
+        let kind = method["kind"].as_str().unwrap();
+        let meaning = schema["description"].as_str().unwrap();
+        assert!(meaning.contains(&format!("- `{kind}`: ")), "{meaning}");
+        for name in method["settings"].as_array().unwrap() {
+            let name = name.as_str().unwrap();
+            let setting = fields[name]["description"].as_str().unwrap();
+            assert!(
+                setting.ends_with(&format!("Only with `{kind}`.")),
+                "{setting}"
+            );
+            told.insert(name);
+        }
     }
+    assert_eq!(told, fields.keys().map(String::as_str).collect());
 }
 
 /// The reference is built from this server alone, and says so to browsers.

@@ -21,6 +21,17 @@ STREAMS = ["text/event-stream", "application/x-ndjson"]
 
 
 @schemathesis.hook
+def before_load_schema(context, raw_schema):
+    """A stream is described as text, which it is for clients; here each of its events is looked at."""
+    for resource in raw_schema["paths"].values():
+        for operation in resource.values():
+            for answer in operation["responses"].values():
+                for content in answer.get("content", {}).values():
+                    if "x-itemSchema" in content:
+                        content["schema"] = content.pop("x-itemSchema")
+
+
+@schemathesis.hook
 def before_call(context, case, kwargs):
     if case.meta is None:
         return

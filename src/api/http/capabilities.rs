@@ -13,6 +13,7 @@ use crate::api::json::numbers::MAX_DIMENSION;
 use crate::api::json::request::basis::BasisKind;
 use crate::api::json::request::method::Kind as MethodKind;
 use crate::api::json::request::schema::settings;
+use crate::api::json::schema::plain::never_null;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::api::proto::messages::fitting_service_server::FittingServiceServer;
 use crate::config::Config;
@@ -62,6 +63,7 @@ pub struct Capabilities {
 
 /// A basis.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(extend("examples" = [{"kind": "bernstein", "degree": {"min": 1, "max": 1000}, "closed": false}]))]
 struct BasisCapability {
     /// Its kind.
@@ -111,7 +113,7 @@ struct MethodCapability {
     #[schemars(with = "MethodKind")]
     kind: &'static str,
     /// Its settings.
-    settings: Vec<&'static str>,
+    settings: Names,
     /// Whether it fits surfaces.
     surface: bool,
     /// Whether it fits in homogeneous coordinates.

@@ -115,9 +115,25 @@ impl<T: JsonSchema> JsonSchema for PerDirection<T> {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let one = generator.subschema_for::<T>();
-        json_schema!({"anyOf": [one, generator.subschema_for::<Pair<T>>()]})
+        let mut choices = one_of(T::json_schema(generator), generator.subschema_for::<T>());
+        choices.push(generator.subschema_for::<Pair<T>>().to_value());
+        json_schema!({"oneOf": choices})
     }
+}
+
+/// The choices of a schema. Generators of clients understand a reference to an object among the choices
+/// of another schema, but no reference to what is a choice itself, a list or a name.
+fn one_of(mut schema: Schema, reference: Schema) -> Vec<Value> {
+    if let Some(Value::Array(choices)) = schema.get("oneOf") {
+        return choices.clone();
+    }
+    if schema.get("properties").is_some() {
+        return vec![reference.to_value()];
+    }
+    for about in ["description", "examples"] {
+        schema.remove(about);
+    }
+    vec![schema.to_value()]
 }
 
 /// The schema of a value for each direction, under a name of its own: generated clients have a type

@@ -88,6 +88,7 @@ schema_of!(StreamSpec, "StreamDefaults", generator => json_schema!({
             "description": "Only iterations that are multiples of this number, and the last.",
             "type": ["integer", "null"],
             "minimum": 1,
+            "maximum": u64::MAX,
             "default": 1,
         },
         "milestones": {
@@ -123,7 +124,7 @@ schema_of!(
     "Samples",
     json_schema!({
         "description": "A number of samples for a curve, \"rows x columns\" for a surface: at least 2 in each direction and 1,000,000 in all. Without it 200, or 40x40.",
-        "anyOf": [
+        "oneOf": [
             {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
             {"type": "string", "pattern": SAMPLE_GRID},
         ],

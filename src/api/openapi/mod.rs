@@ -5,10 +5,8 @@
 //! - [`resources`]: routes with their descriptions;
 //! - [`operation`]: what one method of a resource does; `operations`: all of them;
 //! - `parameters`: query parameters and headers;
-//! - [`formats`]: the widths of numbers, for clients in typed languages;
 //! - [`page`]: the reference.
 
-mod formats;
 pub mod operation;
 pub mod operations;
 pub mod page;
@@ -29,6 +27,7 @@ use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, Index, ProblemTypes};
 use crate::api::json::request::edit::EditRequest;
 use crate::api::json::request::job::JobRequest;
+use crate::api::json::schema::plain::simplify;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
 use crate::api::json::view::level::FitResult;
@@ -83,8 +82,8 @@ fn document(paths: Map<String, Value>) -> Value {
         "links": links(),
         "examples": problem_examples(),
     });
-    formats::tell(&mut paths);
-    formats::tell(&mut components);
+    simplify(&mut paths);
+    simplify(&mut components);
     let tags = Tag::ALL.map(|(tag, text)| json!({"name": tag.name(), "description": text}));
     json!({
         "openapi": "3.1.1",

@@ -6,7 +6,6 @@ use super::operation::schema_of;
 use super::page;
 use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
-use crate::api::json::stream::SAMPLE_GRID;
 use crate::api::order::LONGEST_KEY;
 use crate::api::whole::LARGEST;
 use crate::export::Format;
@@ -51,7 +50,7 @@ fn parameter(place: &str, name: &str, description: &str, schema: Value, example:
 }
 
 fn paths() -> Vec<Value> {
-    let iteration = json!({"anyOf": [
+    let iteration = json!({"oneOf": [
         {"type": "integer", "minimum": 0, "maximum": LARGEST},
         {"type": "string", "const": "last"},
     ]});
@@ -129,10 +128,7 @@ fn views() -> Vec<Value> {
         query(
             "samples",
             "How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, svg and csv files.",
-            json!({"anyOf": [
-                {"type": "integer", "minimum": 2, "maximum": 1_000_000},
-                {"type": "string", "pattern": SAMPLE_GRID},
-            ]}),
+            json!({"type": "string", "pattern": "^[1-9][0-9]{0,6}(x[1-9][0-9]{0,5})?$"}),
             json!("200"),
         ),
         query(

@@ -11,10 +11,12 @@ use serde::Serialize;
 
 use super::json::view::examples;
 use super::short;
+use crate::api::json::schema::plain::never_null;
 pub use kind::{Entry, Kind};
 
 /// One thing that is wrong. It names its place in one way.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(extend("examples" = [{"pointer": "/curve/points/2", "detail": "point 2 equals point 1"}]))]
 pub struct FieldError {
     /// A JSON pointer (RFC 6901) into the body.
@@ -78,6 +80,7 @@ pub struct Problem {
 
 /// What is wrong (RFC 9457).
 #[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(rename = "Problem", example = examples::problem())]
 pub struct ProblemBody {
     /// The kind of problem; the server explains it there.

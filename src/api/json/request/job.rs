@@ -22,10 +22,11 @@ use crate::model::stream::StreamSpec;
 
 pub(super) const LONGEST_NAME: usize = LONGEST_TEXT;
 
-/// A fit of a curve or of a surface. Fields that are not known are refused.
+/// A fit of a curve or of a surface: one of `curve` and `surface` is given. Fields that are not known are
+/// refused.
 #[derive(Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-#[schemars(transform = schema::job, example = schema::example_job())]
+#[schemars(example = schema::example_job())]
 pub struct JobRequest {
     /// A name for people. Answers and files repeat it.
     #[schemars(length(max = LONGEST_NAME), example = &"wing section")]

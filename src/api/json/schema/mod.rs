@@ -1,13 +1,14 @@
-//! What JSON clients may send, as JSON schemas for the description of the API.
+//! What JSON clients may send, as JSON schemas for the description of the API. Those of answers are
+//! beside the answers.
 //!
 //! Schemas of types with derived readers are derived, too. Where a reader is written by hand so is
 //! its schema.
 //!
-//! - [`alternatives`]: objects whose fields depend on one of them;
+//! - [`plain`]: what generators of clients understand;
 //! - `numbers`: points, weights and numbers.
 
-pub mod alternatives;
 pub mod numbers;
+pub mod plain;
 
 use schemars::{Schema, json_schema};
 

@@ -30,17 +30,27 @@ schema_of!(PointList, "Points", generator => json_schema!({
     "examples": [[[0, 0], [1, 2], [3, 1], [4, 3]]],
 }));
 
-schema_of!(PointGrid, "PointGrid", generator => json_schema!({
-    "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.",
-    "type": "array",
-    "items": {
+schema_of!(
+    PointGrid,
+    "PointGrid",
+    json_schema!({
+        "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.",
         "type": "array",
-        "items": {"anyOf": [generator.subschema_for::<Point>(), {"type": "null"}]},
+        "items": {
+            "type": "array",
+            // A point as above: generators of clients do not understand a list that is a choice of a reference.
+            "items": {
+                "type": ["array", "null"],
+                "items": {"type": "number"},
+                "minItems": 1,
+                "maxItems": MAX_DIMENSION,
+            },
+            "minItems": 2,
+        },
         "minItems": 2,
-    },
-    "minItems": 2,
-    "examples": [[[[0, 0, 0], [0, 1, 1]], [[1, 0, 1], [1, 1, 0]]]],
-}));
+        "examples": [[[[0, 0, 0], [0, 1, 1]], [[1, 0, 1], [1, 1, 0]]]],
+    })
+);
 
 /// Weights of a curve, or of a direction.
 pub enum Weights {}
@@ -64,7 +74,7 @@ schema_of!(SurfaceWeights, "SurfaceWeights", generator => {
     let line = generator.subschema_for::<Weights>();
     json_schema!({
         "description": "Rows of weights, one for each data point, or weights of both directions whose products they are.",
-        "anyOf": [
+        "oneOf": [
             {"title": "Rows", "type": "array", "items": line, "minItems": 2},
             generator.subschema_for::<Pair<Weights>>(),
         ],

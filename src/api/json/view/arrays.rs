@@ -62,7 +62,7 @@ schema_of!(
     "NumberArray",
     json_schema!({
         "description": "Numbers as a list, or in base64.",
-        "anyOf": [numbers(), binary()],
+        "oneOf": [numbers(), binary()],
         "examples": [[0, 0.5, 1]],
     })
 );
@@ -72,7 +72,7 @@ schema_of!(
     "KnotArray",
     json_schema!({
         "description": "Knots as a list, or in base64; null for the Ball bases, which have none.",
-        "anyOf": [numbers(), binary(), {"type": "null"}],
+        "oneOf": [numbers(), binary(), {"type": "null"}],
         "examples": [[0, 0, 0, 0, 1, 2, 3, 3, 3, 3]],
     })
 );

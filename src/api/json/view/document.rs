@@ -18,11 +18,9 @@ use crate::job::content::Content;
 /// Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize)]
 #[schemars(example = Self::Base64)]
-pub enum BinaryEncoding {
-    /// Of 64 bits.
+pub(super) enum BinaryEncoding {
     #[serde(rename = "base64")]
     Base64,
-    /// Of 32 bits.
     #[serde(rename = "base64_f32")]
     Base64F32,
 }
@@ -96,7 +94,7 @@ impl Document {
     }
 
     /// How the arrays so far are written, if they are binary.
-    pub fn encoding(&self) -> Option<BinaryEncoding> {
+    pub(super) fn encoding(&self) -> Option<BinaryEncoding> {
         match self.digits {
             Digits::Decimal(_) | Digits::Raw => None,
             Digits::Base64 => Some(BinaryEncoding::Base64),

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::examples;
 use crate::api::json::request::method::Index;
+use crate::api::json::schema::plain::never_null;
 use crate::fit::method::Method;
 use crate::fit::norms;
 use crate::fit::problem::Problem;
@@ -40,6 +41,7 @@ impl From<&Outline> for Arrangement {
 
 /// Distances from the data points; of local fits from the adjusted ones. Null where a distance is infinite.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(example = examples::error())]
 pub struct FitError {
     /// The largest distance.

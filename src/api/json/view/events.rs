@@ -20,6 +20,7 @@ use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
 use crate::api::json::request::basis::BasisKind;
 use crate::api::json::request::weights::RationalRequest;
+use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::ProblemBody;
 use crate::fit::problem::Problem;
@@ -29,7 +30,7 @@ use crate::job::state::{Levels, Reason, State, Status};
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
 #[derive(Serialize, JsonSchema)]
-#[schemars(example = examples::job_event())]
+#[schemars(transform = never_null, example = examples::job_event())]
 pub struct JobEvent<'a> {
     /// The id of the job.
     id: Uuid,
@@ -116,6 +117,7 @@ pub fn description(
 
 /// The data of the `end` event.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(example = examples::end())]
 pub struct EndEvent {
     /// The final state.
@@ -174,9 +176,12 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
 /// A server-sent event.
 pub enum ServerSentEvent {}
 
-schema_of!(
-    ServerSentEvent,
-    "ServerSentEvent",
+schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
+    let data = [
+        generator.subschema_for::<JobEvent<'_>>(),
+        generator.subschema_for::<IterationEvent>(),
+        generator.subschema_for::<EndEvent>(),
+    ];
     json_schema!({
         "description": "The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. Comments keep quiet streams open.",
         "type": "object",
@@ -187,12 +192,13 @@ schema_of!(
                 "description": "What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
                 "type": "string",
                 "contentMediaType": "application/json",
+                "contentSchema": {"anyOf": data},
             },
         },
         "required": ["event", "data"],
         "examples": [{"event": "iteration", "id": "1", "data": "{\"iteration\":1,\"error\":{…},\"moved\":4,\"control_points\":[…]}"}],
     })
-);
+});
 
 /// An event as a line of JSON.
 pub enum EventLine {}

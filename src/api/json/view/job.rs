@@ -11,6 +11,7 @@ use super::warning::Warning;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
 use crate::api::json::request::method::{Kind, StartRequest, VariantRequest};
+use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
 use crate::fit::method::{Adaptive, Extended, Local, Method, Start, Variant, Weighted};
@@ -23,6 +24,7 @@ use crate::model::stream::StreamSpec;
 
 /// A fit as it stands.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(rename = "Job", example = examples::job())]
 pub struct JobView<'a> {
     /// Its id; ids grow with time.
@@ -134,16 +136,14 @@ pub struct JobPage<'a> {
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "GeometryKind", example = Self::Curve)]
-pub enum Geometry {
-    /// A curve.
+pub(in crate::api) enum Geometry {
     Curve,
-    /// A surface.
     Surface,
 }
 
 impl Geometry {
     /// What a job fits.
-    pub fn of(outline: &Outline) -> Self {
+    pub(super) fn of(outline: &Outline) -> Self {
         if outline.surface {
             Self::Surface
         } else {
@@ -164,27 +164,32 @@ pub struct AppliedMethod {
     omega: Option<Option<f64>>,
     /// Local: how many control points may move.
     #[serde(skip_serializing_if = "Option::is_none")]
-    adjusted: Option<Option<usize>>,
+    #[schemars(with = "usize")]
+    adjusted: Option<usize>,
     /// Local: whether rows are swept one after the other.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "bool")]
     row_by_row: Option<bool>,
     /// Adaptive: the distance beyond which control points move.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
     threshold: Option<f64>,
     /// Extended: what iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<StartRequest>")]
+    #[schemars(with = "StartRequest")]
     start: Option<&'static str>,
     /// Least squares: the number of control points.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "PerDirection<Count>")]
     control_points: Option<PerDirection<Count>>,
     /// Least squares: the step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<VariantRequest>")]
+    #[schemars(with = "VariantRequest")]
     variant: Option<&'static str>,
     /// The least eigenvalue of the collocation matrix, where it is known; of local fits of few points
     /// that of their block.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
     lambda_min: Option<f64>,
 }
 
@@ -198,7 +203,7 @@ impl AppliedMethod {
                 ..Self::default()
             },
             &Method::Local(Local { row_by_row }) => Self {
-                adjusted: Some(outline.adjusted),
+                adjusted: outline.adjusted,
                 row_by_row: Some(row_by_row),
                 ..Self::default()
             },

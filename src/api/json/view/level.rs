@@ -19,6 +19,7 @@ use crate::api::json::per_direction::{Pair, PerDirection};
 use crate::api::json::read::values::Count;
 use crate::api::json::request::basis::BasisKind;
 use crate::api::json::request::weights::RationalRequest;
+use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::stream::form::{self, Encoding, Form, View};
 use crate::fit::direction::Direction;
@@ -35,6 +36,7 @@ use crate::job::state::{State, Status};
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(example = examples::iteration())]
 pub struct IterationEvent {
     /// The smallest milestone that this iteration is the first to reach; with `milestones`.
@@ -351,6 +353,7 @@ pub(super) fn rational(problem: &Problem) -> Option<&'static str> {
 
 /// The final curve or surface: geometry that can be read without anything else.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(example = examples::result())]
 pub struct FitResult<'a> {
     /// The id of the job.
