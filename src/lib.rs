@@ -20,7 +20,8 @@
 //! - [`model`] — what clients ask for, typed and without a wire;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
-//! - [`server`] — binds them together: [`server::serve`].
+//! - [`server`] — binds them together: [`server::serve`];
+//! - [`trim`] — gives memory back that nobody uses any more.
 
 pub mod api;
 pub mod config;
@@ -29,3 +30,4 @@ pub mod fit;
 pub mod job;
 pub mod model;
 pub mod server;
+pub mod trim;

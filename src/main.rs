@@ -7,11 +7,12 @@ use clap::Parser;
 use piad::config::{Cli, Command, Config, LogFormat};
 use piad::server;
 use piad::server::listen::Listen;
+use piad::trim;
 use tracing::{error, info};
 use tracing_subscriber::EnvFilter;
 
 /// Frames of long curves come and go by the megabyte on all threads, which leaves the allocator of the
-/// C library with several times the memory that is in use.
+/// C library with several times the memory that is in use. What this one keeps is seen to by [`trim`].
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
@@ -37,6 +38,7 @@ async fn serve(config: Config) -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    tokio::spawn(trim::network());
     match server::serve(listeners, config, server::interrupted()).await {
         Ok(()) => {
             info!("stopped");

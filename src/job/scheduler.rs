@@ -15,10 +15,12 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use parking_lot::{Condvar, Mutex};
+use parking_lot::{Condvar, Mutex, MutexGuard};
 use thiserror::Error;
 use tokio::sync::oneshot;
 use tracing::error;
+
+use crate::trim;
 
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);
@@ -222,8 +224,10 @@ impl Queue {
         }
     }
 
+    /// The next work, as soon as there is some. A thread that waits for it is trimmed meanwhile.
     fn pop(&self, lane: Lane) -> Option<Arc<dyn Work>> {
         let mut state = self.state.lock();
+        let mut rounds = trim::ROUNDS;
         loop {
             if state.closed {
                 return None;
@@ -231,7 +235,12 @@ impl Queue {
             if let Some(work) = state.next(lane) {
                 return Some(work);
             }
-            self.filled.wait(&mut state);
+            if rounds == 0 {
+                self.filled.wait(&mut state);
+            } else if self.filled.wait_for(&mut state, trim::PAUSE).timed_out() {
+                MutexGuard::unlocked(&mut state, trim::this_thread);
+                rounds -= 1;
+            }
         }
     }
 

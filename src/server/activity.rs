@@ -5,6 +5,8 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 use tokio::time::{Duration, Instant, sleep, sleep_until};
 
+use crate::trim;
+
 /// How long connections may do nothing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Times {
@@ -162,6 +164,8 @@ impl Drop for OpenRequest {
         let mut state = self.0.0.lock();
         state.open -= 1;
         state.idle = Instant::now();
+        drop(state);
+        trim::soon();
     }
 }
 

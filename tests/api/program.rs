@@ -138,6 +138,10 @@ impl Program {
         self.client.post(format!("http://{}{path}", self.address))
     }
 
+    pub fn delete(&self, path: &str) -> RequestBuilder {
+        self.client.delete(format!("http://{}{path}", self.address))
+    }
+
     pub async fn json(&self, path: &str) -> Value {
         let response = self.get(path).send().await.unwrap();
         assert_eq!(response.status(), 200, "{path}");

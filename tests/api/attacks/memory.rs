@@ -240,3 +240,46 @@ async fn samples_are_evaluated_as_they_are_sent() {
     }
     check(&program, 128 * MIB);
 }
+
+/// The memory of a server with nothing to do comes down to a bound in this time.
+async fn settles(program: &Program, bound: usize) {
+    let end = Instant::now() + Duration::from_secs(5);
+    while program.memory() >= bound {
+        let (now, bound) = (program.memory() / MIB, bound / MIB);
+        assert!(Instant::now() < end, "{now} MiB, bound {bound} MiB");
+        sleep(Duration::from_millis(100)).await;
+    }
+}
+
+/// Jobs that have gone leave nothing in the threads that worked for them: neither a large one, nor
+/// many of all sizes.
+#[tokio::test]
+async fn memory_goes_back_when_nothing_happens() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::start(directory.path());
+    let job = |count| json!({"curve": {"points": spiral(count)}, "stop": {"max_iterations": 20}});
+    fitted(&program, &job(12)).await;
+    let idle = program.memory();
+
+    let large = fitted(&program, &job(400_000)).await;
+    assert!(program.most_memory() > idle + 64 * MIB, "it is not large");
+    program.delete(&large).send().await.unwrap();
+    settles(&program, idle + 32 * MIB).await;
+
+    let one = async |count| {
+        let path = fitted(&program, &job(count)).await;
+        for file in [
+            "iterations/3?encoding=base64",
+            "result",
+            "result?format=step",
+        ] {
+            length(&program, &format!("{path}/{file}")).await;
+        }
+        program.delete(&path).send().await.unwrap();
+    };
+    for count in 1..=12 {
+        join_all([200, 1000, 3500].map(|size| one(count * size))).await;
+    }
+    settles(&program, idle + 48 * MIB).await;
+}

@@ -88,8 +88,7 @@ async fn set_ups_delay_nobody_and_are_cancelled_at_once() {
         assert_eq!(state, "cancelled");
     }
     for job in &jobs[4..] {
-        let url = format!("http://{}{}", program.address, base(job));
-        let answer = program.client.delete(url).send().await.unwrap();
+        let answer = program.delete(base(job)).send().await.unwrap();
         assert_eq!(answer.status(), 204);
     }
     assert!(begin.elapsed() < SOON, "{:?}", begin.elapsed());
