@@ -15,12 +15,9 @@ use super::memory_file::MemoryFile;
 use super::panics;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
-/// Bytes of the file that are kept in memory. Most jobs are read once.
+/// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
+/// of a commit; pages that do not fit in are written first and read again for their checksums.
 const CACHE: usize = 32 << 20;
-
-/// The same of a file that is in memory itself: what is copied anew for each read are small pages that
-/// lead to the others.
-const CACHE_IN_MEMORY: usize = 4 << 20;
 
 /// What a file in memory is called.
 const MEMORY: &str = ":memory:";
@@ -107,7 +104,7 @@ pub(super) fn make_in_memory(file: &MemoryFile) -> Result<Database, OpenError> {
 
 fn open_memory(file: &MemoryFile) -> Result<Database, redb::Error> {
     let mut builder = Database::builder();
-    builder.set_cache_size(CACHE_IN_MEMORY);
+    builder.set_cache_size(CACHE);
     Ok(builder.create_with_backend(file.clone())?)
 }
 
