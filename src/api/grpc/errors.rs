@@ -6,7 +6,7 @@ use std::time::Duration;
 use tonic::{Code, Status};
 use tonic_types::{ErrorDetails, FieldViolation, StatusExt};
 
-use crate::api::problem::{Kind, Problem};
+use crate::api::problem::{Kind, Place, Problem};
 use crate::api::proto::fields;
 use crate::job::service::refused::Refused;
 use crate::job::store::StoreError;
@@ -55,9 +55,9 @@ impl From<Problem> for Status {
         let violations: Vec<_> = problem
             .errors()
             .iter()
-            .filter_map(|error| {
-                let field = error.field.as_ref()?;
-                Some(FieldViolation::new(field, &error.detail))
+            .filter_map(|error| match &error.place {
+                Place::Field(field) => Some(FieldViolation::new(field, &error.detail)),
+                _ => None,
             })
             .take_while(|violation| {
                 let length = violation.field.len() + violation.description.len();

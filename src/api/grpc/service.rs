@@ -12,10 +12,10 @@ use uuid::Uuid;
 use crate::api::app::App;
 use crate::api::language::{Framing, Language};
 use crate::api::order::{self, Order};
-use crate::api::problem::{Kind, Problem};
+use crate::api::problem::{Kind, Place, Problem};
 use crate::api::proto::messages as pb;
 use crate::api::proto::messages::fitting_service_server::FittingService;
-use crate::api::proto::{edit, names, request, stream as stream_of, view};
+use crate::api::proto::{edit, fields, names, request, stream as stream_of, view};
 use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
@@ -153,9 +153,9 @@ fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Pr
     // The choices are fields of the request itself.
     form.map_err(|mistake| {
         let mut problem = Problem::from(mistake);
-        problem.name_fields(|error| {
-            let parameter = error.parameter.as_deref()?;
-            Some(crate::api::proto::fields::option(parameter).to_owned())
+        problem.name_fields(|place| match place {
+            Place::Parameter(name) => Some(fields::option(name).to_owned()),
+            _ => None,
         });
         problem
     })

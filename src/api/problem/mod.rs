@@ -1,9 +1,11 @@
 //! Errors, as HTTP says them in problem objects (RFC 9457) and gRPC in statuses.
 //!
-//! - [`kind`]: the kinds of problems, and what to do about them;
+//! - [`kind`]: the kinds of problems, and what to do about them; [`field_error`]: single things that are
+//!   wrong;
 //! - `causes`: what went wrong further down, as a problem.
 
 mod causes;
+mod field_error;
 mod kind;
 
 use schemars::JsonSchema;
@@ -12,62 +14,9 @@ use serde::Serialize;
 use super::json::view::examples;
 use super::short;
 use crate::api::json::schema::plain::never_null;
+use field_error::LONGEST_DETAIL;
+pub use field_error::{FieldError, Place};
 pub use kind::{Entry, Kind};
-
-/// One thing that is wrong. It names its place in one way.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-#[schemars(transform = never_null)]
-#[schemars(extend("examples" = [{"pointer": "/curve/points/2", "detail": "point 2 equals point 1"}]))]
-pub struct FieldError {
-    /// A JSON pointer (RFC 6901) into the body.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("format" = "json-pointer"))]
-    pub pointer: Option<String>,
-    /// The query parameter.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub parameter: Option<String>,
-    /// The header.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub header: Option<&'static str>,
-    /// The path of a field of a protobuf message, such as `curve.points[34]`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub field: Option<String>,
-    /// Why it is wrong.
-    pub detail: String,
-}
-
-/// The most characters of a detail. What clients have written is repeated in part already; this is
-/// for what nobody has thought of.
-const LONGEST_DETAIL: usize = 1000;
-
-/// The most characters of a place.
-const LONGEST_PLACE: usize = 300;
-
-impl FieldError {
-    /// What is wrong, wherever that is.
-    fn new(detail: &str) -> Self {
-        Self {
-            pointer: None,
-            parameter: None,
-            header: None,
-            field: None,
-            detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
-        }
-    }
-
-    /// Where and what.
-    fn told(&self) -> String {
-        let detail = &self.detail;
-        match (&self.pointer, &self.parameter, self.header, &self.field) {
-            (Some(pointer), ..) if pointer.is_empty() => format!("/: {detail}"),
-            (Some(pointer), ..) => format!("{pointer}: {detail}"),
-            (_, Some(name), ..) => format!("query parameter {name}: {detail}"),
-            (_, _, Some(name), _) => format!("header {name}: {detail}"),
-            (.., Some(field)) if !field.is_empty() => format!("{field}: {detail}"),
-            _ => detail.clone(),
-        }
-    }
-}
 
 /// A problem object.
 #[derive(Clone, Debug)]
@@ -113,17 +62,17 @@ impl Problem {
         }
     }
 
+    /// A problem with what stands at a place.
+    fn at(kind: Kind, place: Place, detail: &str) -> Self {
+        let error = FieldError::new(place, detail);
+        let mut problem = Self::new(kind, error.told());
+        problem.errors.push(error);
+        problem
+    }
+
     /// A problem with a value in the body.
     pub fn at_pointer(kind: Kind, pointer: String, detail: impl Into<String>) -> Self {
-        let detail = detail.into();
-        let pointer = short::cut(&pointer, LONGEST_PLACE).into_owned();
-        let place = if pointer.is_empty() { "/" } else { &pointer };
-        let mut problem = Self::new(kind, format!("{place}: {detail}"));
-        problem.errors.push(FieldError {
-            pointer: Some(pointer),
-            ..FieldError::new(&detail)
-        });
-        problem
+        Self::at(kind, Place::Pointer(pointer), &detail.into())
     }
 
     /// One problem of several, of which the first says what kind it is; none of none.
@@ -141,35 +90,22 @@ impl Problem {
 
     /// A problem with a query parameter.
     pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
-        let (name, detail) = (name.into(), detail.into());
-        let name = short::cut(&name, LONGEST_PLACE).into_owned();
-        let mut problem = Self::new(
-            Kind::InvalidRequest,
-            format!("query parameter {name}: {detail}"),
-        );
-        problem.errors.push(FieldError {
-            parameter: Some(name),
-            ..FieldError::new(&detail)
-        });
-        problem
+        let place = Place::Parameter(name.into());
+        Self::at(Kind::InvalidRequest, place, &detail.into())
     }
 
     /// A problem with a field of a message, of which the path is told.
     pub fn at_field(field: impl Into<String>, detail: impl Into<String>) -> Self {
-        let mut problem = Self::at_pointer(Kind::InvalidFit, String::new(), detail);
-        let field = field.into();
-        problem.name_fields(|_| Some(field.clone()));
-        problem
+        Self::at(Kind::InvalidFit, Place::Field(field.into()), &detail.into())
     }
 
     /// Says of errors which field of a message they are about, where `name` knows it, instead of
     /// where it would be in JSON or in a query.
-    pub fn name_fields(&mut self, name: impl Fn(&FieldError) -> Option<String>) {
+    pub fn name_fields(&mut self, name: impl Fn(&Place) -> Option<String>) {
         let mut named = false;
         for error in &mut self.errors {
-            if let Some(field) = name(error) {
-                error.field = Some(field);
-                (error.pointer, error.parameter) = (None, None);
+            if let Some(field) = name(&error.place) {
+                error.place = Place::Field(field);
                 named = true;
             }
         }
@@ -182,9 +118,10 @@ impl Problem {
 
     /// The same with paths of fields that start further up, at a message with this field.
     pub fn within(mut self, parent: &str) -> Self {
-        self.name_fields(|error| match error.field.as_deref()? {
-            "" => Some(parent.to_owned()),
-            field => Some(format!("{parent}.{field}")),
+        self.name_fields(|place| match place {
+            Place::Field(field) if field.is_empty() => Some(parent.to_owned()),
+            Place::Field(field) => Some(format!("{parent}.{field}")),
+            _ => None,
         });
         self
     }
@@ -211,13 +148,7 @@ impl Problem {
 
     /// A problem with a header.
     pub fn at_header(name: &'static str, detail: impl Into<String>) -> Self {
-        let detail = detail.into();
-        let mut problem = Self::new(Kind::InvalidRequest, format!("header {name}: {detail}"));
-        problem.errors.push(FieldError {
-            header: Some(name),
-            ..FieldError::new(&detail)
-        });
-        problem
+        Self::at(Kind::InvalidRequest, Place::Header(name), &detail.into())
     }
 
     /// The job does not exist.

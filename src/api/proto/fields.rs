@@ -1,7 +1,7 @@
 //! Where in a message an error is: JSON pointers of the model become paths of fields.
 
 use super::messages::{self as pb, job_input::Geometry, method::Kind};
-use crate::api::problem::{FieldError, Problem};
+use crate::api::problem::{Place, Problem};
 
 /// How the arrays of a message are laid out.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +47,10 @@ impl Layout {
 
     /// The problem with fields of the message instead of JSON pointers.
     pub fn name(&self, mut problem: Problem) -> Problem {
-        problem.name_fields(|error| Some(self.field(error.pointer.as_deref()?)));
+        problem.name_fields(|place| match place {
+            Place::Pointer(pointer) => Some(self.field(pointer)),
+            _ => None,
+        });
         problem
     }
 
@@ -125,11 +128,10 @@ pub fn option(name: &str) -> &str {
 
 /// The problem of a call: with choices of its stream as fields of the message.
 pub fn of_call(mut problem: Problem) -> Problem {
-    let name = |error: &FieldError| {
-        let parameter = error.parameter.as_deref()?;
-        Some(format!("stream.{}", option(parameter)))
-    };
-    problem.name_fields(name);
+    problem.name_fields(|place| match place {
+        Place::Parameter(name) => Some(format!("stream.{}", option(name))),
+        _ => None,
+    });
     problem
 }
 

@@ -283,6 +283,7 @@ impl Reading {
 mod tests {
     use super::values::{Count, LONGEST_TEXT};
     use super::*;
+    use crate::api::problem::Place;
 
     #[derive(Debug, PartialEq)]
     struct Thing {
@@ -304,9 +305,12 @@ mod tests {
     fn read(body: &str) -> Result<Thing, Vec<(String, String)>> {
         parse(body.as_bytes(), Limits { points: 3 }).map_err(|problem| {
             let errors = problem.errors().iter();
-            let place = |error: &crate::api::problem::FieldError| error.pointer.clone();
+            let pointer = |place: &Place| match place {
+                Place::Pointer(pointer) => pointer.clone(),
+                _ => String::new(),
+            };
             errors
-                .map(|error| (place(error).unwrap_or_default(), error.detail.clone()))
+                .map(|error| (pointer(&error.place), error.detail.clone()))
                 .collect()
         })
     }

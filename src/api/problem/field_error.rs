@@ -1,0 +1,101 @@
+//! Single things that are wrong, each at its place.
+
+use schemars::json_schema;
+use serde::Serialize;
+
+use crate::api::json::schema::schema_of;
+use crate::api::short;
+
+/// The most characters of a detail. What clients have written is repeated in part already; this is
+/// for what nobody has thought of.
+pub(super) const LONGEST_DETAIL: usize = 1000;
+
+/// The most characters of a place.
+const LONGEST_PLACE: usize = 300;
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, Serialize)]
+pub struct FieldError {
+    /// Where it is wrong: one of the names of [`Place`] with its value.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Why it is wrong.
+    pub detail: String,
+}
+
+/// Where something is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Place {
+    /// At a JSON pointer (RFC 6901) into the body; the empty one is the whole of it.
+    Pointer(String),
+    /// In a query parameter.
+    Parameter(String),
+    /// In a header.
+    Header(&'static str),
+    /// In a field of a protobuf message, such as `curve.points[34]`; the empty one is the message.
+    Field(String),
+}
+
+impl FieldError {
+    /// What is wrong at a place; long texts are cut.
+    pub(super) fn new(place: Place, detail: &str) -> Self {
+        let cut = |text: String| short::cut(&text, LONGEST_PLACE).into_owned();
+        Self {
+            place: match place {
+                Place::Pointer(pointer) => Place::Pointer(cut(pointer)),
+                Place::Parameter(name) => Place::Parameter(cut(name)),
+                place => place,
+            },
+            detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
+        }
+    }
+
+    /// Where and what.
+    pub(super) fn told(&self) -> String {
+        let detail = &self.detail;
+        match &self.place {
+            Place::Pointer(pointer) if pointer.is_empty() => format!("/: {detail}"),
+            Place::Pointer(pointer) => format!("{pointer}: {detail}"),
+            Place::Parameter(name) => format!("query parameter {name}: {detail}"),
+            Place::Header(name) => format!("header {name}: {detail}"),
+            Place::Field(field) if field.is_empty() => detail.clone(),
+            Place::Field(field) => format!("{field}: {detail}"),
+        }
+    }
+}
+
+// One object with a field for each kind of place: generated clients read it without a choice of types.
+schema_of!(
+    FieldError,
+    "FieldError",
+    json_schema!({
+        "type": "object",
+        "properties": {
+            "pointer": {
+                "type": "string",
+                "description": "A JSON pointer (RFC 6901) into the body.",
+                "format": "json-pointer",
+            },
+            "parameter": {
+                "type": "string",
+                "description": "The query parameter.",
+            },
+            "header": {
+                "type": "string",
+                "description": "The header.",
+            },
+            "field": {
+                "type": "string",
+                "description": "The path of a field of a protobuf message, such as `curve.points[34]`.",
+            },
+            "detail": {
+                "type": "string",
+                "description": "Why it is wrong.",
+            },
+        },
+        "required": ["detail"],
+        "description": "One thing that is wrong. It names its place in one way.",
+        "examples": [{"pointer": "/curve/points/2", "detail": "point 2 equals point 1"}],
+    })
+);
