@@ -136,6 +136,10 @@ impl Problem {
     /// What is doubtful about the problem as it is asked for.
     pub fn warnings(&self) -> Vec<Warning> {
         let Request { u, v, .. } = &self.request;
+        // Fewer control points have knots of their own, which are not at the data.
+        if self.method().scheme().control_points().is_some() {
+            return Vec::new();
+        }
         let mut warnings = Warning::of_direction(u, self.u(), Axis::U);
         if let (Some(choice), Some(direction)) = (v, self.v()) {
             warnings.extend(Warning::of_direction(choice, direction, Axis::V));

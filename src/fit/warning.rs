@@ -68,7 +68,7 @@ pub enum Warning {
 const UNCHANGED: f64 = 0.99;
 
 impl Warning {
-    /// What is doubtful about a direction as it is asked for.
+    /// What is doubtful about a direction as it is asked for, with a control point for each data point.
     pub(super) fn of_direction(
         choice: &DirectionChoice,
         direction: &Direction,
@@ -77,9 +77,7 @@ impl Warning {
         let BasisChoice::BSpline { degree, knots } = &choice.basis else {
             return Vec::new();
         };
-        let at_data =
-            matches!(knots, Knots::Usual | Knots::Data) && choice.control_points.is_none();
-        if !at_data || direction.is_closed() {
+        if !matches!(knots, Knots::Usual | Knots::Data) || direction.is_closed() {
             return Vec::new();
         }
         let (degree, count) = (*degree, direction.parameters.len());

@@ -81,6 +81,10 @@ async fn degrees_that_few_points_do_not_deserve_are_warned_of() {
     let averaged = json!({"kind": "bspline", "degree": 4, "knots": "averaged"});
     expect_everywhere(&server, &curve(9, &averaged), &[]).await;
     expect_everywhere(&server, &curve(9, &json!({"kind": "bernstein"})), &[]).await;
+    // Nor are the knots of fewer control points at the data (Piegl & Tiller (9.68)).
+    let mut fewer = curve(9, &degree(4));
+    fewer["method"] = json!({"kind": "least_squares", "control_points": 6});
+    expect_everywhere(&server, &fewer, &[]).await;
 
     let story = expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
     let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
