@@ -148,17 +148,15 @@ struct Waiting {
 impl QueueState {
     /// On the long lane the work with the fewest multiplications every other time, else the first.
     fn next(&mut self, lane: Lane) -> Option<Arc<dyn Work>> {
-        self.least = !self.least && matches!(lane, Lane::Long(_));
-        let least = || {
-            let waiting = self.waiting.iter().enumerate();
-            waiting.min_by_key(|(_, waiting)| waiting.multiplications)
+        let least = !self.least && matches!(lane, Lane::Long(_));
+        let waiting = self.waiting.iter().enumerate();
+        let place = match least {
+            true => waiting.min_by_key(|(_, it)| it.multiplications)?.0,
+            false => 0,
         };
-        let place = self
-            .least
-            .then(least)
-            .flatten()
-            .map_or(0, |(place, _)| place);
-        self.waiting.remove(place).map(|waiting| waiting.work)
+        let taken = self.waiting.remove(place)?;
+        self.least = least;
+        Some(taken.work)
     }
 }
 
