@@ -195,6 +195,13 @@ async fn jobs_with_a_transform_are_jobs() {
         json!({"curve": {"points": points}, "method": custom(&identity(count))})
     };
     assert_eq!(server.fit(&sine(500)).await["state"], "converged");
+    // What diverges is found out beforehand where that takes no time, and otherwise when it does.
+    let mut diverging = sine(150);
+    diverging["method"] = custom(&diagonal(&[3.0; 150]));
+    let failed = server.fit(&diverging).await;
+    assert_eq!(failed["state"], "failed");
+    let reason = failed["problem"]["detail"].as_str().unwrap();
+    assert!(reason.contains("diverged"), "{reason}");
     let job = server.fit(&sine(100)).await;
     let input = server.json(&format!("{}/input", base(&job))).await;
     assert_eq!(

@@ -10,12 +10,12 @@
 //! solution, Bᵀ/ρ(B Bᵀ) the transpose. On surfaces `U = U_u ⊗ U_v`, with one matrix for both
 //! directions or one for each.
 //!
-//! Fits that certainly diverge are refused ([`stability`] says how that is decided). A singular U,
-//! such as a selection, has `ρ = 1` and is accepted: the fit comes to rest, though not at the data.
+//! Fits of up to 100 points in a direction that certainly diverge are refused ([`stability`] says how
+//! that is decided). A singular U, such as a selection, has `ρ = 1` and is accepted: the fit comes to
+//! rest, though not at the data.
 //!
 //! U is n × n of n control points in a direction, at most [`LARGEST`]. A level of a curve costs n²
-//! multiplications for each coordinate, one of an n × m surface `n m (n + m)`; checking takes
-//! O(n³).
+//! multiplications for each coordinate, one of an n × m surface `n m (n + m)`.
 
 use std::sync::Arc;
 
@@ -45,8 +45,9 @@ pub(super) const ABOUT: About = About {
 /// The most rows and columns of a matrix.
 pub const LARGEST: usize = 500;
 
-/// Up to this number of rows the rate is computed for the forecast; it takes O(n³).
-const FORECAST: usize = 100;
+/// Up to this number of rows all eigenvalues are computed, to refuse what diverges and to forecast the
+/// rate: it takes some milliseconds for 100 rows, and a second for 500, for which nobody else waits.
+const SMALL: usize = 100;
 
 /// The multiplications of finding all eigenvalues of an n × n matrix are about this number times
 /// n³.
@@ -109,6 +110,12 @@ impl Custom {
     }
 }
 
+/// Whether all eigenvalues are computed.
+fn is_small(setup: &Setup) -> bool {
+    let grid = setup.grid();
+    grid.rows.max(grid.columns) <= SMALL
+}
+
 impl Scheme for Custom {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -126,8 +133,12 @@ impl Scheme for Custom {
         }
     }
 
-    /// By all eigenvalues of `U B`, in each direction.
+    /// By all eigenvalues of `U B`, in each direction, where they are few. Larger fits that diverge fail
+    /// when they leave the range of numbers.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
+        if !is_small(setup) {
+            return Ok(());
+        }
         let products = self.products(setup, &Tensor::new(setup));
         match stability::diverging_rate(&products) {
             Some(rate) => Err(Invalid::TransformDiverges { rate }),
@@ -152,20 +163,21 @@ impl Scheme for Custom {
         setup.data().dimension() * grid.count() * (grid.rows + across)
     }
 
-    /// All eigenvalues of `U B`, in each direction.
+    /// All eigenvalues of `U B`, in each direction, where they are computed.
     fn start_cost(&self, setup: &Setup) -> usize {
         let grid = setup.grid();
         let across = setup.v().map_or(0, |_| grid.columns);
-        EIGENVALUES * (grid.rows.pow(3) + across.pow(3))
+        match is_small(setup) {
+            true => EIGENVALUES * (grid.rows.pow(3) + across.pow(3)),
+            false => 0,
+        }
     }
 
     /// The rate of small ones; of others errors are foretold as they fall.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
-        let grid = setup.grid();
-        let small = grid.rows.max(grid.columns) <= FORECAST;
         let rate = || stability::rate(&self.products(setup, collocation));
         Forecast {
-            rate: small.then(rate).flatten(),
+            rate: is_small(setup).then(rate).flatten(),
             ..Forecast::default()
         }
     }
