@@ -51,7 +51,7 @@ pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content
     let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = problem.data().len() * problem.data().dimension();
     let write = move || match language {
-        Language::Json => view::input(owner.outline(), &problem).into(),
+        Language::Json => view::input::input(owner.outline(), &problem).into(),
         Language::Protobuf => proto::input::input(owner.outline(), &problem).into(),
     };
     let content = encode::off_network(job, numbers, write).await?;

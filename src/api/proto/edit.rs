@@ -11,8 +11,9 @@ use super::stream;
 use crate::api::json::numbers::{Coordinates, WeightList};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Number;
-use crate::api::json::request::edit::{EditRequest, IterationRequest, Move};
-use crate::api::json::request::method::Index;
+use crate::api::json::request::edit::{EditRequest, Move};
+use crate::api::json::request::iteration::IterationRequest;
+use crate::api::json::request::settings::Index;
 use crate::api::problem::Problem;
 use crate::job::outline::Outline;
 

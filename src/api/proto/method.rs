@@ -6,8 +6,9 @@ use super::names::{count, known, some};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::{Count, Number};
 use crate::api::json::request::method::{
-    Index, Kind as MethodKind, Matrix, MethodRequest, Omega, StartRequest, VariantRequest,
+    Kind as MethodKind, MethodRequest, StartRequest, VariantRequest,
 };
+use crate::api::json::request::settings::{Index, Matrix, Omega};
 use crate::api::problem::Problem;
 use crate::fit::method::{
     Adaptive, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,

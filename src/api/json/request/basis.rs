@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, json_schema};
 
 use super::invalid::invalid;
 use super::schema;
 use crate::api::json::numbers::RuleOrNumbers;
 use crate::api::json::read::values::Count;
 use crate::api::json::read::{Read, names, object};
+use crate::api::json::schema::schema_of;
 use crate::api::problem::Problem;
 use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
 use crate::fit::direction::BasisChoice;
@@ -27,7 +28,7 @@ pub(in crate::api) struct BasisRequest {
     #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
     pub(in crate::api) degree: Option<Count>,
     /// Where the pieces meet.
-    #[schemars(with = "Option<schema::KnotChoice>")]
+    #[schemars(with = "Option<KnotChoice>")]
     pub(in crate::api) knots: Option<RuleOrNumbers<KnotRule>>,
 }
 
@@ -147,3 +148,51 @@ pub(super) fn parametrization(request: Option<RuleOrNumbers<ParameterRule>>) -> 
         },
     }
 }
+
+/// How data points get their parameters.
+pub(super) enum Parameters {}
+
+schema_of!(
+    Parameters,
+    "ParameterChoice",
+    json_schema!({
+        "description": "How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first.",
+        "oneOf": [
+            {"type": "string", "enum": ParameterRule::NAMES},
+            {"type": "array", "items": {"type": "number"}, "minItems": 2},
+        ],
+        "default": "chord_length",
+        "examples": ["centripetal", [0, 0.2, 0.7, 1]],
+    })
+);
+
+/// The degree of a B-spline that is as usual otherwise.
+pub(super) enum Degree {}
+
+schema_of!(
+    Degree,
+    "Degree",
+    json_schema!({
+        "description": "The degree of a B-spline.",
+        "type": "integer",
+        "minimum": 1,
+        "maximum": MAX_DEGREE,
+        "examples": [3],
+    })
+);
+
+/// Where the pieces of a B-spline meet.
+pub(super) enum KnotChoice {}
+
+schema_of!(
+    KnotChoice,
+    "KnotChoice",
+    json_schema!({
+        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector.",
+        "oneOf": [
+            {"type": "string", "enum": KnotRule::NAMES},
+            {"type": "array", "items": {"type": "number"}, "minItems": 4},
+        ],
+        "examples": ["data", [0, 0, 0, 0, 1, 1, 1, 1]],
+    })
+);

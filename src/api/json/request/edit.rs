@@ -6,19 +6,20 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 
 use super::invalid::invalid;
+use super::iteration::IterationRequest;
 use super::job::{LONGEST_NAME, ValidJob, check_name, fitting_stream};
-use super::method::{Index, MethodRequest};
+use super::method::MethodRequest;
 use super::mistakes::Mistakes;
 use super::schema;
+use super::settings::Index;
 use super::stop::StopRequest;
 use super::weights::{RationalRequest, no_weights, surface_weights};
 use crate::api::json::numbers::{Coordinates, WeightList};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::{Element, Number};
-use crate::api::json::read::{Limits, Numeral, Of, Reader, Reading, object};
+use crate::api::json::read::{Limits, object};
 use crate::api::json::schema::numbers::{NewWeights, Point};
 use crate::api::problem::Problem;
-use crate::api::short::quoted;
 use crate::api::stream::options;
 use crate::config::Config;
 use crate::fit::invalid::{Invalid, Place};
@@ -50,35 +51,6 @@ pub struct EditRequest {
     pub(in crate::api) stop: Option<StopRequest>,
     /// What the event streams are like; without it as those of the parent.
     pub(in crate::api) stream: Option<StreamSpec>,
-}
-
-/// The level of the parent to start from: a number or `"last"`.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::api) struct IterationRequest(pub(in crate::api) Option<usize>);
-
-impl Reader for Of<IterationRequest> {
-    type Value = IterationRequest;
-
-    fn expected(&self) -> String {
-        "the number of an iteration, or \"last\"".to_owned()
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<IterationRequest> {
-        let iteration = value.whole();
-        if iteration.is_none() {
-            at.mismatch(&self.expected(), &value.to_string());
-        }
-        // Too large for this machine is beyond every job.
-        iteration.map(|k| IterationRequest(Some(usize::try_from(k).unwrap_or(usize::MAX))))
-    }
-
-    fn text(self, value: &str, at: &mut Reading) -> Option<IterationRequest> {
-        if value == "last" {
-            return Some(IterationRequest(None));
-        }
-        at.mismatch(&self.expected(), &quoted(value));
-        None
-    }
 }
 
 /// A data point that goes elsewhere, gets another weight, or both.

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 
-use super::basis::{BasisRequest, ParameterRule, basis, parametrization};
+use super::basis::{BasisRequest, Degree, ParameterRule, Parameters, basis, parametrization};
 use super::invalid::invalid;
 use super::mistakes::Mistakes;
 use super::places::Places;
@@ -33,7 +33,7 @@ pub(in crate::api) struct CurveRequest {
     #[schemars(range(min = 1, max = MAX_DEGREE))]
     pub(in crate::api) degree: Option<Count>,
     /// The parameters of the data points; without them `chord_length`.
-    #[schemars(with = "Option<schema::Parameters>")]
+    #[schemars(with = "Option<Parameters>")]
     pub(in crate::api) parameters: Option<RuleOrNumbers<ParameterRule>>,
     /// Weights of the data points, for a rational curve.
     #[schemars(with = "Option<CurveWeights>")]
@@ -54,10 +54,10 @@ pub(in crate::api) struct SurfaceRequest {
     /// The bases; without them cubic B-splines.
     pub(in crate::api) basis: Option<PerDirection<BasisRequest>>,
     /// Short for B-splines of this degree, instead of `basis`.
-    #[schemars(with = "Option<PerDirection<schema::Degree>>")]
+    #[schemars(with = "Option<PerDirection<Degree>>")]
     pub(in crate::api) degree: Option<PerDirection<Count>>,
     /// The parameters of the data points; without them `chord_length`.
-    #[schemars(with = "Option<PerDirection<schema::Parameters>>")]
+    #[schemars(with = "Option<PerDirection<Parameters>>")]
     pub(in crate::api) parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
     /// Weights of the data points, for a rational surface.
     #[schemars(with = "Option<SurfaceWeights>")]

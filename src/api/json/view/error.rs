@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
 
 use super::examples;
-use crate::api::json::request::method::Index;
+use crate::api::json::request::settings::Index;
 use crate::api::json::schema::plain::never_null;
 use crate::fit::method::Method;
 use crate::fit::norms;

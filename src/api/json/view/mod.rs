@@ -6,7 +6,7 @@
 //! - [`job`]: jobs as resources; [`events`]: what streams say first and last; [`level`]: iterations and results;
 //!   [`limit`]: the limit of local fits;
 //! - [`error`]: distances from the data; [`warning`]: what is doubtful about a job;
-//! - `input`: a job as it was asked for;
+//! - [`input`](mod@input): a job as it was asked for;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
 //! - [`decimal`]: numbers with as many digits as they deserve;
 //! - [`examples`]: what descriptions show.
@@ -17,7 +17,7 @@ pub mod document;
 pub mod error;
 pub mod events;
 pub mod examples;
-mod input;
+pub mod input;
 pub mod job;
 pub mod level;
 pub mod limit;
@@ -27,8 +27,6 @@ pub mod writer;
 
 use bytes::Bytes;
 use serde::Serialize;
-
-pub use input::input;
 
 /// A value as bytes of JSON. The values of this module always have a JSON form.
 pub fn to_bytes(value: &impl Serialize) -> Bytes {

@@ -1,0 +1,234 @@
+//! The JSON of settings that are more than a number or a name: a relaxation, a matrix, the index of a
+//! point.
+
+use schemars::json_schema;
+use serde::de::SeqAccess;
+
+use crate::api::json::per_direction::Pair;
+use crate::api::json::read::values::{Count, Element, Number};
+use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading};
+use crate::api::json::schema::schema_of;
+use crate::api::short::quoted;
+use crate::fit::method::LARGEST;
+use crate::fit::points::Grid;
+
+/// The relaxation of weighted PIA: a number or `"auto"`.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::api) enum Omega {
+    Auto,
+    Given(f64),
+}
+
+impl Reader for Of<Omega> {
+    type Value = Omega;
+
+    fn expected(&self) -> String {
+        "a number between 0 and 2, or \"auto\"".to_owned()
+    }
+
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<Omega> {
+        Some(Omega::Given(value.real()))
+    }
+
+    fn text(self, value: &str, at: &mut Reading) -> Option<Omega> {
+        if value == "auto" {
+            return Some(Omega::Auto);
+        }
+        at.mismatch(&self.expected(), &quoted(value));
+        None
+    }
+}
+
+/// The rows of a matrix.
+#[derive(Clone, Debug)]
+pub(in crate::api) struct Matrix(pub(in crate::api) Vec<Vec<f64>>);
+
+impl Reader for Of<Matrix> {
+    type Value = Matrix;
+
+    fn expected(&self) -> String {
+        "a matrix, [[a, b], [c, d]]".to_owned()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Matrix>, A::Error> {
+        let mut rows = Vec::new();
+        let most = Most::of(LARGEST, "rows");
+        let whole = at.elements(
+            list,
+            most,
+            || RowReader,
+            |row, _| {
+                rows.push(row);
+                Some(())
+            },
+        )?;
+        Ok(whole.then_some(Matrix(rows)))
+    }
+}
+
+/// Reads a row of a matrix.
+struct RowReader;
+
+impl Reader for RowReader {
+    type Value = Vec<f64>;
+
+    fn expected(&self) -> String {
+        "a row of numbers".to_owned()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Vec<f64>>, A::Error> {
+        let mut row = Vec::new();
+        let most = Most::of(LARGEST, "entries");
+        let whole = at.elements(list, most, Number::reader, |Number(entry), _| {
+            row.push(entry);
+            Some(())
+        })?;
+        Ok(whole.then_some(row))
+    }
+}
+
+/// The index of a point: of a curve `i`, of a surface `[row, column]`.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::api) enum Index {
+    Single(usize),
+    Pair(usize, usize),
+    /// `row · columns + column` on surfaces: how messages number points.
+    Flat(usize),
+}
+
+impl Index {
+    /// The index in the list of all points, row by row. Whether a point of a curve exists is
+    /// checked with the problem.
+    pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
+        match (self, surface) {
+            (Self::Single(i), false) => Ok(i),
+            (Self::Flat(i), _) if i < grid.count() => Ok(i),
+            (Self::Flat(i), _) => Err(format!("{i} is not one of the {} points", grid.count())),
+            (Self::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
+                Ok(i * grid.columns + j)
+            }
+            (Self::Pair(i, j), true) => {
+                let Grid { rows, columns } = grid;
+                Err(format!(
+                    "[{i}, {j}] lies outside the {rows} rows and {columns} columns"
+                ))
+            }
+            (Self::Pair(..), false) => Err("the points of a curve have single indices".to_owned()),
+            (Self::Single(_), true) => {
+                Err("the points of a surface have indices [row, column]".to_owned())
+            }
+        }
+    }
+}
+
+impl Element for Index {
+    const MANY: &'static str = "indices";
+
+    fn most(limits: Limits) -> usize {
+        limits.points
+    }
+}
+
+impl Reader for Of<Index> {
+    type Value = Index;
+
+    fn expected(&self) -> String {
+        "the index of a point, or [row, column]".to_owned()
+    }
+
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<Index> {
+        let index = value.whole();
+        if index.is_none() {
+            at.mismatch(&self.expected(), &value.to_string());
+        }
+        // Too large for this machine is too large for any list of points.
+        index.map(|index| Index::Single(usize::try_from(index).unwrap_or(usize::MAX)))
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Index>, A::Error> {
+        let (mut row, mut column, mut more) = (None, None, false);
+        let whole = at.elements(list, Most::any(), Count::reader, |Count(k), _| {
+            more = column.is_some();
+            (row, column) = (row.or(Some(k)), row.and(column.or(Some(k))));
+            Some(())
+        })?;
+        match (row, column) {
+            (Some(row), Some(column)) if whole && !more => Ok(Some(Index::Pair(row, column))),
+            _ => {
+                if whole {
+                    at.wrong("an index of a surface has two numbers, [row, column]");
+                }
+                Ok(None)
+            }
+        }
+    }
+}
+
+schema_of!(
+    Omega,
+    "Omega",
+    json_schema!({
+        "description": "A relaxation between 0 and 2, or \"auto\": 2 / (1 + λ_min), the best one.",
+        "oneOf": [
+            {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 2},
+            {"type": "string", "const": "auto"},
+        ],
+        "default": "auto",
+        "examples": ["auto", 1.5],
+    })
+);
+
+schema_of!(
+    Index,
+    "PointIndex",
+    json_schema!({
+        "description": "The index of a data point, from 0: of a curve a number, of a surface [row, column].",
+        "oneOf": [
+            {"type": "integer", "minimum": 0},
+            {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 2, "maxItems": 2},
+        ],
+        "examples": [17, [2, 3]],
+    })
+);
+
+schema_of!(
+    Matrix,
+    "Matrix",
+    json_schema!({
+        "description": "The rows of a square matrix, with a row and a column for each control point of the direction.",
+        "type": "array",
+        "items": {
+            "type": "array",
+            "items": {"type": "number"},
+            "minItems": 2,
+            "maxItems": LARGEST,
+        },
+        "minItems": 2,
+        "maxItems": LARGEST,
+        "examples": [[[1, 0], [0, 1]]],
+    })
+);
+
+/// The number of control points of a least-squares fit.
+pub(super) enum ControlPoints {}
+
+schema_of!(ControlPoints, "ControlPointCount", generator => {
+    let count = json_schema!({"type": "integer", "minimum": 2});
+    json_schema!({
+        "description": "A number of control points, not greater than that of data points; on surfaces of both directions, or one for each.",
+        "oneOf": [count, generator.subschema_for::<Pair<Count>>()],
+        "examples": [12, {"u": 8, "v": 6}],
+    })
+});
