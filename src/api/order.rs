@@ -137,12 +137,10 @@ pub fn check_open(app: &App) -> Result<(), Problem> {
 
 /// What is wrong with the name of an idempotency key.
 pub fn check_key(name: &str) -> Result<(), String> {
-    let visible = name
-        .bytes()
-        .all(|byte| (b' '..=b'~').contains(&byte) || byte == b'\t');
+    let visible = name.bytes().all(|byte| (b' '..=b'~').contains(&byte));
     if name.is_empty() || name.len() > LONGEST_KEY || !visible {
         return Err(format!(
-            "a key has 1 to {LONGEST_KEY} visible ASCII characters"
+            "a key has 1 to {LONGEST_KEY} visible ASCII characters and spaces"
         ));
     }
     Ok(())

@@ -5,6 +5,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 
+use crate::data;
 use crate::support::{PATIENCE, Server};
 
 async fn connect(server: &Server) -> TcpStream {
@@ -238,5 +239,33 @@ async fn who_is_still_sending_gets_the_answer() {
         assert_eq!(answer.status(), 413);
         assert_eq!(answer.problem()["type"], "/problems/body-too-large");
         assert!(answer.closes());
+    }
+}
+
+/// Idempotency keys are what the description says; blanks around them are not a part of them.
+#[tokio::test]
+async fn idempotency_keys_are_visible_ascii_and_spaces() {
+    let server = Server::start().await;
+    let (longest, too_long) = ("k".repeat(255), "k".repeat(256));
+    for (key, status) in [
+        ("wing 17", 201),
+        (" \t around \t", 201),
+        (longest.as_str(), 201),
+        (too_long.as_str(), 400),
+        ("", 400),
+        ("wing\t17", 400),
+        ("Flügel", 400),
+    ] {
+        let body = data::small_job().to_string();
+        let request = format!(
+            "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n\
+             Idempotency-Key: {key}\r\nContent-Length: {}\r\n\r\n{body}",
+            body.len()
+        );
+        let answer = exchange(&mut connect(&server).await, &request).await;
+        assert_eq!(answer.status(), status, "{key:?}: {}", answer.body);
+        if status == 400 {
+            assert_eq!(answer.problem()["errors"][0]["header"], "Idempotency-Key");
+        }
     }
 }

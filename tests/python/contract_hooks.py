@@ -8,6 +8,7 @@ the description stays wrong.
 
 import itertools
 import os
+import re
 
 import schemathesis
 from schemathesis.core.parameters import ParameterLocation as Place
@@ -16,6 +17,7 @@ from schemathesis.generation.meta import TestPhase
 JOB = os.environ["PIAD_JOB"]
 UNKNOWN = "00000000-0000-7000-8000-000000000000"
 KEY = "Idempotency-Key"
+RIGHT_KEY = re.compile("[ -~]{1,255}")
 NUMBERS = itertools.count()
 STREAMS = ["text/event-stream", "application/x-ndjson"]
 
@@ -44,6 +46,10 @@ def before_call(context, case, kwargs):
     if case.headers and KEY in case.headers and is_right(case, Place.HEADER):
         # A key belongs to one request.
         case.headers[KEY] = f"{case.headers[KEY][:200]}-{next(NUMBERS)}"
+    elif case.headers and KEY in case.headers and RIGHT_KEY.fullmatch(str(case.headers[KEY]).strip(" \t")):
+        # Blanks around the value of a header are not a part of it (RFC 9110, 5.5): a key that is wrong
+        # for them alone would arrive as a right one.
+        case.headers[KEY] = ""
     if case.query:
         choose(case)
     if isinstance(case.body, dict) and is_right(case, Place.BODY):
