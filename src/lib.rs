@@ -18,6 +18,7 @@
 //! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
 //! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, SVG, CSV;
 //! - [`model`] — what clients ask for, typed and without a wire;
+//! - [`proto`] — the messages of the contract, in which jobs travel and are stored;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`server`] — binds them together: [`server::serve`];
@@ -29,5 +30,6 @@ pub mod export;
 pub mod fit;
 pub mod job;
 pub mod model;
+pub mod proto;
 pub mod server;
 pub mod trim;

@@ -21,6 +21,11 @@ pub enum Framing {
 }
 
 impl Framing {
+    /// Whether events are protobuf messages.
+    pub fn is_protobuf(self) -> bool {
+        self == Self::Protobuf
+    }
+
     /// The media type of such a stream.
     pub fn media_type(self) -> &'static str {
         match self {

@@ -52,7 +52,7 @@ pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content
     let numbers = problem.data().len() * problem.data().dimension();
     let write = move || match language {
         Language::Json => view::input::input(owner.outline(), &problem).into(),
-        Language::Protobuf => proto::input::input(owner.outline(), &problem).into(),
+        Language::Protobuf => proto::view::input(owner.outline(), &problem).into(),
     };
     let content = encode::off_network(job, numbers, write).await?;
     Ok(content.with_permit(permit))

@@ -24,7 +24,8 @@ pub mod openapi;
 pub mod order;
 pub mod problem;
 pub mod proto;
-pub mod short;
 pub mod stream;
 pub mod text;
 pub mod whole;
+
+pub use crate::model::short;

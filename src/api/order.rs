@@ -6,10 +6,8 @@ use bytes::Bytes;
 use sha2::{Digest, Sha256};
 
 use crate::api::app::App;
-use crate::api::json::request::edit::EditRequest;
-use crate::api::json::request::job::ValidJob;
 use crate::api::language::Framing;
-use crate::api::problem::{Kind, Problem};
+use crate::api::problem::{Kind, Problem, Words};
 use crate::api::stream::options::{self, StreamOptions};
 use crate::config::Config;
 use crate::fit::problem as fit;
@@ -21,7 +19,11 @@ use crate::job::outline::{Label, Parent};
 use crate::job::scheduler::Lane;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
+use crate::model::edit::{EditSpec, Parent as Origin};
+use crate::model::job::{Limits, ValidJob};
+use crate::model::mistakes::{Mistake, Place};
 use crate::model::stream::StreamSpec;
+use crate::model::stream::choices::ChoiceMistake;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub const PARSED_AT_ONCE: usize = 4 * 1024;
@@ -64,21 +66,36 @@ impl Order {
     pub async fn edit(
         app: &App,
         parent: &Arc<Job>,
-        mut request: EditRequest,
+        edit: EditSpec,
+        words: &impl Words,
     ) -> Result<Self, Problem> {
-        request.inherit(parent.outline().label.stream.as_deref());
-        let frame = start(parent, request.iteration()).await?;
+        let wrong =
+            |place, detail: String| Problem::of_mistakes(Mistake::at(place, detail).into(), words);
+        let frame = start(parent, edit.iteration).await?;
+        let frame = frame.map_err(|detail| wrong(Place::Iteration, detail))?;
         let iteration = frame.level.iteration;
         // Held until the end: points that nobody holds are read from the store again.
         let shared = parent.system().await?;
-        let (config, problem) = (Arc::clone(&app.config), Arc::clone(shared.problem()));
+        let problem = Arc::clone(shared.problem());
+        let limits = Limits {
+            points: app.config.max_points,
+            iterations: app.config.max_iterations,
+        };
         let levels = parent.status().levels;
         let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
         let small = problem.grid().count() <= EDITED_AT_ONCE;
+        let label = parent.outline().label.clone();
         let valid = compute(app, small, move || {
-            request.apply(&problem, &frame.control_points, lambda_min, &config)
+            let origin = Origin {
+                problem: &problem,
+                control_points: &frame.control_points,
+                lambda_min,
+                stream: label.stream.as_deref(),
+            };
+            Ok(edit.apply(&origin, limits))
         })
         .await?;
+        let valid = valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))?;
         Ok(Self {
             label: Label {
                 name: valid.name,
@@ -98,21 +115,22 @@ impl Order {
         self.problem.v().is_some()
     }
 
-    /// Makes the job, unless there is one for the same key. If it is to be watched, what is wrong with
-    /// the parameters of the stream is said before there is a job.
-    pub async fn make(
-        self,
-        app: &App,
-        watch: Option<(&StreamSpec, Framing)>,
-        key: Option<IdempotencyKey>,
-    ) -> Result<Accepted, Problem> {
-        if let Some((request, framing)) = watch {
-            let (job, surface) = (self.label.stream.as_deref(), self.is_surface());
-            StreamOptions::new(request, job, framing, surface)?;
-            if framing != Framing::Protobuf {
-                options::check_range(request, job, &self.problem)?;
-            }
+    /// Checks that a stream of the job can go like that, before there is a job.
+    pub fn check_stream(
+        &self,
+        request: &StreamSpec,
+        framing: Framing,
+    ) -> Result<(), ChoiceMistake> {
+        let (job, surface) = (self.label.stream.as_deref(), self.is_surface());
+        StreamOptions::new(request, job, framing.is_protobuf(), surface)?;
+        if framing.is_protobuf() {
+            return Ok(());
         }
+        options::check_range(request, job, &self.problem)
+    }
+
+    /// Makes the job, unless there is one for the same key.
+    pub async fn make(self, app: &App, key: Option<IdempotencyKey>) -> Result<Accepted, Problem> {
         let (label, problem, similar) = (self.label, self.problem, self.similar);
         Ok(app.jobs.create(label, problem, similar, key).await?)
     }
@@ -174,32 +192,29 @@ pub async fn known(app: &App, key: Option<&IdempotencyKey>) -> Result<Option<Acc
     }
 }
 
-/// The level of the parent that an edit starts from.
-async fn start(parent: &Arc<Job>, iteration: Option<usize>) -> Result<Arc<Frame>, Problem> {
+/// The level of the parent that an edit starts from, or why there is none.
+async fn start(
+    parent: &Arc<Job>,
+    iteration: Option<usize>,
+) -> Result<Result<Arc<Frame>, String>, Problem> {
     let status = parent.status();
-    let wrong = |detail| Problem::at_pointer(Kind::InvalidFit, "/iteration".to_owned(), detail);
     let Some(reached) = status.levels.map(|levels| levels.last.iteration) else {
-        let detail = format!(
+        return Ok(Err(format!(
             "the job is {} and has no iteration to start from",
             status.state
-        );
-        return Err(wrong(detail));
+        )));
     };
     let k = iteration.unwrap_or(reached);
     if k > reached {
-        let detail = format!(
+        return Ok(Err(format!(
             "the job is {} at iteration {reached}, before {k}",
             status.state
-        );
-        return Err(wrong(detail));
+        )));
     }
-    match Cursor::new(Arc::clone(parent), k).next().await? {
+    Ok(match Cursor::new(Arc::clone(parent), k).next().await? {
         Next::Frame(frame) => Ok(frame),
-        Next::End(status) => Err(wrong(format!(
-            "the job is {} before iteration {k}",
-            status.state
-        ))),
-    }
+        Next::End(status) => Err(format!("the job is {} before iteration {k}", status.state)),
+    })
 }
 
 /// Computes where the request is handled, or on the compute pool if it is much.

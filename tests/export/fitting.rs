@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
-use piad::api::json::read::{Limits, parse};
-use piad::api::json::request::job::JobRequest;
+use piad::api::json::request::job;
 use piad::config::Config;
 use piad::export::nurbs::KnotVector;
 use piad::export::{Fitted, Nurbs};
@@ -28,9 +27,7 @@ pub struct Fit {
 
 impl Fit {
     pub fn new(job: &Value) -> Self {
-        let limits = Limits { points: 1_000_000 };
-        let request = parse::<JobRequest>(job.to_string().as_bytes(), limits);
-        let valid = request.and_then(|request| request.validate(&Config::standard()));
+        let valid = job::read(job.to_string().into(), &Config::standard());
         let job = valid.unwrap_or_else(|problem| panic!("{job}: {problem:?}"));
         let problem = Arc::new(job.problem);
         let mut iteration = Iteration::start(Arc::new(System::new(Arc::clone(&problem))));

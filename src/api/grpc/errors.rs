@@ -7,7 +7,6 @@ use tonic::{Code, Status};
 use tonic_types::{ErrorDetails, FieldViolation, StatusExt};
 
 use crate::api::problem::{Kind, Place, Problem};
-use crate::api::proto::fields;
 use crate::job::service::refused::Refused;
 use crate::job::store::StoreError;
 
@@ -46,7 +45,6 @@ fn code(kind: Kind) -> Code {
 
 impl From<Problem> for Status {
     fn from(problem: Problem) -> Self {
-        let problem = fields::of_call(problem);
         let kind = problem.kind();
         let reason = kind.entry().slug.replace('-', "_").to_uppercase();
         let mut details = ErrorDetails::new();

@@ -26,10 +26,10 @@ use super::service;
 use crate::api::app::App;
 use crate::api::http::intake;
 use crate::api::order::PARSED_AT_ONCE;
-use crate::api::proto::DESCRIPTORS;
 use crate::api::proto::bounds;
-use crate::api::proto::messages::fitting_service_server::FittingServiceServer;
 use crate::job::peer::Peer;
+use crate::proto::DESCRIPTORS;
+use crate::proto::messages::fitting_service_server::FittingServiceServer;
 
 const GRPC_STATUS: HeaderName = HeaderName::from_static("grpc-status");
 

@@ -12,10 +12,8 @@ use uuid::Uuid;
 use crate::api::app::App;
 use crate::api::language::{Framing, Language};
 use crate::api::order::{self, Order};
-use crate::api::problem::{Kind, Place, Problem};
-use crate::api::proto::messages as pb;
-use crate::api::proto::messages::fitting_service_server::FittingService;
-use crate::api::proto::{edit, fields, names, request, stream as stream_of, view};
+use crate::api::problem::{Kind, Problem};
+use crate::api::proto::{edit, fields, names, request, view};
 use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
@@ -26,6 +24,9 @@ use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::job::{Held, Job};
 use crate::model::stream::StreamSpec;
+use crate::proto::messages as pb;
+use crate::proto::messages::fitting_service_server::FittingService;
+use crate::proto::stream as stream_of;
 
 /// The service, over the jobs of an application.
 #[derive(Clone)]
@@ -61,8 +62,11 @@ impl Service {
         })
         .await
         .map_err(|problem| problem.within("input"))?;
-        let watch = watch.map(|spec| (spec, Framing::Protobuf));
-        order.make(app, watch, key).await
+        if let Some(spec) = watch {
+            let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+            order.check_stream(spec, Framing::Protobuf).map_err(wrong)?;
+        }
+        order.make(app, key).await
     }
 
     async fn make_edit(
@@ -83,10 +87,9 @@ impl Service {
         let within = |problem: Problem| problem.within("edit");
         let (length, owner) = (edit.encoded_len(), Arc::clone(parent));
         let read = order::read(app, length, move || edit::edit(edit, owner.outline()));
-        let (request, layout) = read.await.map_err(within)?;
-        let order = Order::edit(app, parent, request).await;
-        let order = order.map_err(|problem| within(layout.name(problem)))?;
-        order.make(app, None, key).await
+        let (spec, layout) = read.await.map_err(within)?;
+        let order = Order::edit(app, parent, spec, &layout).await;
+        order.map_err(within)?.make(app, key).await
     }
 
     /// The key of a request, which is the same as that of REST with the same message.
@@ -143,22 +146,16 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
 
 /// The form in which a single level is asked for.
 fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Problem> {
-    let spec = stream_of::spec(pb::StreamOptions {
+    let options = pb::StreamOptions {
         view,
         samples_u,
         samples_v,
         ..pb::StreamOptions::default()
-    })?;
-    let form = options::message_form(&spec, job.outline().surface);
+    };
     // The choices are fields of the request itself.
-    form.map_err(|mistake| {
-        let mut problem = Problem::from(mistake);
-        problem.name_fields(|place| match place {
-            Place::Parameter(name) => Some(fields::option(name).to_owned()),
-            _ => None,
-        });
-        problem
-    })
+    let spec = stream_of::spec(options, "").map_err(fields::wrong)?;
+    let form = options::message_form(&spec, job.outline().surface);
+    form.map_err(|mistake| fields::wrong_choice(mistake, ""))
 }
 
 /// The number of an iteration; larger ones than any job has are as good as the largest.
@@ -193,13 +190,14 @@ impl FittingService for Service {
 
     async fn fit(&self, request: Request<pb::FitRequest>) -> Answer<Events> {
         let message = request.into_inner();
-        let spec = stream_of::of_call(message.stream)?;
+        let spec = stream_of::of_call(message.stream).map_err(fields::wrong)?;
         let accepted = self.make(message.input, message.idempotency_key, Some(&spec));
         let (job, replayed) = taken(accepted.await?);
         let outline = job.outline();
         let defaults = outline.label.stream.as_deref();
-        let options = StreamOptions::new(&spec, defaults, Framing::Protobuf, outline.surface);
-        let mut options = options.map_err(Problem::from)?;
+        let options = StreamOptions::new(&spec, defaults, true, outline.surface);
+        let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+        let mut options = options.map_err(wrong)?;
         // A job that is known has a stream of its own, which may end it.
         options.cancels &= !replayed;
         let held = job.held().await?;
@@ -222,7 +220,7 @@ impl FittingService for Service {
             size => size as usize,
         };
         jobs::check_limit(limit).map_err(|detail| Problem::at_field("page_size", detail))?;
-        let state = names::wanted_state(message.state)?;
+        let state = names::wanted_state(message.state).map_err(fields::wrong)?;
         let before = match message.page_token.as_str() {
             "" => None,
             token => Some(Uuid::try_parse(token).map_err(|_| {
@@ -288,12 +286,13 @@ impl FittingService for Service {
     async fn watch_job(&self, request: Request<pb::WatchJobRequest>) -> Answer<Events> {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
-        let spec = stream_of::of_call(message.stream)?;
+        let spec = stream_of::of_call(message.stream).map_err(fields::wrong)?;
         let outline = job.outline();
         let defaults = outline.label.stream.as_deref();
         let surface = outline.surface;
-        let options = StreamOptions::of_reader(&spec, defaults, Framing::Protobuf, surface);
-        let options = options.map_err(Problem::from)?;
+        let options = StreamOptions::of_reader(&spec, defaults, true, surface);
+        let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+        let options = options.map_err(wrong)?;
         let held = job.held().await?;
         let seen = message.resume_after.map(level);
         Ok(Response::new(self.events(job, options, seen, held)))

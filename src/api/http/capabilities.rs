@@ -9,18 +9,17 @@ use tonic::server::NamedService;
 
 use crate::api::app::App;
 use crate::api::grpc::service::Service;
-use crate::api::json::numbers::MAX_DIMENSION;
-use crate::api::json::request::basis::BasisKind;
 use crate::api::json::request::method::Kind as MethodKind;
 use crate::api::json::request::schema::settings;
 use crate::api::json::schema::plain::never_null;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
-use crate::api::proto::messages::fitting_service_server::FittingServiceServer;
 use crate::config::Config;
 use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
 use crate::model::named::Named;
+use crate::model::shape::{BasisKind, MAX_DIMENSION};
 use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
+use crate::proto::messages::fitting_service_server::FittingServiceServer;
 
 /// Names that are known when the program is compiled.
 type Names = &'static [&'static str];

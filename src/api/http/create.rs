@@ -15,10 +15,7 @@ use super::query::StreamQuery;
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
 use crate::api::jobs;
-use crate::api::json::read;
-use crate::api::json::read::Limits;
-use crate::api::json::request::edit::EditRequest;
-use crate::api::json::request::job::JobRequest;
+use crate::api::json;
 use crate::api::json::view::job::path;
 use crate::api::language::Language;
 use crate::api::order;
@@ -58,18 +55,8 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
     }
     let (language, body, _room) = posted.take_body();
     let order = Order::new(&app, body.len(), move |config| match language {
-        Language::Json => {
-            let limits = Limits {
-                points: config.max_points,
-            };
-            let request = read::parse::<JobRequest>(&body, limits)?;
-            drop(body);
-            request.validate(config)
-        }
-        Language::Protobuf => {
-            let message = proto::request::decode(body, config.max_points)?;
-            proto::request::validate(message, config)
-        }
+        Language::Json => json::request::job::read(body, config),
+        Language::Protobuf => proto::request::read(body, config),
     })
     .await?;
     posted.create(&app, order).await
@@ -109,12 +96,9 @@ async fn post_edit(
     let (length, owner) = (body.len(), Arc::clone(&parent));
     let order = match language {
         Language::Json => {
-            let limits = Limits {
-                points: parent.outline().grid.count(),
-            };
-            let read = move || read::parse::<EditRequest>(&body, limits);
-            let request = order::read(&app, length, read).await?;
-            Order::edit(&app, &parent, request).await?
+            let read = move || json::request::edit::read(body, owner.outline());
+            let (spec, places) = order::read(&app, length, read).await?;
+            Order::edit(&app, &parent, spec, &places).await?
         }
         Language::Protobuf => {
             let read = move || {
@@ -122,9 +106,8 @@ async fn post_edit(
                 let message = proto::request::decode(body, outline.grid.count())?;
                 proto::edit::edit(message, outline)
             };
-            let (request, layout) = order::read(&app, length, read).await?;
-            let order = Order::edit(&app, &parent, request).await;
-            order.map_err(|problem| layout.name(problem))?
+            let (spec, layout) = order::read(&app, length, read).await?;
+            Order::edit(&app, &parent, spec, &layout).await?
         }
     };
     posted.create(&app, order).await
@@ -175,11 +158,10 @@ impl Posted {
 
     async fn create(self, app: &App, order: Order) -> Result<Response, Problem> {
         let spec = self.query.spec(order.is_surface())?;
-        let watch = match self.answer {
-            Answer::Events(framing) => Some((&spec, framing)),
-            Answer::Job(_) => None,
-        };
-        let accepted = order.make(app, watch, self.key.clone()).await?;
+        if let Answer::Events(framing) = self.answer {
+            order.check_stream(&spec, framing)?;
+        }
+        let accepted = order.make(app, self.key.clone()).await?;
         self.answer(app, accepted).await
     }
 
@@ -193,7 +175,8 @@ impl Posted {
                 let outline = job.outline();
                 let (defaults, surface) = (outline.label.stream.as_deref(), outline.surface);
                 let spec = self.query.spec(surface)?;
-                let mut options = StreamOptions::new(&spec, defaults, framing, surface)?;
+                let mut options =
+                    StreamOptions::new(&spec, defaults, framing.is_protobuf(), surface)?;
                 // A job that is known has a stream of its own, which may end it.
                 options.cancels &= !known;
                 // With a new job it was checked before there was one.

@@ -53,7 +53,7 @@ pub async fn get(
     let outline = job.outline();
     let (defaults, surface) = (outline.label.stream.as_deref(), outline.surface);
     let spec = query.spec(surface)?;
-    let options = StreamOptions::of_reader(&spec, defaults, framing, surface)?;
+    let options = StreamOptions::of_reader(&spec, defaults, framing.is_protobuf(), surface)?;
     if options.form.encoding == Encoding::Base64F32 {
         let problem = job.problem().await?;
         options::check_range(&spec, defaults, &problem)?;

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::api::problem::Problem;
 use crate::api::short::quoted;
-use crate::api::stream::choices::Mistake;
+use crate::api::stream::choices::ChoiceMistake;
 use crate::api::stream::form::not_samples;
 use crate::api::stream::options::{no_milestone, not_positive};
 use crate::api::whole::plain_number;
@@ -123,7 +123,7 @@ impl StreamQuery {
 }
 
 fn wrong(choice: Choice, detail: impl Into<String>) -> Problem {
-    Mistake::of_request(choice, detail).into()
+    ChoiceMistake::of_request(choice, detail).into()
 }
 
 fn no_choice(choice: Choice, text: &str, names: &[&str]) -> Problem {

@@ -4,13 +4,11 @@ use std::cell::RefCell;
 
 use serde::de::{MapAccess, SeqAccess};
 
-use super::read::values::Number;
 use super::read::{Anything, Limits, Members, Most, Numeral, Of, Read, Reader, Reading};
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::points::Points;
-
-/// The most coordinates of a point.
-pub const MAX_DIMENSION: usize = 3;
+use crate::model::edit::Coordinates;
+use crate::model::shape::MAX_DIMENSION;
 
 /// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
 #[derive(Debug)]
@@ -27,28 +25,6 @@ pub struct PointGrid {
     pub rows: usize,
     /// The number of columns.
     pub columns: usize,
-}
-
-/// The coordinates of a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Coordinates {
-    values: [f64; MAX_DIMENSION],
-    count: usize,
-}
-
-impl Coordinates {
-    /// The coordinates, if there are not too many.
-    pub fn of(coordinates: &[f64]) -> Option<Self> {
-        let count = coordinates.len();
-        let mut values = [0.0; MAX_DIMENSION];
-        values.get_mut(..count)?.copy_from_slice(coordinates);
-        Some(Self { values, count })
-    }
-
-    /// One after the other.
-    pub fn as_slice(&self) -> &[f64] {
-        self.values.get(..self.count).unwrap_or(&[])
-    }
 }
 
 impl Reader for Of<PointList> {
@@ -140,7 +116,7 @@ impl Gathered {
                 self.missing.push(before);
             }
             Some(point) => {
-                let count = point.count;
+                let count = point.as_slice().len();
                 let points = self
                     .points
                     .get_or_insert_with(|| Points::zeros(count, before));
@@ -234,12 +210,13 @@ impl Reader for PointReader {
         if !whole {
             return Ok(None);
         }
-        if !(1..=MAX_DIMENSION).contains(&count) {
+        let given = values.get(..count).filter(|given| !given.is_empty());
+        let point = given.and_then(Coordinates::of);
+        if point.is_none() {
             let expected = self.expected();
             at.wrong(format!("expected {expected}, found {count} of them"));
-            return Ok(None);
         }
-        Ok(Some(Some(Coordinates { values, count })))
+        Ok(point.map(Some))
     }
 
     fn object<'de, A: MapAccess<'de>>(
@@ -260,11 +237,11 @@ impl Reader for CoordinateReader {
     type Value = f64;
 
     fn expected(&self) -> String {
-        Number::reader().expected()
+        f64::reader().expected()
     }
 
     fn null(self, at: &mut Reading) -> Option<f64> {
-        Number::reader().null(at).map(|Number(x)| x)
+        f64::reader().null(at)
     }
 
     fn number(self, value: Numeral, _: &mut Reading) -> Option<f64> {
@@ -343,7 +320,7 @@ where
     ) -> Result<Option<RuleOrNumbers<R>>, A::Error> {
         let mut numbers = Vec::new();
         let most = most_numbers(at.limits());
-        let whole = at.elements(list, most, Number::reader, |Number(x), _| {
+        let whole = at.elements(list, most, f64::reader, |x, _| {
             numbers.push(x);
             Some(())
         })?;
@@ -418,7 +395,7 @@ impl Reader for WeightReader<'_> {
     }
 
     fn null(self, at: &mut Reading) -> Option<Option<usize>> {
-        Number::reader().null(at).map(|_| None)
+        f64::reader().null(at).map(|_| None)
     }
 
     fn number(self, value: Numeral, _: &mut Reading) -> Option<Option<usize>> {
@@ -433,7 +410,7 @@ impl Reader for WeightReader<'_> {
     ) -> Result<Option<Option<usize>>, A::Error> {
         let before = self.0.borrow().len();
         let most = most_numbers(at.limits()).after(before);
-        let whole = at.elements(list, most, Number::reader, |Number(x), _| {
+        let whole = at.elements(list, most, f64::reader, |x, _| {
             self.0.borrow_mut().push(x);
             Some(())
         })?;

@@ -1,11 +1,25 @@
 //! What went wrong further down, as a problem.
 
 use super::{Kind, Problem};
+use crate::api::json::request::places::Places;
 use crate::job::scheduler::Broken;
 use crate::job::service::refused::Refused;
 use crate::job::state::Failure;
 use crate::job::store::StoreError;
 use crate::job::store::blame::MOST_CRASHES;
+use crate::model::mistakes::Mistake;
+use crate::model::named::Named;
+use crate::model::stream::choices::ChoiceMistake;
+
+/// Of an HTTP request, whose own choices are query parameters; those of the job are in its JSON.
+impl From<ChoiceMistake> for Problem {
+    fn from(mistake: ChoiceMistake) -> Self {
+        match mistake.by_request() {
+            Some((choice, detail)) => Self::at_parameter(choice.name(), detail),
+            None => Self::of_mistakes(Mistake::from(mistake).into(), &Places::default()),
+        }
+    }
+}
 
 impl From<Failure> for Problem {
     fn from(failure: Failure) -> Self {

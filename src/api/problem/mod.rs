@@ -14,9 +14,19 @@ use serde::Serialize;
 use super::json::view::examples;
 use super::short;
 use crate::api::json::schema::plain::never_null;
+use crate::model::mistakes::{self as model, Mistakes, Site};
 use field_error::LONGEST_DETAIL;
 pub use field_error::{FieldError, Place};
 pub use kind::{Entry, Kind};
+
+/// How a language says where the parts of a request stand.
+pub trait Words {
+    /// Where a part stands, as a text.
+    fn of(&self, place: model::Place) -> String;
+
+    /// What kind of place the text names.
+    fn place(&self, text: String) -> Place;
+}
 
 /// A problem object.
 #[derive(Clone, Debug)]
@@ -99,13 +109,26 @@ impl Problem {
         Self::at(Kind::InvalidFit, Place::Field(field.into()), &detail.into())
     }
 
-    /// Says of errors which field of a message they are about, where `name` knows it, instead of
-    /// where it would be in JSON or in a query.
-    pub fn name_fields(&mut self, name: impl Fn(&Place) -> Option<String>) {
+    /// All mistakes of a job or an edit, at their places in the language of the request.
+    pub fn of_mistakes(mistakes: Mistakes, words: &impl Words) -> Self {
+        let problems = mistakes.into_iter().map(|mistake| {
+            let text = match mistake.site {
+                Site::Part(place) => words.of(place),
+                Site::Text(text) => text,
+            };
+            Self::at(Kind::InvalidFit, words.place(text), &mistake.detail)
+        });
+        let unsaid = || Self::new(Kind::InvalidFit, "the request is not understood");
+        Self::of_all(problems).unwrap_or_else(unsaid)
+    }
+
+    /// The same with paths of fields that start further up, at a message with this field.
+    pub fn within(mut self, parent: &str) -> Self {
         let mut named = false;
         for error in &mut self.errors {
-            if let Some(field) = name(&error.place) {
-                error.place = Place::Field(field);
+            if let Place::Field(field) = &mut error.place {
+                let dot = if field.is_empty() { "" } else { "." };
+                *field = format!("{parent}{dot}{field}");
                 named = true;
             }
         }
@@ -114,15 +137,6 @@ impl Problem {
             let told = told.collect::<Vec<_>>().join("; ");
             self.detail = short::cut(&told, LONGEST_DETAIL).into_owned();
         }
-    }
-
-    /// The same with paths of fields that start further up, at a message with this field.
-    pub fn within(mut self, parent: &str) -> Self {
-        self.name_fields(|place| match place {
-            Place::Field(field) if field.is_empty() => Some(parent.to_owned()),
-            Place::Field(field) => Some(format!("{parent}.{field}")),
-            _ => None,
-        });
         self
     }
 

@@ -4,8 +4,8 @@
 use prost::Message;
 use prost::encoding::{WireType, decode_key, decode_varint};
 
-use super::messages as pb;
 use crate::api::problem::Problem;
+use crate::proto::messages as pb;
 
 /// A field that has a list of indices, or a message with such fields.
 #[derive(Debug)]
@@ -51,15 +51,6 @@ fn parts_of(call: &str) -> &'static [Part] {
         "EditJob" => EDIT,
         _ => &[],
     }
-}
-
-/// Lists have as many elements as there can be, before anything is made of them.
-pub fn check_count(count: usize, most: usize, things: &str, field: &str) -> Result<(), Problem> {
-    if count > most {
-        let detail = format!("{count} {things} are more than {most}, the limit here");
-        return Err(Problem::at_field(field, detail));
-    }
-    Ok(())
 }
 
 /// Refuses a message with more indices in a list than there can be points.

@@ -1,113 +1,112 @@
-//! Where in a message an error is: JSON pointers of the model become paths of fields.
+//! Where in a message the parts of the model are.
 
-use super::messages::{self as pb, job_input::Geometry, method::Kind};
-use crate::api::problem::{Place, Problem};
+use crate::api::problem::{self, Problem, Words};
+use crate::fit::invalid::{Axis, Place as P};
+use crate::model::mistakes::{ChangePart, Mistake, Place};
+use crate::model::stream::choices::ChoiceMistake;
+use crate::proto::messages::{self as pb, job_input::Geometry};
+use crate::proto::{method, stream};
 
 /// How the arrays of a message are laid out.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    dimension: usize,
+    /// What the parts of the curve or surface are fields of; of edits, of nothing.
+    root: &'static str,
+    /// The number of coordinates of a point.
+    pub(super) dimension: usize,
     /// The number of columns of a surface.
-    columns: Option<usize>,
+    columns: usize,
     /// Edits: for each point that changes, its entry in `moved` and in `weighted`.
-    pub(in crate::api) changes: Vec<(Option<usize>, Option<usize>)>,
-    /// The numbers of columns of the matrices of a transform.
-    transform: (usize, usize),
+    pub(super) changes: Vec<(Option<usize>, Option<usize>)>,
+    method: method::Layout,
 }
 
 impl Layout {
     /// The layout of a job.
     pub fn of(input: &pb::JobInput) -> Self {
-        let (dimension, columns) = match &input.geometry {
-            None => (1, None),
-            Some(Geometry::Curve(curve)) => (curve.dimension, None),
-            Some(Geometry::Surface(surface)) => (surface.dimension, Some(surface.columns as usize)),
+        let (root, dimension, columns) = match &input.geometry {
+            None => ("", 1, 0),
+            Some(Geometry::Curve(curve)) => (CURVE, curve.dimension, 0),
+            Some(Geometry::Surface(it)) => (SURFACE, it.dimension, it.columns),
         };
         Self {
+            root,
             dimension: dimension as usize,
-            columns,
-            changes: Vec::new(),
-            transform: transform(input.method.as_ref()),
+            columns: columns as usize,
+            method: method::Layout::of(input.method.as_ref()),
+            ..Self::default()
+        }
+    }
+
+    /// Of a job of which only the parts of the curve or surface are looked for.
+    pub fn of_shape(surface: bool) -> Self {
+        Self {
+            root: if surface { SURFACE } else { CURVE },
+            ..Self::default()
         }
     }
 
     /// The layout of an edit.
-    pub(in crate::api) fn of_edit(
-        dimension: usize,
-        columns: Option<usize>,
-        method: Option<&pb::Method>,
-    ) -> Self {
+    pub(super) fn of_edit(method: Option<&pb::Method>) -> Self {
         Self {
-            dimension,
-            columns,
-            changes: Vec::new(),
-            transform: transform(method),
+            method: method::Layout::of(method),
+            ..Self::default()
         }
     }
 
-    /// The problem with fields of the message instead of JSON pointers.
-    pub fn name(&self, mut problem: Problem) -> Problem {
-        problem.name_fields(|place| match place {
-            Place::Pointer(pointer) => Some(self.field(pointer)),
-            _ => None,
-        });
-        problem
-    }
-
-    /// The field at a JSON pointer of the model.
-    pub(in crate::api) fn field(&self, pointer: &str) -> String {
-        let parts: Vec<&str> = pointer.split('/').skip(1).collect();
-        match parts.as_slice() {
-            [] | [""] => String::new(),
-            ["points", place @ ..] => self.change(place),
-            ["weights", axis @ ("u" | "v"), place @ ..] => {
-                format!("weights.{axis}{}", index(place))
-            }
-            ["weights", place @ ..] => format!("weights.values{}", self.flat(place, 1)),
-            [root, "points", place @ ..] => {
-                format!("{root}.points{}", self.flat(place, self.dimension))
-            }
-            ["surface", part, axis @ ("u" | "v"), rest @ ..] => {
-                format!("surface.{axis}.{}", part_of_direction(part, rest))
-            }
-            ["surface", "weights", place @ ..] => format!("surface.weights{}", self.flat(place, 1)),
-            [root @ ("curve" | "surface"), part, rest @ ..] => {
-                format!("{root}.{}", part_of_direction(part, rest))
-            }
-            ["method", "transform", "v", place @ ..] => {
-                entry("transform_v", place, self.transform.1)
-            }
-            ["method", "transform", "u", place @ ..] | ["method", "transform", place @ ..] => {
-                entry("transform_u", place, self.transform.0)
-            }
-            ["method", rest @ ..] => method(rest),
-            ["stream", name, place @ ..] => format!("stream.{}{}", option(name), index(place)),
-            parts => parts.join("."),
-        }
-    }
-
-    /// The place in a flat array of the point in a list or a grid; of the first one of a row.
-    fn flat(&self, place: &[&str], numbers: usize) -> String {
-        let number = |text: &str| text.parse::<usize>().unwrap_or(0);
-        let point = match (place, self.columns) {
-            ([], _) => return String::new(),
-            ([i], None) => number(i),
-            ([i], Some(columns)) => number(i) * columns,
-            ([i, j, ..], columns) => number(i) * columns.unwrap_or(1) + number(j),
+    /// A part of a direction, which surfaces have two of.
+    fn direction(&self, axis: Axis, part: &str) -> String {
+        let axis = match (self.root, axis) {
+            (SURFACE, Axis::U) => "u.",
+            (SURFACE, Axis::V) => "v.",
+            _ => "",
         };
-        format!("[{}]", point * numbers)
+        format!("{}.{axis}{part}", self.root)
+    }
+
+    /// The first number of a point.
+    fn point(&self, index: usize) -> String {
+        format!("{}.points[{}]", self.root, index * self.dimension)
+    }
+
+    /// The field of a part of the fitting problem.
+    fn field(&self, place: P) -> String {
+        let root = self.root;
+        let is_edit = root.is_empty();
+        match place {
+            P::Points => format!("{root}.points"),
+            P::Point(index) | P::Line(Axis::V, index) => self.point(index),
+            P::Line(Axis::U, index) => self.point(index * self.columns.max(1)),
+            P::Basis(axis) => self.direction(axis, "basis"),
+            P::Degree(axis) => self.direction(axis, "basis.degree"),
+            P::Knots(axis) => self.direction(axis, "basis.knots"),
+            P::Knot(axis, index) => self.direction(axis, &format!("basis.knots[{index}]")),
+            P::Parameters(axis) => self.direction(axis, "parameters"),
+            P::Parameter(axis, index) => {
+                self.direction(axis, &format!("parameters.values[{index}]"))
+            }
+            P::Closed(axis) => self.direction(axis, "closed"),
+            P::Weights if is_edit => "weights.values".to_owned(),
+            P::Weights => format!("{root}.weights"),
+            P::Weight(index) if is_edit => format!("weights.values[{index}]"),
+            P::Weight(index) => format!("{root}.weights[{index}]"),
+            P::AxisWeights(axis) if is_edit => format!("weights.{}", name(axis)),
+            P::AxisWeights(axis) => self.direction(axis, "weights"),
+            P::AxisWeight(axis, index) => {
+                format!("{}[{index}]", self.field(P::AxisWeights(axis)))
+            }
+            P::Tolerance => "stop.tolerance".to_owned(),
+            P::RelativeTolerance => "stop.relative_tolerance".to_owned(),
+            place => method::field(place, self.method),
+        }
     }
 
     /// A point that an edit changes.
-    fn change(&self, place: &[&str]) -> String {
-        let [k, part @ ..] = place else {
-            return "points".to_owned();
-        };
-        let entry = k.parse().ok().and_then(|k: usize| self.changes.get(k));
-        let (moved, weighted) = entry.copied().unwrap_or_default();
+    fn change(&self, k: usize, part: ChangePart) -> String {
+        let (moved, weighted) = self.changes.get(k).copied().unwrap_or_default();
         match (part, moved, weighted) {
-            (["weight"], _, Some(k)) => format!("point_weights[{k}]"),
-            (["index"], Some(k), _) => format!("moved[{k}]"),
+            (ChangePart::Weight, _, Some(k)) => format!("point_weights[{k}]"),
+            (ChangePart::Index, Some(k), _) => format!("moved[{k}]"),
             (_, Some(k), _) => format!("points[{}]", k * self.dimension),
             (_, None, Some(k)) => format!("weighted[{k}]"),
             (_, None, None) => "points".to_owned(),
@@ -115,81 +114,49 @@ impl Layout {
     }
 }
 
-/// The field of a message that has the choice of a stream which a query gives this name.
-pub fn option(name: &str) -> &str {
-    match name {
-        "samples" => "samples_u",
-        "milestones" => "milestones.distances",
-        "encoding" => "json_encoding",
-        "digits" => "json_digits",
-        name => name,
-    }
-}
-
-/// The problem of a call: with choices of its stream as fields of the message.
-pub fn of_call(mut problem: Problem) -> Problem {
-    problem.name_fields(|place| match place {
-        Place::Parameter(name) => Some(format!("stream.{}", option(name))),
-        _ => None,
-    });
-    problem
-}
-
-fn part_of_direction(part: &str, rest: &[&str]) -> String {
-    match (part, rest) {
-        ("parameters", []) => "parameters".to_owned(),
-        ("parameters", place) => format!("parameters.values{}", index(place)),
-        ("basis", ["knots", place @ ..]) => format!("basis.knots{}", index(place)),
-        ("basis", rest) => ["basis"]
-            .into_iter()
-            .chain(rest.iter().copied())
-            .collect::<Vec<_>>()
-            .join("."),
-        (part, place) => format!("{part}{}", index(place)),
-    }
-}
-
-fn method(parts: &[&str]) -> String {
-    let [setting, rest @ ..] = parts else {
-        return "method".to_owned();
-    };
-    let kind = match *setting {
-        "omega" => "weighted",
-        "indices" | "row_by_row" => "local",
-        "threshold" => "adaptive",
-        "start" => "extended",
-        _ => "least_squares",
-    };
-    match (*setting, rest) {
-        ("control_points", ["v"]) => format!("method.{kind}.control_points_v"),
-        ("control_points", _) => format!("method.{kind}.control_points_u"),
-        (setting, place) => format!("method.{kind}.{setting}{}", index(place)),
-    }
-}
-
-/// The numbers of columns of the matrices of a transform, which are square.
-fn transform(method: Option<&pb::Method>) -> (usize, usize) {
-    match method.and_then(|method| method.kind.as_ref()) {
-        Some(Kind::Custom(custom)) => {
-            let columns = |entries: &[f64]| entries.len().isqrt();
-            (columns(&custom.transform_u), columns(&custom.transform_v))
+impl Words for Layout {
+    fn of(&self, place: Place) -> String {
+        match place {
+            Place::Whole => String::new(),
+            Place::Name => "name".to_owned(),
+            Place::Fit(place) => self.field(place),
+            Place::Rational => "rational".to_owned(),
+            Place::MaxIterations => "stop.max_iterations".to_owned(),
+            Place::Stream(choice, None) => format!("stream.{}", stream::field(choice)),
+            Place::Stream(choice, Some(index)) => {
+                format!("stream.{}[{index}]", stream::field(choice))
+            }
+            Place::Iteration => "iteration".to_owned(),
+            Place::Change(k, part) => self.change(k, part),
         }
-        _ => (0, 0),
+    }
+
+    fn place(&self, text: String) -> problem::Place {
+        problem::Place::Field(text)
     }
 }
 
-/// An entry of a matrix, or the first one of a row.
-fn entry(field: &str, place: &[&str], columns: usize) -> String {
-    let number = |text: &str| text.parse::<usize>().unwrap_or(0);
-    let place = match place {
-        [] => String::new(),
-        [row] => format!("[{}]", number(row) * columns),
-        [row, column, ..] => format!("[{}]", number(row) * columns + number(column)),
-    };
-    format!("method.custom.{field}{place}")
+/// What is wrong with a request.
+pub fn wrong(mistake: Mistake) -> Problem {
+    Problem::of_mistakes(mistake.into(), &Layout::default())
 }
 
-/// The place in an array.
-fn index(place: &[&str]) -> String {
-    place.iter().map(|index| format!("[{index}]")).collect()
+/// What is wrong with a choice, which is a field of the message `within`.
+pub fn wrong_choice(mistake: ChoiceMistake, within: &str) -> Problem {
+    match mistake.by_request() {
+        Some((choice, detail)) => {
+            Problem::at_field(format!("{within}{}", stream::field(choice)), detail)
+        }
+        None => mistake.into(),
+    }
+}
+
+const CURVE: &str = "curve";
+const SURFACE: &str = "surface";
+
+fn name(axis: Axis) -> &'static str {
+    match axis {
+        Axis::U => "u",
+        Axis::V => "v",
+    }
 }

@@ -6,9 +6,7 @@ use bytes::BufMut;
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
 
-use super::messages::{self as pb, iteration};
 use super::names;
-use super::names::count;
 use super::view::{direction, distances};
 use crate::api::json::view::source::{Net, NetWeights, Source};
 use crate::api::json::view::writer::{Digits, Writer};
@@ -22,6 +20,8 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
+use crate::proto::messages::{self as pb, iteration};
+use crate::proto::values::count;
 
 /// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the
 /// arrays of [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written when they are sent.

@@ -1,32 +1,15 @@
-//! Numbers and enumerations of the contract and what they stand for.
+//! Enumerations of the contract and what they stand for.
 
-use super::messages as pb;
-use crate::api::problem::Problem;
-use crate::fit::basis::{Basis, Polynomial};
-use crate::fit::direction::{BasisChoice, Direction};
+use crate::fit::basis::Basis;
+use crate::fit::direction::Direction;
 use crate::fit::outcome::Stall;
 use crate::fit::problem as fit;
 use crate::fit::warning::Warning;
 use crate::job::outline::Outline;
 use crate::job::state::{Reason, State};
-
-/// Numbers of points, which are limited by what a request can carry.
-pub fn count(number: usize) -> u32 {
-    u32::try_from(number).unwrap_or(u32::MAX)
-}
-
-/// A list that is given.
-pub fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
-    (!list.is_empty()).then_some(list)
-}
-
-/// The value of an enumeration; values that are not known are errors of this field.
-pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Problem> {
-    E::try_from(value).map_err(|_| {
-        let detail = format!("{value} is no value of this enumeration");
-        Problem::at_field(field, detail)
-    })
-}
+use crate::model::mistakes::Mistake;
+use crate::proto::messages as pb;
+use crate::proto::values::known;
 
 /// The state of a job.
 pub fn state(state: State) -> pb::JobState {
@@ -42,7 +25,7 @@ pub fn state(state: State) -> pb::JobState {
 }
 
 /// Which jobs to list.
-pub fn wanted_state(value: i32) -> Result<Option<State>, Problem> {
+pub fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
     let wanted: pb::JobState = known(value, "state")?;
     Ok(State::ALL.into_iter().find(|it| state(*it) == wanted))
 }
@@ -99,15 +82,5 @@ pub fn basis(basis: &Basis) -> pb::BasisKind {
         "said_ball" => pb::BasisKind::SaidBall,
         "wang_ball" => pb::BasisKind::WangBall,
         _ => pb::BasisKind::Bspline,
-    }
-}
-
-/// The kind of a basis that was asked for.
-pub fn basis_choice(choice: &BasisChoice) -> pb::BasisKind {
-    match choice {
-        BasisChoice::BSpline { .. } => pb::BasisKind::Bspline,
-        BasisChoice::Polynomial(Polynomial::Bernstein) => pb::BasisKind::Bernstein,
-        BasisChoice::Polynomial(Polynomial::SaidBall) => pb::BasisKind::SaidBall,
-        BasisChoice::Polynomial(Polynomial::WangBall) => pb::BasisKind::WangBall,
     }
 }

@@ -7,11 +7,8 @@ use jiff::Timestamp;
 use prost::Message;
 
 use super::fields::Layout;
-use super::messages::{self as pb, stop_rules::Rule};
-use super::names::{self, count};
-use super::{method, stream};
-use crate::api::json::view::warning::pointer;
-use crate::api::problem as api;
+use super::names;
+use crate::api::problem::{self as api, Words};
 use crate::fit::direction::Direction;
 use crate::fit::iteration::Level;
 use crate::fit::method::Method;
@@ -23,6 +20,10 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
+use crate::model::mistakes::Place;
+use crate::proto::messages::{self as pb, stop_rules::Rule};
+use crate::proto::values::count;
+use crate::proto::{job, method, stream};
 
 /// The job as a resource.
 pub fn job(job: &Job) -> pb::Job {
@@ -62,11 +63,10 @@ pub fn job(job: &Job) -> pb::Job {
 
 /// What is doubtful about a job, as far as is known by now.
 fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<pb::Warning> {
-    let layout = Layout::default();
+    let layout = Layout::of_shape(outline.surface);
     let view = |warning: Warning| pb::Warning {
         code: names::warning(&warning).into(),
-        // In messages every direction of a surface has a basis of its own.
-        field: layout.field(&pointer(&warning, outline, outline.surface)),
+        field: layout.of(Place::Fit(warning.place())),
         detail: warning.detail(),
     };
     outline.warnings(levels).map(view).collect()
@@ -82,8 +82,19 @@ pub fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
 }
 
 /// How the streams of a job go if they do not say it themselves.
-pub fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
+fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
     outline.label.stream.as_deref().map(stream::options)
+}
+
+/// The bytes of the `JobInput` that would ask for the same job again.
+pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
+    let label = &outline.label;
+    let message = job::message(
+        label.name.clone(),
+        problem.request(),
+        label.stream.as_deref(),
+    );
+    message.encode_to_vec().into()
 }
 
 /// What a level says about the end.

@@ -1,17 +1,15 @@
 //! Event streams: what they show, and in which order and form.
 //!
-//! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it;
 //! - [`feed`]: a job as a sequence of events; [`milestones`]: which iterations a stream shows that is asked
 //!   for the progress alone;
 //! - [`encode`]: their data, made once for all readers and off the network threads; [`encoded`]: events as
 //!   messages;
 //! - [`sending`]: what goes out on a connection.
 
-pub mod choices;
 pub mod encode;
 pub mod encoded;
 pub mod feed;
-pub mod form;
 pub mod milestones;
-pub mod options;
 pub mod sending;
+
+pub use crate::model::stream::{choices, form, options};

@@ -20,14 +20,12 @@ use serde_json::Deserializer as Json;
 use crate::api::problem::{Kind, Problem};
 use crate::api::short::cut;
 use crate::api::text;
+use crate::model::mistakes::MOST_MISTAKES;
 pub(in crate::api) use object::object;
 pub use object::{Field, Members};
 use reader::Seed;
 pub use reader::{Anything, Numeral, Of, Read, Reader};
 pub(in crate::api) use values::{choices, names};
-
-/// The most mistakes that are told at once. Reading ends with the last of them.
-pub const MOST_MISTAKES: usize = 16;
 
 /// The most mistakes that are told of one list.
 const MOST_OF_LIST: usize = 3;
@@ -281,20 +279,20 @@ impl Reading {
 
 #[cfg(test)]
 mod tests {
-    use super::values::{Count, LONGEST_TEXT};
+    use super::values::LONGEST_TEXT;
     use super::*;
     use crate::api::problem::Place;
 
     #[derive(Debug, PartialEq)]
     struct Thing {
-        count: Count,
+        count: usize,
         name: Option<String>,
-        flags: Option<Vec<Count>>,
+        flags: Option<Vec<usize>>,
     }
 
     object!(Thing, "a thing", [count, name, flags]);
 
-    impl values::Element for Count {
+    impl values::Element for usize {
         const MANY: &'static str = "counts";
 
         fn most(limits: Limits) -> usize {
@@ -318,8 +316,8 @@ mod tests {
     #[test]
     fn fields_are_read_and_mistakes_are_gathered() {
         let thing = read(r#"{"flags": [1, 2.0, 3], "count": 7, "name": null}"#).unwrap();
-        assert_eq!((thing.count, thing.name), (Count(7), None));
-        assert_eq!(thing.flags, Some(vec![Count(1), Count(2), Count(3)]));
+        assert_eq!((thing.count, thing.name), (7, None));
+        assert_eq!(thing.flags, Some(vec![1, 2, 3]));
         let wrong = read(r#"{"flags": [1, "2", [3]], "name": {"a": [{}]}, "a~/b": [[]]}"#);
         let pointers: Vec<_> = wrong.unwrap_err().into_iter().map(|it| it.0).collect();
         assert_eq!(pointers, ["/flags/1", "/flags/2", "/name", "/a~0~1b", ""]);

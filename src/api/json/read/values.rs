@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::Serialize;
 use serde::de::SeqAccess;
 
 use super::{Limits, Most, Numeral, Of, Read, Reader, Reading};
@@ -11,25 +10,24 @@ use super::{Limits, Most, Numeral, Of, Read, Reader, Reading};
 /// The most characters of a text. Whatever is longer is no name of anything.
 pub const LONGEST_TEXT: usize = 200;
 
-/// A whole number, zero or greater.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Count(pub usize);
-
-impl Reader for Of<Count> {
-    type Value = Count;
+impl Reader for Of<usize> {
+    type Value = usize;
 
     fn expected(&self) -> String {
         "a whole number, zero or greater".to_owned()
     }
 
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<Count> {
+    fn number(self, value: Numeral, at: &mut Reading) -> Option<usize> {
         let count = value.whole().and_then(|count| usize::try_from(count).ok());
         if count.is_none() {
             at.mismatch(&self.expected(), &value.to_string());
         }
-        count.map(Count)
+        count
     }
 }
+
+/// The schema of a whole number, zero or greater, where a name is needed for it.
+pub enum Count {}
 
 impl JsonSchema for Count {
     fn inline_schema() -> bool {
@@ -45,70 +43,22 @@ impl JsonSchema for Count {
     }
 }
 
-impl Reader for Of<usize> {
-    type Value = usize;
-
-    fn expected(&self) -> String {
-        Count::reader().expected()
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<usize> {
-        Count::reader().number(value, at).map(|Count(count)| count)
-    }
-}
-
-/// A finite number.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Number(pub f64);
-
-impl Reader for Of<Number> {
-    type Value = Number;
+/// Finite numbers: JSON has no others.
+impl Reader for Of<f64> {
+    type Value = f64;
 
     fn expected(&self) -> String {
         "a number".to_owned()
     }
 
-    fn null(self, at: &mut Reading) -> Option<Number> {
+    fn null(self, at: &mut Reading) -> Option<f64> {
         let found = "null (what many writers make of NaN and Infinity)";
         at.mismatch(&self.expected(), found);
         None
     }
 
-    fn number(self, value: Numeral, _: &mut Reading) -> Option<Number> {
-        Some(Number(value.real()))
-    }
-}
-
-impl Reader for Of<f64> {
-    type Value = f64;
-
-    fn expected(&self) -> String {
-        Number::reader().expected()
-    }
-
-    fn null(self, at: &mut Reading) -> Option<f64> {
-        Number::reader().null(at).map(|Number(number)| number)
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<f64> {
-        Number::reader()
-            .number(value, at)
-            .map(|Number(number)| number)
-    }
-}
-
-/// Stands where it is used, together with its limits there.
-impl JsonSchema for Number {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> Cow<'static, str> {
-        "Number".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({"type": "number"})
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<f64> {
+        Some(value.real())
     }
 }
 

@@ -4,18 +4,14 @@ use std::sync::Arc;
 
 use schemars::{JsonSchema, json_schema};
 
-use super::invalid::invalid;
 use super::schema;
 use crate::api::json::numbers::RuleOrNumbers;
-use crate::api::json::read::values::Count;
 use crate::api::json::read::{Read, names, object};
 use crate::api::json::schema::schema_of;
-use crate::api::problem::Problem;
-use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
-use crate::fit::direction::BasisChoice;
+use crate::fit::basis::{MAX_DEGREE, knots::Knots};
 use crate::fit::parameters::Parametrization;
-
-const DEFAULT_DEGREE: usize = 3;
+use crate::model::shape::{BasisKind, BasisSpec, DEFAULT_DEGREE};
+use crate::model::weights::Rational;
 
 /// The functions that are blended with the control points.
 #[derive(Clone, Debug, JsonSchema)]
@@ -26,21 +22,10 @@ pub(in crate::api) struct BasisRequest {
     pub(in crate::api) kind: BasisKind,
     /// The degree.
     #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
-    pub(in crate::api) degree: Option<Count>,
+    pub(in crate::api) degree: Option<usize>,
     /// Where the pieces meet.
     #[schemars(with = "Option<KnotChoice>")]
     pub(in crate::api) knots: Option<RuleOrNumbers<KnotRule>>,
-}
-
-/// A kind of basis.
-#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(example = &"bspline")]
-pub(in crate::api) enum BasisKind {
-    Bspline,
-    Bernstein,
-    SaidBall,
-    WangBall,
 }
 
 /// Where the knots of a B-spline are.
@@ -70,6 +55,10 @@ names!(BasisKind, "kind of basis", [
     "said_ball" => SaidBall,
     "wang_ball" => WangBall,
 ]);
+names!(Rational, "use of weights", [
+    "homogeneous" => Homogeneous,
+    "fixed" => Fixed,
+]);
 names!(KnotRule, "rule for knots", ["data" => Data, "averaged" => Averaged]);
 names!(ParameterRule, "rule for parameters", [
     "chord_length" => ChordLength,
@@ -88,7 +77,7 @@ impl BasisRequest {
     }
 
     /// A B-spline of this degree.
-    pub(super) fn of_degree(degree: Count) -> Self {
+    pub(super) fn of_degree(degree: usize) -> Self {
         Self {
             degree: Some(degree),
             ..Self::of(BasisKind::Bspline)
@@ -96,44 +85,17 @@ impl BasisRequest {
     }
 }
 
-pub(super) fn basis(request: Option<BasisRequest>, pointer: &str) -> Result<BasisChoice, Problem> {
-    let Some(request) = request else {
-        return Ok(BasisChoice::BSpline {
-            degree: DEFAULT_DEGREE,
-            knots: Knots::Usual,
-        });
-    };
-    let kind = match request.kind {
-        BasisKind::Bspline => {
-            return Ok(BasisChoice::BSpline {
-                degree: request
-                    .degree
-                    .map_or(DEFAULT_DEGREE, |Count(degree)| degree),
-                knots: knots(request.knots),
-            });
+impl From<BasisRequest> for BasisSpec {
+    fn from(request: BasisRequest) -> Self {
+        Self {
+            kind: request.kind,
+            degree: request.degree,
+            knots: request.knots.map(|knots| match knots {
+                RuleOrNumbers::Numbers(knots) => Knots::Explicit(Arc::new(knots)),
+                RuleOrNumbers::Rule(KnotRule::Data) => Knots::Data,
+                RuleOrNumbers::Rule(KnotRule::Averaged) => Knots::Averaged,
+            }),
         }
-        BasisKind::Bernstein => Polynomial::Bernstein,
-        BasisKind::SaidBall => Polynomial::SaidBall,
-        BasisKind::WangBall => Polynomial::WangBall,
-    };
-    let degree = request.degree.map(|_| "degree");
-    let given = degree.into_iter().chain(request.knots.map(|_| "knots"));
-    let wrong = given.map(|field| {
-        let detail = format!(
-            "a {} basis has no {field} to choose: its degree is control points − 1",
-            kind.name()
-        );
-        invalid(&format!("{pointer}/{field}"), detail)
-    });
-    Problem::of_all(wrong).map_or(Ok(BasisChoice::Polynomial(kind)), Err)
-}
-
-fn knots(request: Option<RuleOrNumbers<KnotRule>>) -> Knots {
-    match request {
-        None => Knots::Usual,
-        Some(RuleOrNumbers::Numbers(knots)) => Knots::Explicit(Arc::new(knots)),
-        Some(RuleOrNumbers::Rule(KnotRule::Data)) => Knots::Data,
-        Some(RuleOrNumbers::Rule(KnotRule::Averaged)) => Knots::Averaged,
     }
 }
 

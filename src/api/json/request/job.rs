@@ -1,26 +1,23 @@
 //! The JSON of a job, and its way to a fitting problem.
 
-use std::sync::Arc;
-
+use bytes::Bytes;
 use schemars::JsonSchema;
 
-use super::invalid::invalid;
 use super::method::MethodRequest;
-use super::mistakes::{DEFAULT_TOLERANCE, Mistakes};
+use super::places::Places;
 use super::schema;
-use super::shape::{CurveRequest, SurfaceRequest, check_count};
+use super::shape::{CurveRequest, SurfaceRequest};
 use super::stop::StopRequest;
-use super::weights::RationalRequest;
-use crate::api::json::read::object;
-use crate::api::json::read::values::LONGEST_TEXT;
+use crate::api::json::read::{self, object, parse};
 use crate::api::problem::Problem;
-use crate::api::stream::options;
 use crate::config::Config;
 use crate::fit::method::Method;
-use crate::fit::problem as fit;
+use crate::model::job::{JobSpec, LONGEST_NAME, Limits, ValidJob};
+use crate::model::mistakes::{Mistake, Place, Read};
+use crate::model::shape::ShapeSpec;
+use crate::model::stop::StopSpec;
 use crate::model::stream::StreamSpec;
-
-pub(super) const LONGEST_NAME: usize = LONGEST_TEXT;
+use crate::model::weights::Rational;
 
 /// A fit of a curve or of a surface: one of `curve` and `surface` is given. Fields that are not known are
 /// refused.
@@ -36,7 +33,7 @@ pub struct JobRequest {
     /// The surface to fit.
     pub(in crate::api) surface: Option<SurfaceRequest>,
     /// How weights are used; only with weights.
-    pub(in crate::api) rational: Option<RationalRequest>,
+    pub(in crate::api) rational: Option<Rational>,
     /// The method; without one `global`.
     pub(in crate::api) method: Option<MethodRequest>,
     /// When the iteration ends.
@@ -50,104 +47,62 @@ object!(
     "an object",
     [name, curve, surface, rational, method, stop, stream]
 );
-/// A job that can be computed.
-#[derive(Debug)]
-pub struct ValidJob {
-    /// The client's name for it.
-    pub name: Option<String>,
-    /// How its streams go if they do not say it themselves.
-    pub stream: Option<Arc<StreamSpec>>,
-    /// The problem.
-    pub problem: fit::Problem,
+
+/// The job that a body asks for, if it can be computed.
+pub fn read(body: Bytes, config: &Config) -> Result<ValidJob, Problem> {
+    let limits = Limits {
+        points: config.max_points,
+        iterations: config.max_iterations,
+    };
+    let request: JobRequest = parse(
+        &body,
+        read::Limits {
+            points: limits.points,
+        },
+    )?;
+    drop(body);
+    let (spec, places) = request.spec();
+    let valid = spec.validate(limits);
+    valid.map_err(|mistakes| Problem::of_mistakes(mistakes, &places))
 }
 
 impl JobRequest {
-    /// Checks the request against the limits and the mathematics.
-    pub fn validate(self, config: &Config) -> Result<ValidJob, Problem> {
-        let mut mistakes = Mistakes::default();
-        mistakes.keep(check_name(self.name.as_deref()));
-        let rational = self.rational;
+    /// What it asks for, and where its parts stand.
+    fn spec(self) -> (JobSpec, Places) {
         let surface = self.surface.is_some();
-        let shape = match (self.curve, self.surface) {
-            (Some(curve), None) => curve.shape(rational, &mut mistakes),
-            (None, Some(surface)) => surface.shape(rational, &mut mistakes),
-            (None, None) => mistakes.keep(Err(invalid("", "a curve or a surface is needed"))),
+        let (shape, mut places) = match (self.curve, self.surface) {
+            (Some(curve), None) => given(curve.spec()),
+            (None, Some(surface)) => given(surface.spec()),
+            (None, None) => {
+                let mistake = Mistake::at(Place::Whole, "a curve or a surface is needed");
+                (Err(mistake.into()), Places::default())
+            }
             (Some(_), Some(_)) => {
                 let detail = "the job has a curve, so it cannot have a surface as well";
-                mistakes.keep(Err(invalid("/surface", detail)))
+                let mistake = Mistake::at_text("/surface", detail);
+                (Err(mistake.into()), Places::default())
             }
         };
-        let shape = shape.and_then(|shape| {
-            let count = check_count(&shape, config.max_points);
-            mistakes.keep(count).map(|()| shape)
-        });
-        let stop = self.stop.unwrap_or_default();
-        let stop = mistakes.keep(stop.rules(config.max_iterations));
-        let stream = self.stream.as_ref();
-        let stream = stream.map(|stream| options::check(stream, surface));
-        mistakes.keep(stream.transpose().map_err(Problem::from));
-        let Some(mut shape) = shape else {
-            let settings = self.method.map(|method| method.check_settings());
-            mistakes.keep(settings.transpose());
-            return Err(mistakes.problem());
+        places.method_each = self.method.as_ref().is_some_and(MethodRequest::is_each);
+        let method = match (self.method, &shape) {
+            (None, _) => Ok(Method::Global.into()),
+            (Some(method), Ok(shape)) => method.spec(shape.grid, shape.v.is_some()),
+            // Without points nothing but its settings can be wrong with it.
+            (Some(method), Err(_)) => method.check_settings().map(|()| Method::Global.into()),
         };
-        let method = match self.method {
-            None => Some((Method::Global, None)),
-            Some(method) => {
-                shape.places.control_points_each = method.has_control_points_each();
-                shape.places.transform_each = method.has_transform_each();
-                mistakes.keep(method.method(shape.grid, shape.v.is_some()))
-            }
-        };
-        let Some((method, selected)) = method else {
-            return Err(mistakes.problem());
-        };
-        // The points and the basis may be wrong beside what was found so far.
-        let (tolerance, max_iterations) = stop.unwrap_or((DEFAULT_TOLERANCE, 0));
-        let places = shape.places;
-        let request = fit::Request {
-            points: Arc::new(shape.points),
-            grid: shape.grid,
-            missing: shape.missing,
-            u: shape.u,
-            v: shape.v,
-            weights: shape.weights,
-            method,
-            selected,
-            start: None,
-            lambda_min: None,
-            tolerance,
-            max_iterations,
-        };
-        let problem = mistakes.fit(request, |error| places.pointer(error));
-        let problem = problem.filter(|_| mistakes.none());
-        let Some(problem) = problem else {
-            return Err(mistakes.problem());
-        };
-        Ok(ValidJob {
+        let spec = JobSpec {
             name: self.name,
-            stream: fitting_stream(self.stream, &problem)?,
-            problem,
-        })
+            surface,
+            shape,
+            rational: Ok(self.rational),
+            method,
+            stop: self.stop.map(StopSpec::from).unwrap_or_default(),
+            stream: Ok(self.stream),
+        };
+        (spec, places)
     }
 }
 
-/// How the streams of a job go, if its data can be sent like that.
-pub(super) fn fitting_stream(
-    stream: Option<StreamSpec>,
-    problem: &fit::Problem,
-) -> Result<Option<Arc<StreamSpec>>, Problem> {
-    let request = StreamSpec::default();
-    options::check_range(&request, stream.as_ref(), problem)?;
-    Ok(stream.map(Arc::new))
-}
-
-pub(super) fn check_name(name: Option<&str>) -> Result<(), Problem> {
-    match name {
-        Some(name) if name.chars().count() > LONGEST_NAME => {
-            let detail = format!("the name is longer than {LONGEST_NAME} characters");
-            Err(invalid("/name", detail))
-        }
-        _ => Ok(()),
-    }
+fn given((shape, places): (ShapeSpec, Places)) -> (Read<ShapeSpec>, Places) {
+    (Ok(shape), places)
 }

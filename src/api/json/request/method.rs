@@ -3,18 +3,22 @@
 use std::sync::Arc;
 
 use schemars::JsonSchema;
+use serde_json::{Map, Value, json};
 
-use super::invalid::invalid;
+use super::places::direction;
 use super::schema;
 use super::settings::{ControlPoints, Index, Matrix, Omega};
 use crate::api::json::per_direction::PerDirection;
-use crate::api::json::read::values::{Count, Number};
-use crate::api::json::read::{Read, names, object};
-use crate::api::problem::Problem;
+use crate::api::json::read::{Read as _, names, object};
+use crate::api::json::view::error::PointIndex;
+use crate::fit::invalid::Place as P;
 use crate::fit::method::{
     Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
 use crate::fit::points::Grid;
+use crate::fit::problem::Problem;
+use crate::model::job::MethodSpec;
+use crate::model::mistakes::{Mistake, Mistakes, Place, Read};
 
 /// How the control points move from iteration to iteration.
 // Which settings belong to which kind is checked after reading, so that the error can say it.
@@ -33,17 +37,17 @@ pub(in crate::api) struct MethodRequest {
     pub(in crate::api) row_by_row: Option<bool>,
     /// Only control points move whose data point is further away than this, in data units.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(in crate::api) threshold: Option<Number>,
+    pub(in crate::api) threshold: Option<f64>,
     /// What iteration 0 is.
     pub(in crate::api) start: Option<StartRequest>,
     /// The number of control points; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<ControlPoints>")]
-    pub(in crate::api) control_points: Option<PerDirection<Count>>,
+    pub(in crate::api) control_points: Option<PerDirection<usize>>,
     /// The step.
     pub(in crate::api) variant: Option<VariantRequest>,
     /// The length of the step; without one 1 / (largest column sum).
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(in crate::api) mu: Option<Number>,
+    pub(in crate::api) mu: Option<f64>,
     /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<PerDirection<Matrix>>")]
     pub(in crate::api) transform: Option<PerDirection<Matrix>>,
@@ -127,9 +131,6 @@ names!(VariantRequest, "variant of the method least_squares", [
     "cg" => Cg,
 ]);
 
-/// A method, and the points that it selects, if it does.
-pub(super) type Chosen = (Method, Option<Arc<[usize]>>);
-
 impl MethodRequest {
     /// A method without settings.
     pub(in crate::api) fn of(kind: Kind) -> Self {
@@ -147,18 +148,15 @@ impl MethodRequest {
         }
     }
 
-    /// Whether the two directions have numbers of control points of their own.
-    pub(super) fn has_control_points_each(&self) -> bool {
+    /// Whether the two directions have settings of their own.
+    pub(super) fn is_each(&self) -> bool {
+        let transform = self.transform.as_ref();
         self.control_points.is_some_and(|count| count.is_each())
-    }
-
-    /// Whether the two directions have transforms of their own.
-    pub(super) fn has_transform_each(&self) -> bool {
-        self.transform.as_ref().is_some_and(PerDirection::is_each)
+            || transform.is_some_and(PerDirection::is_each)
     }
 
     /// The method for data points arranged in `grid`, and the points that it selects.
-    pub(super) fn method(self, grid: Grid, surface: bool) -> Result<Chosen, Problem> {
+    pub(super) fn spec(self, grid: Grid, surface: bool) -> Read<MethodSpec> {
         self.check_settings()?;
         let selected = self.selected(grid, surface)?;
         let method = match self.kind {
@@ -171,13 +169,8 @@ impl MethodRequest {
             }),
             Kind::Local => self.local(selected.is_some())?,
             Kind::Adaptive => match self.threshold {
-                Some(Number(threshold)) => Method::Adaptive(Adaptive { threshold }),
-                None => {
-                    return Err(invalid(
-                        "/method",
-                        "adaptive needs a threshold, in data units",
-                    ));
-                }
+                Some(threshold) => Method::Adaptive(Adaptive { threshold }),
+                None => return incomplete("adaptive needs a threshold, in data units"),
             },
             Kind::Extended => Method::Extended(Extended {
                 start: match self.start {
@@ -194,16 +187,17 @@ impl MethodRequest {
                 Some(PerDirection::Both(Matrix(u))) => Custom::new(u, None),
                 Some(PerDirection::Each { u, v }) => Custom::new(u.0, Some(v.0)),
                 None => {
-                    let detail = "custom needs a transform: the rows of a matrix, on surfaces also {\"u\": …, \"v\": …}";
-                    return Err(invalid("/method", detail));
+                    return incomplete(
+                        "custom needs a transform: the rows of a matrix, on surfaces also {\"u\": …, \"v\": …}",
+                    );
                 }
             }),
         };
-        Ok((method, selected))
+        Ok(MethodSpec { method, selected })
     }
 
     /// Refuses settings of other methods.
-    pub(super) fn check_settings(&self) -> Result<(), Problem> {
+    pub(super) fn check_settings(&self) -> Read<()> {
         let given = [
             ("omega", self.omega.is_some()),
             ("indices", self.indices.is_some()),
@@ -216,65 +210,146 @@ impl MethodRequest {
             ("transform", self.transform.is_some()),
         ];
         let own = schema::settings(self.kind.name());
-        let of_others = given
-            .into_iter()
-            .filter(|(name, given)| *given && !own.contains(name));
-        let mut wrong: Vec<Problem> = of_others
-            .map(|(name, _)| {
+        let mut mistakes = Mistakes::default();
+        for (name, given) in given {
+            if given && !own.contains(&name) {
                 let mut kinds = Kind::NAMES.iter();
                 let method = kinds.find(|kind| schema::settings(kind).contains(&name));
                 let method = method.unwrap_or(&"");
                 let detail = format!("{name} is a setting of the method {method:?}");
-                invalid(&format!("/method/{name}"), detail)
-            })
-            .collect();
+                mistakes.push(Mistake::at_text(format!("/method/{name}"), detail));
+            }
+        }
         let lspia = self.variant == Some(VariantRequest::Lspia);
         if self.kind == Kind::LeastSquares && self.mu.is_some() && !lspia {
             let detail = "mu is a setting of the variant \"lspia\"";
-            wrong.push(invalid("/method/mu", detail));
+            mistakes.push(Mistake::at_text("/method/mu", detail));
         }
-        Problem::of_all(wrong).map_or(Ok(()), Err)
+        mistakes.or(())
     }
 
-    fn local(&self, selects: bool) -> Result<Method, Problem> {
+    fn local(&self, selects: bool) -> Read<Method> {
         let row_by_row = self.row_by_row.unwrap_or(false);
         if !selects && !row_by_row {
-            let detail = "local needs the indices of the points to adjust, or row_by_row";
-            return Err(invalid("/method", detail));
+            return incomplete("local needs the indices of the points to adjust, or row_by_row");
         }
         Ok(Method::Local(Local { row_by_row }))
     }
 
-    fn selected(&self, grid: Grid, surface: bool) -> Result<Option<Arc<[usize]>>, Problem> {
+    fn selected(&self, grid: Grid, surface: bool) -> Read<Option<Arc<[usize]>>> {
         let Some(given) = &self.indices else {
             return Ok(None);
         };
         let mut indices = Vec::with_capacity(given.len());
         for (k, index) in given.iter().enumerate() {
             let index = index.of_point(grid, surface);
-            let pointer = || format!("/method/indices/{k}");
-            indices.push(index.map_err(|detail| invalid(&pointer(), detail))?);
+            let wrong = |detail| Mistake::at(Place::Fit(P::Index(k)), detail);
+            indices.push(index.map_err(wrong)?);
         }
         Ok(Some(indices.into()))
     }
 
-    fn least_squares(&self, surface: bool) -> Result<LeastSquares, Problem> {
+    fn least_squares(&self, surface: bool) -> Read<LeastSquares> {
         let Some(control_points) = self.control_points else {
-            let detail = "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}";
-            return Err(invalid("/method", detail));
+            return incomplete(
+                "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}",
+            );
         };
         if control_points.is_each() && !surface {
             let detail = "a curve has one number of control points";
-            return Err(invalid("/method/control_points", detail));
+            return Err(Mistake::at_text("/method/control_points", detail).into());
         }
-        let (Count(u), Count(v)) = control_points.split();
+        let (u, v) = control_points.split();
         let variant = match self.variant {
             None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
-            Some(VariantRequest::Lspia) => Variant::Lspia {
-                mu: self.mu.map(|Number(mu)| mu),
-            },
+            Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
             Some(VariantRequest::Cg) => Variant::ConjugateGradients,
         };
         Ok(LeastSquares { u, v, variant })
     }
+}
+
+/// A setting is missing.
+fn incomplete<T>(detail: &str) -> Read<T> {
+    Err(Mistake::at(Place::Fit(P::Method), detail).into())
+}
+
+/// The JSON pointer to a setting, or a part of it; everything else is the method. `each` tells whether
+/// the directions have a setting each.
+pub(super) fn pointer(place: P, each: bool) -> String {
+    let setting = match place {
+        P::Setting(setting) => setting.name().to_owned(),
+        P::Index(index) => format!("indices/{index}"),
+        P::ControlPoints(axis) => format!("control_points{}", direction(each, axis)),
+        P::Transform(axis) => format!("transform{}", direction(each, axis)),
+        P::TransformRow(axis, row) => format!("transform{}/{row}", direction(each, axis)),
+        P::TransformEntry(axis, row, column) => {
+            format!("transform{}/{row}/{column}", direction(each, axis))
+        }
+        _ => return "/method".to_owned(),
+    };
+    format!("/method/{setting}")
+}
+
+/// The method of a problem as it was asked for.
+pub(in crate::api) fn written(problem: &Problem) -> Value {
+    let mut value = Map::new();
+    let method = problem.method();
+    value.insert("kind".to_owned(), json!(method.name()));
+    let mut set = |name: &str, setting: Value| {
+        value.insert(name.to_owned(), setting);
+    };
+    match *method {
+        Method::Weighted(Weighted { omega }) => {
+            set("omega", omega.map_or(json!("auto"), Value::from))
+        }
+        Method::Local(Local { row_by_row }) => {
+            if let Some(selected) = problem.selected() {
+                let indices = selected
+                    .iter()
+                    .map(|&index| json!(PointIndex::new(index, problem)));
+                set("indices", indices.collect());
+            }
+            set("row_by_row", json!(row_by_row));
+        }
+        Method::Adaptive(Adaptive { threshold }) => set("threshold", json!(threshold)),
+        Method::Extended(Extended { start }) => set(
+            "start",
+            json!(match start {
+                Start::Transformed => "transformed",
+                Start::Data => "data",
+            }),
+        ),
+        Method::LeastSquares(LeastSquares { u, v, variant }) => {
+            set(
+                "control_points",
+                match problem.v() {
+                    None => json!(u),
+                    Some(_) => json!({"u": u, "v": v}),
+                },
+            );
+            let (name, mu) = match variant {
+                Variant::Diagonal => ("diagonal", None),
+                Variant::Lspia { mu } => ("lspia", mu),
+                Variant::ConjugateGradients => ("cg", None),
+            };
+            set("variant", json!(name));
+            if let Some(mu) = mu {
+                set("mu", json!(mu));
+            }
+        }
+        Method::Custom(ref custom) => {
+            let transform = match custom.v() {
+                None => json!(custom.u()),
+                Some(v) => json!({"u": custom.u(), "v": v}),
+            };
+            set("transform", transform);
+        }
+        Method::Global
+        | Method::Transpose
+        | Method::Convex
+        | Method::Chebyshev
+        | Method::Direct => {}
+    }
+    Value::Object(value)
 }

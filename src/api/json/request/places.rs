@@ -1,44 +1,63 @@
-//! Where in a request the parts of a problem stand.
+//! Where in the JSON of a request the parts of the model stand.
 
-use crate::fit::invalid::{Axis, Invalid, Place};
+use super::method;
+use crate::api::problem::{self, Words};
+use crate::fit::invalid::{Axis, Place as P};
+use crate::model::mistakes::{ChangePart, Place};
+use crate::model::named::Named;
 
 /// Which parts of the request have a value for each direction.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::api) struct Places {
+pub struct Places {
+    /// What the parts of the curve or surface stand in; they are fields of edits themselves.
+    pub(super) root: &'static str,
     /// The number of columns of a surface; `None` for a curve.
-    pub(super) surface_columns: Option<usize>,
+    pub(super) columns: Option<usize>,
     /// There is a degree instead of a basis.
     pub(super) degree_alone: bool,
     pub(super) basis_each: bool,
     pub(super) parameters_each: bool,
     pub(super) closed_each: bool,
     pub(super) weights_each: bool,
-    pub(super) control_points_each: bool,
-    pub(super) transform_each: bool,
+    /// The setting of the method that has a value for each direction.
+    pub(super) method_each: bool,
 }
 
 impl Places {
-    /// Of a job as it is shown, of whose parts only the bases are looked for.
-    pub(in crate::api) fn of_input(surface_columns: Option<usize>, basis_each: bool) -> Self {
+    /// Of a curve with one value for everything.
+    pub fn of_curve() -> Self {
         Self {
-            surface_columns,
-            basis_each,
+            root: "/curve",
             ..Self::default()
         }
     }
 
-    pub(super) fn root(&self) -> &'static str {
-        match self.surface_columns {
-            None => "/curve",
-            Some(_) => "/surface",
+    /// Of a surface with one value for both directions.
+    pub fn of_surface(columns: usize) -> Self {
+        Self {
+            root: "/surface",
+            columns: Some(columns),
+            ..Self::default()
         }
     }
 
-    pub(super) fn basis(&self, axis: Axis) -> String {
+    /// Of a job as it is shown, of whose parts only the bases are looked for.
+    pub fn of_input(columns: Option<usize>, basis_each: bool) -> Self {
+        Self {
+            basis_each,
+            ..columns.map_or_else(Self::of_curve, Self::of_surface)
+        }
+    }
+
+    fn part(&self, name: &str, each: bool, axis: Axis) -> String {
+        format!("{}/{name}{}", self.root, direction(each, axis))
+    }
+
+    fn basis(&self, axis: Axis) -> String {
         self.part("basis", self.basis_each, axis)
     }
 
-    pub(super) fn parameters(&self, axis: Axis) -> String {
+    fn parameters(&self, axis: Axis) -> String {
         self.part("parameters", self.parameters_each, axis)
     }
 
@@ -46,68 +65,67 @@ impl Places {
         self.part("weights", self.weights_each, axis)
     }
 
-    fn part(&self, name: &str, each: bool, axis: Axis) -> String {
-        format!("{}/{name}{}", self.root(), direction(each, axis))
-    }
-
     /// A point or its weight in a list or a grid.
     fn element(&self, name: &str, index: usize) -> String {
-        let root = self.root();
-        match self.surface_columns {
+        let root = self.root;
+        match self.columns {
             None => format!("{root}/{name}/{index}"),
             Some(columns) => format!("{root}/{name}/{}/{}", index / columns, index % columns),
         }
     }
 
-    /// The JSON pointer to what is wrong.
-    pub(super) fn pointer(&self, error: &Invalid) -> String {
-        self.pointer_to(error.place())
-    }
-
-    /// The JSON pointer to a part of the problem.
-    pub(in crate::api) fn pointer_to(&self, place: Place) -> String {
-        let root = self.root();
+    /// The JSON pointer to a part of the fitting problem.
+    fn pointer(&self, place: P) -> String {
+        let root = self.root;
         match place {
-            Place::Points => format!("{root}/points"),
-            Place::Point(index) => self.element("points", index),
-            Place::Line(Axis::U, index) => format!("{root}/points/{index}"),
-            Place::Line(Axis::V, index) => format!("{root}/points/0/{index}"),
-            Place::Basis(axis) => self.basis(axis),
-            Place::Degree(axis) if self.degree_alone => self.part("degree", self.basis_each, axis),
-            Place::Degree(axis) => format!("{}/degree", self.basis(axis)),
-            Place::Knots(axis) => format!("{}/knots", self.basis(axis)),
-            Place::Knot(axis, index) => format!("{}/knots/{index}", self.basis(axis)),
-            Place::Parameters(axis) => self.parameters(axis),
-            Place::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
-            Place::Closed(axis) => self.part("closed", self.closed_each, axis),
-            Place::Weights => format!("{root}/weights"),
-            Place::Weight(index) => self.element("weights", index),
-            Place::AxisWeights(axis) => self.weights(axis),
-            Place::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
-            Place::Method => "/method".to_owned(),
-            Place::Setting(setting) => format!("/method/{}", setting.name()),
-            Place::Transform(_) | Place::TransformRow(..) | Place::TransformEntry(..) => {
-                transform(place, self.transform_each)
-            }
-            Place::Index(index) => format!("/method/indices/{index}"),
-            Place::ControlPoints(axis) => format!(
-                "/method/control_points{}",
-                direction(self.control_points_each, axis)
-            ),
-            Place::Tolerance => "/stop/tolerance".to_owned(),
-            Place::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
+            P::Points => format!("{root}/points"),
+            P::Point(index) => self.element("points", index),
+            P::Line(Axis::U, index) => format!("{root}/points/{index}"),
+            P::Line(Axis::V, index) => format!("{root}/points/0/{index}"),
+            P::Basis(axis) => self.basis(axis),
+            P::Degree(axis) if self.degree_alone => self.part("degree", self.basis_each, axis),
+            P::Degree(axis) => format!("{}/degree", self.basis(axis)),
+            P::Knots(axis) => format!("{}/knots", self.basis(axis)),
+            P::Knot(axis, index) => format!("{}/knots/{index}", self.basis(axis)),
+            P::Parameters(axis) => self.parameters(axis),
+            P::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
+            P::Closed(axis) => self.part("closed", self.closed_each, axis),
+            P::Weights => format!("{root}/weights"),
+            P::Weight(index) => self.element("weights", index),
+            P::AxisWeights(axis) => self.weights(axis),
+            P::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
+            P::Tolerance => "/stop/tolerance".to_owned(),
+            P::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
+            place => method::pointer(place, self.method_each),
         }
     }
 }
 
-/// A matrix, or a part of it; everything else is the method.
-pub(super) fn transform(place: Place, each: bool) -> String {
-    let matrix = |axis| format!("/method/transform{}", direction(each, axis));
-    match place {
-        Place::Transform(axis) => matrix(axis),
-        Place::TransformRow(axis, row) => format!("{}/{row}", matrix(axis)),
-        Place::TransformEntry(axis, row, column) => format!("{}/{row}/{column}", matrix(axis)),
-        _ => "/method".to_owned(),
+impl Words for Places {
+    fn of(&self, place: Place) -> String {
+        match place {
+            Place::Whole => String::new(),
+            Place::Name => "/name".to_owned(),
+            Place::Fit(place) => self.pointer(place),
+            Place::Rational => "/rational".to_owned(),
+            Place::MaxIterations => "/stop/max_iterations".to_owned(),
+            Place::Stream(choice, None) => format!("/stream/{}", choice.name()),
+            Place::Stream(choice, Some(index)) => format!("/stream/{}/{index}", choice.name()),
+            Place::Iteration => "/iteration".to_owned(),
+            Place::Change(k, part) => {
+                let part = match part {
+                    ChangePart::Whole => "",
+                    ChangePart::Index => "/index",
+                    ChangePart::Point => "/point",
+                    ChangePart::Weight => "/weight",
+                };
+                format!("/points/{k}{part}")
+            }
+        }
+    }
+
+    fn place(&self, text: String) -> problem::Place {
+        problem::Place::Pointer(text)
     }
 }
 

@@ -5,7 +5,7 @@ use schemars::json_schema;
 use serde::de::SeqAccess;
 
 use crate::api::json::per_direction::Pair;
-use crate::api::json::read::values::{Count, Element, Number};
+use crate::api::json::read::values::{Count, Element};
 use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading};
 use crate::api::json::schema::schema_of;
 use crate::api::short::quoted;
@@ -87,7 +87,7 @@ impl Reader for RowReader {
     ) -> Result<Option<Vec<f64>>, A::Error> {
         let mut row = Vec::new();
         let most = Most::of(LARGEST, "entries");
-        let whole = at.elements(list, most, Number::reader, |Number(entry), _| {
+        let whole = at.elements(list, most, f64::reader, |entry, _| {
             row.push(entry);
             Some(())
         })?;
@@ -100,8 +100,6 @@ impl Reader for RowReader {
 pub(in crate::api) enum Index {
     Single(usize),
     Pair(usize, usize),
-    /// `row · columns + column` on surfaces: how messages number points.
-    Flat(usize),
 }
 
 impl Index {
@@ -110,8 +108,6 @@ impl Index {
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
         match (self, surface) {
             (Self::Single(i), false) => Ok(i),
-            (Self::Flat(i), _) if i < grid.count() => Ok(i),
-            (Self::Flat(i), _) => Err(format!("{i} is not one of the {} points", grid.count())),
             (Self::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
                 Ok(i * grid.columns + j)
             }
@@ -159,7 +155,7 @@ impl Reader for Of<Index> {
         at: &mut Reading,
     ) -> Result<Option<Index>, A::Error> {
         let (mut row, mut column, mut more) = (None, None, false);
-        let whole = at.elements(list, Most::any(), Count::reader, |Count(k), _| {
+        let whole = at.elements(list, Most::any(), usize::reader, |k, _| {
             more = column.is_some();
             (row, column) = (row.or(Some(k)), row.and(column.or(Some(k))));
             Some(())

@@ -2,23 +2,19 @@
 
 use schemars::JsonSchema;
 
-use super::basis::{BasisRequest, Degree, ParameterRule, Parameters, basis, parametrization};
-use super::invalid::invalid;
-use super::mistakes::Mistakes;
+use super::basis::{BasisRequest, Degree, ParameterRule, Parameters, parametrization};
 use super::places::Places;
 use super::schema;
-use super::weights::{RationalRequest, curve_weights, surface_weights};
 use crate::api::json::numbers::{PointGrid, PointList, RuleOrNumbers, WeightList};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::object;
-use crate::api::json::read::values::Count;
 use crate::api::json::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
-use crate::api::problem::Problem;
 use crate::fit::basis::MAX_DEGREE;
-use crate::fit::direction::DirectionChoice;
-use crate::fit::invalid::Axis;
-use crate::fit::points::{Grid, Points};
-use crate::fit::problem::Weights;
+use crate::fit::invalid as fit;
+use crate::fit::points::Grid;
+use crate::model::mistakes::{Mistake, Place, Read};
+use crate::model::shape::{AxisSpec, BasisSpec, ShapeSpec};
+use crate::model::weights::WeightSpec;
 
 /// A curve through data points.
 #[derive(Debug, JsonSchema)]
@@ -31,7 +27,7 @@ pub(in crate::api) struct CurveRequest {
     pub(in crate::api) basis: Option<BasisRequest>,
     /// Short for a B-spline of this degree, instead of `basis`.
     #[schemars(range(min = 1, max = MAX_DEGREE))]
-    pub(in crate::api) degree: Option<Count>,
+    pub(in crate::api) degree: Option<usize>,
     /// The parameters of the data points; without them `chord_length`.
     #[schemars(with = "Option<Parameters>")]
     pub(in crate::api) parameters: Option<RuleOrNumbers<ParameterRule>>,
@@ -55,7 +51,7 @@ pub(in crate::api) struct SurfaceRequest {
     pub(in crate::api) basis: Option<PerDirection<BasisRequest>>,
     /// Short for B-splines of this degree, instead of `basis`.
     #[schemars(with = "Option<PerDirection<Degree>>")]
-    pub(in crate::api) degree: Option<PerDirection<Count>>,
+    pub(in crate::api) degree: Option<PerDirection<usize>>,
     /// The parameters of the data points; without them `chord_length`.
     #[schemars(with = "Option<PerDirection<Parameters>>")]
     pub(in crate::api) parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
@@ -77,133 +73,111 @@ object!(
     "an object with points",
     [points, basis, degree, parameters, weights, closed]
 );
-/// What curves and surfaces have in common.
-pub(super) struct Shape {
-    pub(super) points: Points,
-    pub(super) grid: Grid,
-    pub(super) u: DirectionChoice,
-    pub(super) v: Option<DirectionChoice>,
-    pub(super) missing: Vec<usize>,
-    pub(super) weights: Weights,
-    pub(super) places: Places,
-}
 
 impl CurveRequest {
-    /// What there is of it, also if there are mistakes beside the points.
-    pub(super) fn shape(
-        self,
-        rational: Option<RationalRequest>,
-        mistakes: &mut Mistakes,
-    ) -> Option<Shape> {
-        let degree = check_degree(self.degree.is_some(), self.basis.is_some(), "/curve");
-        mistakes.keep(degree);
-        let short = self.degree.is_some();
-        let of_degree = self.degree.map(BasisRequest::of_degree);
-        let PointList(points) = self.points;
-        let grid = Grid {
-            rows: points.len(),
-            columns: 1,
+    /// What it asks for, and where its parts stand.
+    pub(super) fn spec(self) -> (ShapeSpec, Places) {
+        let places = Places {
+            degree_alone: self.degree.is_some(),
+            ..Places::of_curve()
         };
-        let weights = mistakes.keep(curve_weights(self.weights, rational));
-        let (weights, fixed) = weights.unwrap_or((Weights::None, None));
-        let basis = mistakes.keep(basis(self.basis.or(of_degree), "/curve/basis"));
-        Some(Shape {
+        let PointList(points) = self.points;
+        let of_degree = self.degree.map(BasisRequest::of_degree);
+        let doubled = self.degree.is_some() && self.basis.is_some();
+        let spec = ShapeSpec {
+            grid: Grid {
+                rows: points.len(),
+                columns: 1,
+            },
             points,
-            grid,
-            u: DirectionChoice {
-                basis: basis?,
+            missing: Vec::new(),
+            u: AxisSpec {
+                basis: basis(self.basis.or(of_degree), doubled, &places),
                 parameters: parametrization(self.parameters),
                 closed: self.closed.unwrap_or(false),
-                control_points: None,
-                weights: fixed,
             },
             v: None,
-            missing: Vec::new(),
-            weights,
-            places: Places {
-                degree_alone: short,
-                ..Places::default()
-            },
-        })
+            weights: weights(self.weights.map(PerDirection::Both), false),
+        };
+        (spec, places)
     }
 }
 
 impl SurfaceRequest {
-    /// What there is of it, also if there are mistakes beside the points.
-    pub(super) fn shape(
-        self,
-        rational: Option<RationalRequest>,
-        mistakes: &mut Mistakes,
-    ) -> Option<Shape> {
-        let degree = check_degree(self.degree.is_some(), self.basis.is_some(), "/surface");
-        mistakes.keep(degree);
-        let degree_alone = self.degree.is_some();
-        let of_degree = self
-            .degree
-            .map(|degree| degree.map(BasisRequest::of_degree));
-        let bases = self.basis.or(of_degree);
+    /// What it asks for, and where its parts stand.
+    pub(super) fn spec(self) -> (ShapeSpec, Places) {
         let PointGrid {
             points,
             missing,
             rows,
             columns,
         } = self.points;
-        let grid = Grid { rows, columns };
+        let doubled = self.degree.is_some() && self.basis.is_some();
+        let of_degree = self
+            .degree
+            .map(|degree| degree.map(BasisRequest::of_degree));
+        let bases = self.basis.or(of_degree);
         let places = Places {
-            surface_columns: Some(columns),
-            degree_alone,
+            degree_alone: self.degree.is_some(),
             basis_each: bases.as_ref().is_some_and(PerDirection::is_each),
             parameters_each: self.parameters.as_ref().is_some_and(PerDirection::is_each),
             closed_each: self.closed.is_some_and(|closed| closed.is_each()),
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
-            control_points_each: false,
-            transform_each: false,
+            ..Places::of_surface(columns)
         };
-        let weights = surface_weights(self.weights, rational, grid, "/surface/weights");
-        let weights = mistakes.keep(weights);
-        let (weights, fixed) = weights.unwrap_or((Weights::None, None));
         let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
-        let (fixed_u, fixed_v) = fixed.unzip();
-        let mut direction = |axis, request, parameters, closed: Option<bool>, weights| {
-            let basis = mistakes.keep(basis(request, &places.basis(axis)));
-            Some(DirectionChoice {
-                basis: basis?,
-                parameters: parametrization(parameters),
-                closed: closed.unwrap_or(false),
-                control_points: None,
-                weights,
-            })
+        let axis = |request, doubled, parameters, closed: Option<bool>| AxisSpec {
+            basis: basis(request, doubled, &places),
+            parameters: parametrization(parameters),
+            closed: closed.unwrap_or(false),
         };
-        let u = direction(Axis::U, basis_u, parameters_u, closed_u, fixed_u);
-        let v = direction(Axis::V, basis_v, parameters_v, closed_v, fixed_v);
-        Some(Shape {
+        let spec = ShapeSpec {
             points,
-            grid,
-            u: u?,
-            v: Some(v?),
+            grid: Grid { rows, columns },
             missing,
-            weights,
-            places,
-        })
+            u: axis(basis_u, doubled, parameters_u, closed_u),
+            v: Some(axis(basis_v, false, parameters_v, closed_v)),
+            weights: weights(self.weights, true),
+        };
+        (spec, places)
     }
 }
 
-/// A degree that stands instead of a basis does not stand beside one.
-fn check_degree(degree: bool, basis: bool, root: &str) -> Result<(), Problem> {
-    if degree && basis {
+/// The basis of a direction. A degree that stands instead of a basis does not stand beside one.
+fn basis(request: Option<BasisRequest>, doubled: bool, places: &Places) -> Read<BasisSpec> {
+    if doubled {
         let detail = "a basis is given, which has its degree itself";
-        return Err(invalid(&format!("{root}/degree"), detail));
+        return Err(Mistake::at_text(format!("{}/degree", places.root), detail).into());
     }
-    Ok(())
+    Ok(request.map(BasisSpec::from).unwrap_or_default())
 }
 
-pub(super) fn check_count(shape: &Shape, limit: usize) -> Result<(), Problem> {
-    let count = shape.grid.count();
-    if count > limit {
-        let detail = format!("{count} points are more than {limit}, the limit of this server");
-        return Err(invalid(&format!("{}/points", shape.places.root()), detail));
-    }
-    Ok(())
+/// Weights of a curve, a list, or of a surface, rows or a list for each direction.
+pub(super) fn weights(
+    weights: Option<PerDirection<WeightList>>,
+    surface: bool,
+) -> Read<Option<WeightSpec>> {
+    let Some(weights) = weights else {
+        return Ok(None);
+    };
+    let detail = match (weights, surface) {
+        (PerDirection::Both(WeightList::Line(weights)), false) => {
+            return Ok(Some(WeightSpec::List(weights)));
+        }
+        (PerDirection::Both(WeightList::Grid { values, columns }), true) => {
+            return Ok(Some(WeightSpec::Grid { values, columns }));
+        }
+        (
+            PerDirection::Each {
+                u: WeightList::Line(u),
+                v: WeightList::Line(v),
+            },
+            true,
+        ) => return Ok(Some(WeightSpec::Axes { u, v })),
+        (_, false) => "the weights of a curve are a list of numbers",
+        (_, true) => "the weights of a surface are rows of numbers, or {\"u\": […], \"v\": […]}",
+    };
+    Err(Mistake::at(Place::Fit(fit::Place::Weights), detail).into())
 }

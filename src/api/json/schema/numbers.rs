@@ -3,8 +3,9 @@
 use schemars::json_schema;
 
 use super::schema_of;
-use crate::api::json::numbers::{MAX_DIMENSION, PointGrid, PointList};
+use crate::api::json::numbers::{PointGrid, PointList};
 use crate::api::json::per_direction::Pair;
+use crate::model::shape::MAX_DIMENSION;
 
 /// A data point.
 pub enum Point {}

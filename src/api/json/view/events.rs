@@ -18,8 +18,6 @@ use super::writer::Digits;
 use super::{examples, to_bytes};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
-use crate::api::json::request::basis::BasisKind;
-use crate::api::json::request::weights::RationalRequest;
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::ProblemBody;
@@ -27,6 +25,8 @@ use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::state::{Levels, Reason, State, Status};
+use crate::model::shape::BasisKind;
+use crate::model::weights::Rational;
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
 #[derive(Serialize, JsonSchema)]
@@ -44,16 +44,18 @@ pub struct JobEvent<'a> {
     #[schemars(range(min = 1, max = 3))]
     dimension: usize,
     /// The number of control points in each event, end copies included.
-    control_points: PerDirection<Count>,
+    #[schemars(with = "PerDirection<Count>")]
+    control_points: PerDirection<usize>,
     /// The basis.
     #[schemars(with = "PerDirection<BasisKind>")]
     basis: PerDirection<&'static str>,
     /// The degree.
-    degree: PerDirection<Count>,
+    #[schemars(with = "PerDirection<Count>")]
+    degree: PerDirection<usize>,
     /// Whether it is periodic.
     closed: PerDirection<bool>,
     /// How weights are used, if there are any.
-    #[schemars(with = "Option<RationalRequest>")]
+    #[schemars(with = "Option<Rational>")]
     rational: Option<&'static str>,
     /// The method, with numbers that were computed for it.
     method: AppliedMethod,
@@ -94,9 +96,9 @@ pub fn description(
         kind: Geometry::of(outline),
         points: problem.grid().count(),
         dimension: problem.dimension(),
-        control_points: each(problem, |_, direction| Count(direction.basis.functions())),
+        control_points: each(problem, |_, direction| direction.basis.functions()),
         basis: each(problem, |_, direction| direction.basis.name()),
-        degree: each(problem, |_, direction| Count(direction.basis.degree())),
+        degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
         rational: rational(problem),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),

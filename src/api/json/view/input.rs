@@ -3,20 +3,18 @@
 use bytes::Bytes;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::error::PointIndex;
 use super::job::stream;
 use super::to_bytes;
+use crate::api::json::request::method;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
-};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
 use crate::job::outline::Outline;
+use crate::model::weights::Rational;
 
 /// The body that would ask for the same problem again. The start of an edit is not a part of it: that
 /// is its iteration 0.
@@ -39,10 +37,10 @@ impl Serialize for Input<'_> {
         }
         let kind = if outline.surface { "surface" } else { "curve" };
         fields.serialize_entry(kind, &Shape(request))?;
-        if let Some(rational) = rational(request) {
-            fields.serialize_entry("rational", rational)?;
+        if let Some(rational) = Rational::of(request) {
+            fields.serialize_entry("rational", rational.name())?;
         }
-        fields.serialize_entry("method", &method(problem))?;
+        fields.serialize_entry("method", &method::written(problem))?;
         fields.serialize_entry("stop", &stop(request))?;
         if let Some(stream) = stream(outline) {
             fields.serialize_entry("stream", &stream)?;
@@ -168,14 +166,6 @@ fn parameters(choice: &DirectionChoice) -> Value {
     }
 }
 
-fn rational(request: &Request) -> Option<&'static str> {
-    match &request.weights {
-        Weights::Homogeneous(_) => Some("homogeneous"),
-        Weights::FixedGrid(_) => Some("fixed"),
-        Weights::None => request.u.weights.as_ref().map(|_| "fixed"),
-    }
-}
-
 fn weights(request: &Request) -> Option<Value> {
     let columns = request.grid.columns;
     match (&request.weights, &request.u.weights, &request.v) {
@@ -187,68 +177,6 @@ fn weights(request: &Request) -> Option<Value> {
             Some(grid.chunks(columns).map(|row| json!(row)).collect())
         }
     }
-}
-
-fn method(problem: &Problem) -> Value {
-    let mut value = Map::new();
-    let method = problem.method();
-    value.insert("kind".to_owned(), json!(method.name()));
-    let mut set = |name: &str, setting: Value| {
-        value.insert(name.to_owned(), setting);
-    };
-    match *method {
-        Method::Weighted(Weighted { omega }) => {
-            set("omega", omega.map_or(json!("auto"), Value::from))
-        }
-        Method::Local(Local { row_by_row }) => {
-            if let Some(selected) = problem.selected() {
-                let indices = selected
-                    .iter()
-                    .map(|&index| json!(PointIndex::new(index, problem)));
-                set("indices", indices.collect());
-            }
-            set("row_by_row", json!(row_by_row));
-        }
-        Method::Adaptive(Adaptive { threshold }) => set("threshold", json!(threshold)),
-        Method::Extended(Extended { start }) => set(
-            "start",
-            json!(match start {
-                Start::Transformed => "transformed",
-                Start::Data => "data",
-            }),
-        ),
-        Method::LeastSquares(LeastSquares { u, v, variant }) => {
-            set(
-                "control_points",
-                match problem.v() {
-                    None => json!(u),
-                    Some(_) => json!({"u": u, "v": v}),
-                },
-            );
-            let (name, mu) = match variant {
-                Variant::Diagonal => ("diagonal", None),
-                Variant::Lspia { mu } => ("lspia", mu),
-                Variant::ConjugateGradients => ("cg", None),
-            };
-            set("variant", json!(name));
-            if let Some(mu) = mu {
-                set("mu", json!(mu));
-            }
-        }
-        Method::Custom(ref custom) => {
-            let transform = match custom.v() {
-                None => json!(custom.u()),
-                Some(v) => json!({"u": custom.u(), "v": v}),
-            };
-            set("transform", transform);
-        }
-        Method::Global
-        | Method::Transpose
-        | Method::Convex
-        | Method::Chebyshev
-        | Method::Direct => {}
-    }
-    Value::Object(value)
 }
 
 fn stop(request: &Request) -> Value {

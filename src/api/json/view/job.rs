@@ -181,7 +181,7 @@ pub struct AppliedMethod {
     /// Least squares: the number of control points.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "PerDirection<Count>")]
-    control_points: Option<PerDirection<Count>>,
+    control_points: Option<PerDirection<usize>>,
     /// Least squares: the step.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "VariantRequest")]
@@ -220,10 +220,10 @@ impl AppliedMethod {
             },
             Method::LeastSquares(settings) => Self {
                 control_points: Some(match outline.surface {
-                    false => PerDirection::Both(Count(settings.u)),
+                    false => PerDirection::Both(settings.u),
                     true => PerDirection::Each {
-                        u: Count(settings.u),
-                        v: Count(settings.v),
+                        u: settings.u,
+                        v: settings.v,
                     },
                 }),
                 variant: Some(match settings.variant {

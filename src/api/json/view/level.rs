@@ -17,8 +17,6 @@ use super::source::{Along, Net, NetWeights};
 use super::writer::Digits;
 use crate::api::json::per_direction::{Pair, PerDirection};
 use crate::api::json::read::values::Count;
-use crate::api::json::request::basis::BasisKind;
-use crate::api::json::request::weights::RationalRequest;
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::stream::form::{self, Encoding, Form, View};
@@ -33,6 +31,8 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::{State, Status};
+use crate::model::shape::BasisKind;
+use crate::model::weights::Rational;
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
 #[derive(Serialize, JsonSchema)]
@@ -373,11 +373,12 @@ pub struct FitResult<'a> {
     #[schemars(with = "PerDirection<BasisKind>")]
     basis: PerDirection<&'static str>,
     /// The degree.
-    degree: PerDirection<Count>,
+    #[schemars(with = "PerDirection<Count>")]
+    degree: PerDirection<usize>,
     /// Whether it is periodic.
     closed: PerDirection<bool>,
     /// How weights are used, if there are any.
-    #[schemars(with = "Option<RationalRequest>")]
+    #[schemars(with = "Option<Rational>")]
     rational: Option<&'static str>,
     /// A weight that no CAD kernel takes.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -437,7 +438,7 @@ pub fn result(
         iteration: level.iteration,
         error: FitError::new(&level.error, &**problem),
         basis: each(problem, |_, direction| direction.basis.name()),
-        degree: each(problem, |_, direction| Count(direction.basis.degree())),
+        degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
         rational: rational(problem),
         bad_weight: BadWeight::of(level, problem),

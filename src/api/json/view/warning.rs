@@ -5,10 +5,12 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::api::json::request::places::Places;
+use crate::api::problem::Words;
 use crate::fit::invalid::Axis;
 use crate::fit::warning as fit;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
+use crate::model::mistakes::Place;
 
 /// What is doubtful about a fit that is computed even so.
 #[derive(Serialize, JsonSchema)]
@@ -32,20 +34,15 @@ pub struct Warning {
 impl Warning {
     /// What is doubtful about a job, as far as is known by now.
     pub fn of(outline: &Outline, levels: Option<&Levels>) -> Vec<Self> {
+        let columns = outline.surface.then_some(outline.grid.columns);
+        let places = Places::of_input(columns, outline.bases_differ);
         let view = |warning: fit::Warning| Self {
             code: warning.code(),
-            pointer: pointer(&warning, outline, outline.bases_differ),
+            pointer: places.of(Place::Fit(warning.place())),
             detail: warning.detail(),
         };
         outline.warnings(levels).map(view).collect()
     }
-}
-
-/// Where in the job's input the part stands that a warning is about; `each` if directions of surfaces
-/// have bases of their own there.
-pub fn pointer(warning: &fit::Warning, outline: &Outline, each: bool) -> String {
-    let columns = outline.surface.then_some(outline.grid.columns);
-    Places::of_input(columns, each).pointer_to(warning.place())
 }
 
 fn example() -> Value {

@@ -1,13 +1,11 @@
 //! How a stream goes, after the choices of the request for it and those of its job.
 
-use super::choices::{Choices, Mistake};
+use super::choices::{ChoiceMistake, Choices};
 use super::form::{self, Encoding, Form, View};
-use crate::api::language::Framing;
-use crate::api::short::quoted;
+use super::{self as chosen, Choice, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec};
 use crate::fit::problem::Problem;
-use crate::model::stream::{
-    self as chosen, Choice, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
-};
+use crate::model::mistakes::Mistake;
+use crate::model::short::quoted;
 
 /// How a stream goes.
 #[derive(Clone, Debug)]
@@ -27,15 +25,15 @@ pub struct StreamOptions {
 }
 
 impl StreamOptions {
-    /// The options of a stream of a curve or a surface that is framed like this. What `request` does not
-    /// say, `job` says for all of its streams.
+    /// The options of a stream of a curve or a surface of JSON events or of `protobuf`
+    /// messages. What `request` does not say, `job` says for all of its streams.
     pub fn new(
         request: &StreamSpec,
         job: Option<&StreamSpec>,
-        framing: Framing,
+        protobuf: bool,
         surface: bool,
-    ) -> Result<Self, Mistake> {
-        if framing != Framing::Protobuf {
+    ) -> Result<Self, ChoiceMistake> {
+        if !protobuf {
             return Self::of(Choices::new(request, job), surface);
         }
         refuse_numbers(request)?;
@@ -58,13 +56,13 @@ impl StreamOptions {
     pub fn of_reader(
         request: &StreamSpec,
         job: Option<&StreamSpec>,
-        framing: Framing,
+        protobuf: bool,
         surface: bool,
-    ) -> Result<Self, Mistake> {
-        let options = Self::new(request, job, framing, surface)?;
+    ) -> Result<Self, ChoiceMistake> {
+        let options = Self::new(request, job, protobuf, surface)?;
         if options.cancels && request.on_disconnect.is_some() {
             let detail = "only the stream that is the answer to the request for the job can end it";
-            return Err(Mistake::of_request(Choice::OnDisconnect, detail));
+            return Err(ChoiceMistake::of_request(Choice::OnDisconnect, detail));
         }
         Ok(Self {
             cancels: false,
@@ -72,7 +70,7 @@ impl StreamOptions {
         })
     }
 
-    fn of(choices: Choices<'_>, surface: bool) -> Result<Self, Mistake> {
+    fn of(choices: Choices<'_>, surface: bool) -> Result<Self, ChoiceMistake> {
         let form = Form::of(choices, surface)?;
         let changed = choices.get(|spec| spec.changed).unwrap_or(false);
         let options = Self {
@@ -88,7 +86,7 @@ impl StreamOptions {
     }
 
     /// Refuses what does not go together.
-    fn check(&self, choices: Choices<'_>) -> Result<(), Mistake> {
+    fn check(&self, choices: Choices<'_>) -> Result<(), ChoiceMistake> {
         const COMPLETE: &str =
             "what has changed is said from each iteration to the next, so none may be left out";
         let changed = self.changes.is_some();
@@ -148,19 +146,27 @@ impl StreamOptions {
     }
 }
 
-/// Checks that the streams of a job with such a curve or surface can go like that.
-pub fn check(job: &StreamSpec, surface: bool) -> Result<(), Mistake> {
-    let request = StreamSpec::default();
-    StreamOptions::of(Choices::new(&request, Some(job)), surface).map(|_| ())
+impl StreamSpec {
+    /// Checks that the streams of a job with a curve or a surface can go like that.
+    pub fn check(&self, surface: bool) -> Result<(), Mistake> {
+        let request = Self::default();
+        StreamOptions::of(Choices::new(&request, Some(self)), surface)?;
+        Ok(())
+    }
+
+    /// Checks that numbers of 32 bits, where they are asked for, have room for the data of a job.
+    pub fn check_range(&self, problem: &Problem) -> Result<(), Mistake> {
+        Ok(check_range(&Self::default(), Some(self), problem)?)
+    }
 }
 
 /// The form of a single iteration of a curve or a surface in JSON.
-pub fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, Mistake> {
+pub fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
     Form::of(Choices::new(request, None), surface)
 }
 
 /// The form of a single iteration of a curve or a surface as a protobuf message.
-pub fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, Mistake> {
+pub fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
     refuse_numbers(request)?;
     Ok(json_form(request, surface)?.in_protobuf())
 }
@@ -170,12 +176,12 @@ pub fn check_range(
     request: &StreamSpec,
     job: Option<&StreamSpec>,
     problem: &Problem,
-) -> Result<(), Mistake> {
+) -> Result<(), ChoiceMistake> {
     form::check_range(Choices::new(request, job), problem)
 }
 
 /// Messages have no choice of how numbers are written.
-fn refuse_numbers(request: &StreamSpec) -> Result<(), Mistake> {
+fn refuse_numbers(request: &StreamSpec) -> Result<(), ChoiceMistake> {
     let given = [
         (Choice::Encoding, request.encoding.is_some()),
         (Choice::Digits, request.digits.is_some()),
@@ -184,12 +190,12 @@ fn refuse_numbers(request: &StreamSpec) -> Result<(), Mistake> {
         None => Ok(()),
         Some((choice, _)) => {
             let detail = "it is about numbers in JSON; protobuf messages have all 64 bits";
-            Err(Mistake::of_request(choice, detail))
+            Err(ChoiceMistake::of_request(choice, detail))
         }
     }
 }
 
-fn every(choices: Choices<'_>) -> Result<usize, Mistake> {
+fn every(choices: Choices<'_>) -> Result<usize, ChoiceMistake> {
     match choices.get(|spec| spec.every) {
         Some(0) => Err(choices.mistake(Choice::Every, not_positive("0"))),
         every => Ok(every.unwrap_or(1)),
@@ -202,7 +208,7 @@ pub fn not_positive(text: &str) -> String {
 }
 
 /// Milestones are positive and decrease.
-fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, Mistake> {
+fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, ChoiceMistake> {
     let Some(milestones) = choices.get(|spec| spec.milestones.as_ref()) else {
         return Ok(Vec::new());
     };

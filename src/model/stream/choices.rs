@@ -1,10 +1,10 @@
 //! Who has chosen what of a stream: the one who asks for it, or the job for all of its streams; and
 //! which choices do not go together.
 
-use crate::api::problem::{Kind, Problem};
-use crate::api::short::plain;
+use super::{Choice, StreamSpec};
+use crate::model::mistakes::{Mistake, Place};
 use crate::model::named::Named;
-use crate::model::stream::{Choice, StreamSpec};
+use crate::model::short::plain;
 
 /// Where a choice was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,9 +15,9 @@ enum By {
     Job,
 }
 
-/// What is wrong with a choice.
+/// What is wrong with a choice of the request for a stream, or of the job.
 #[derive(Debug)]
-pub struct Mistake {
+pub struct ChoiceMistake {
     by: By,
     choice: Choice,
     /// The element of a list.
@@ -25,7 +25,7 @@ pub struct Mistake {
     detail: String,
 }
 
-impl Mistake {
+impl ChoiceMistake {
     /// A mistake of the request for a stream.
     pub fn of_request(choice: Choice, detail: impl Into<String>) -> Self {
         Self {
@@ -35,19 +35,18 @@ impl Mistake {
             detail: detail.into(),
         }
     }
+
+    /// The choice and why it is wrong, if the request for the stream has made it.
+    pub fn by_request(&self) -> Option<(Choice, &str)> {
+        (self.by == By::Request).then_some((self.choice, self.detail.as_str()))
+    }
 }
 
-impl From<Mistake> for Problem {
-    fn from(mistake: Mistake) -> Self {
-        let name = mistake.choice.name();
-        let index = mistake.index.map(|index| format!("/{index}"));
-        match mistake.by {
-            By::Request => Self::at_parameter(name, mistake.detail),
-            By::Job => {
-                let pointer = format!("/stream/{name}{}", index.unwrap_or_default());
-                Self::at_pointer(Kind::InvalidFit, pointer, mistake.detail)
-            }
-        }
+/// A mistake of the job.
+impl From<ChoiceMistake> for Mistake {
+    fn from(mistake: ChoiceMistake) -> Self {
+        let place = Place::Stream(mistake.choice, mistake.index);
+        Self::at(place, mistake.detail)
     }
 }
 
@@ -78,7 +77,7 @@ impl<'a> Choices<'a> {
     }
 
     /// What is wrong with a choice that was made.
-    pub(super) fn mistake(self, choice: Choice, detail: impl Into<String>) -> Mistake {
+    pub(super) fn mistake(self, choice: Choice, detail: impl Into<String>) -> ChoiceMistake {
         self.mistake_at(choice, None, detail)
     }
 
@@ -88,8 +87,8 @@ impl<'a> Choices<'a> {
         choice: Choice,
         index: Option<usize>,
         detail: impl Into<String>,
-    ) -> Mistake {
-        Mistake {
+    ) -> ChoiceMistake {
+        ChoiceMistake {
             by: self.made(choice).map_or(By::Request, |(by, _)| by),
             choice,
             index,
@@ -105,7 +104,7 @@ impl<'a> Choices<'a> {
 
     /// Refuses choices that do not go together. What the request says is to blame before what the job
     /// says.
-    pub(super) fn refuse(self, conflicts: &[Conflict]) -> Result<(), Mistake> {
+    pub(super) fn refuse(self, conflicts: &[Conflict]) -> Result<(), ChoiceMistake> {
         let Some(&(_, one, other, why)) = conflicts.iter().find(|(both, ..)| *both) else {
             return Ok(());
         };

@@ -1,4 +1,10 @@
 //! What the event streams of a job are like, as far as a client says it.
+//!
+//! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it.
+
+pub mod choices;
+pub mod form;
+pub mod options;
 
 use std::fmt;
 

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use super::choices::{Choices, Conflict, Mistake};
+use super::choices::{ChoiceMistake, Choices, Conflict};
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
-use crate::model::stream::{self as chosen, Choice, MOST_SAMPLES};
+use crate::model::short::quoted;
 
-pub use crate::model::stream::Digits;
+use super::{self as chosen, Choice, MOST_SAMPLES};
+
+pub use super::Digits;
 
 const CURVE_SAMPLES: Grid = Grid {
     rows: 200,
@@ -72,7 +74,7 @@ impl Form {
     }
 
     /// The form that was chosen for a curve or a surface.
-    pub(super) fn of(choices: Choices<'_>, surface: bool) -> Result<Self, Mistake> {
+    pub(super) fn of(choices: Choices<'_>, surface: bool) -> Result<Self, ChoiceMistake> {
         let view = view(choices, surface)?;
         let encoding = match choices.get(|spec| spec.encoding) {
             None | Some(chosen::Encoding::Json) => Encoding::Json,
@@ -129,7 +131,7 @@ impl Form {
 }
 
 /// The view that was chosen, with its number of samples.
-fn view(choices: Choices<'_>, surface: bool) -> Result<View, Mistake> {
+fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
     let usual = match surface {
         false => CURVE_SAMPLES,
         true => SURFACE_SAMPLES,
@@ -163,12 +165,12 @@ pub fn not_samples(text: &str, surface: bool) -> String {
     };
     format!(
         "{} is not a number of samples such as {form}, at least 2 in each direction and {MOST_SAMPLES} in all",
-        crate::api::short::quoted(text)
+        quoted(text)
     )
 }
 
 /// Refuses numbers of 32 bits, where they are chosen, that have no room for the data.
-pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), Mistake> {
+pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), ChoiceMistake> {
     if choices.get(|spec| spec.encoding) != Some(chosen::Encoding::Base64F32) {
         return Ok(());
     }

@@ -1,11 +1,11 @@
 //! What a stream is like, in messages.
 
-use super::bounds::check_count;
 use super::messages as pb;
-use super::names::known;
-use crate::api::problem::Problem;
+use super::values::{check_count, known};
+use crate::model::mistakes::Mistake;
+use crate::model::named::Named;
 use crate::model::stream::{
-    Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec, View,
+    Choice, Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec, View,
 };
 
 const VIEWS: [(View, pb::View); 3] = [
@@ -32,36 +32,57 @@ const DIGITS: [(Digits, pb::JsonDigits); 2] = [
     (Digits::Auto, pb::JsonDigits::Auto),
 ];
 
-/// What a message says. Fields of errors are relative to the message.
-pub fn spec(options: pb::StreamOptions) -> Result<StreamSpec, Problem> {
+/// The field of a choice.
+pub fn field(choice: Choice) -> &'static str {
+    match choice {
+        Choice::Samples => "samples_u",
+        Choice::Milestones => "milestones.distances",
+        Choice::Encoding => "json_encoding",
+        Choice::Digits => "json_digits",
+        choice => choice.name(),
+    }
+}
+
+/// What a message says, which is a field with this name and a dot.
+pub fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mistake> {
     let every = options.every.map(|every| {
         let detail = "it is larger than any number of iterations";
-        usize::try_from(every).map_err(|_| Problem::at_field("every", detail))
+        usize::try_from(every).map_err(|_| Mistake::at_text(format!("{within}every"), detail))
     });
     let milestones = options.milestones.map(|milestones| milestones.distances);
     let count = milestones.as_ref().map_or(0, Vec::len);
-    check_count(count, MOST_MILESTONES, "milestones", "milestones.distances")?;
+    let field = |choice| format!("{within}{}", field(choice));
+    let distances = field(Choice::Milestones);
+    check_count(count, MOST_MILESTONES, "milestones", &distances)?;
     Ok(StreamSpec {
-        view: chosen(&VIEWS, options.view, "view")?,
-        samples: samples(options.samples_u, options.samples_v)?,
+        view: chosen(&VIEWS, options.view, &field(Choice::View))?,
+        samples: samples(
+            options.samples_u,
+            options.samples_v,
+            &field(Choice::Samples),
+        )?,
         every: every.transpose()?,
         milestones,
-        pace: chosen(&PACES, options.pace, "pace")?,
+        pace: chosen(&PACES, options.pace, &field(Choice::Pace))?,
         changed: options.changed,
-        encoding: chosen(&ENCODINGS, options.json_encoding, "json_encoding")?,
-        digits: chosen(&DIGITS, options.json_digits, "json_digits")?,
-        on_disconnect: chosen(&DISCONNECTS, options.on_disconnect, "on_disconnect")?,
+        encoding: chosen(&ENCODINGS, options.json_encoding, &field(Choice::Encoding))?,
+        digits: chosen(&DIGITS, options.json_digits, &field(Choice::Digits))?,
+        on_disconnect: chosen(
+            &DISCONNECTS,
+            options.on_disconnect,
+            &field(Choice::OnDisconnect),
+        )?,
     })
 }
 
 /// What the message of a call says. What is about JSON is ignored.
-pub fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Problem> {
+pub fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake> {
     let options = pb::StreamOptions {
         json_encoding: 0,
         json_digits: 0,
         ..options.unwrap_or_default()
     };
-    spec(options).map_err(|problem| problem.within("stream"))
+    spec(options, "stream.")
 }
 
 /// The message that says the same.
@@ -88,13 +109,13 @@ pub fn options(spec: &StreamSpec) -> pb::StreamOptions {
     }
 }
 
-fn samples(u: u32, v: u32) -> Result<Option<Samples>, Problem> {
+fn samples(u: u32, v: u32, field: &str) -> Result<Option<Samples>, Mistake> {
     match (u as usize, v as usize) {
         (0, 0) => Ok(None),
         (u, 0) => Ok(Some(Samples::Count(u))),
         (0, _) => {
             let detail = "samples_v is given, so samples_u is needed as well";
-            Err(Problem::at_field("samples_u", detail))
+            Err(Mistake::at_text(field, detail))
         }
         (u, v) => Ok(Some(Samples::Grid(u, v))),
     }
@@ -105,7 +126,7 @@ fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
     table: &[(T, E)],
     value: i32,
     field: &str,
-) -> Result<Option<T>, Problem> {
+) -> Result<Option<T>, Mistake> {
     let value: E = known(value, field)?;
     let found = table.iter().find(|(_, known)| *known == value);
     Ok(found.map(|(chosen, _)| *chosen))

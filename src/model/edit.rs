@@ -1,0 +1,306 @@
+//! An edit as it is asked for, and its way from the parent's problem to a new one.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use super::job::{Limits, MethodSpec, ValidJob, check_name};
+use super::mistakes::{ChangePart, Mistake, Mistakes, Place, Read};
+use super::shape::MAX_DIMENSION;
+use super::stop::StopSpec;
+use super::stream::StreamSpec;
+use super::weights::{Rational, WeightSpec, check_unused};
+use crate::fit::invalid::{self as fit, Invalid};
+use crate::fit::points::Points;
+use crate::fit::problem::{Problem, Request, Weights};
+
+/// Changes of a fit. Whatever is not given stays as it is.
+#[derive(Clone, Debug)]
+pub struct EditSpec {
+    /// The client's name for the new job.
+    pub name: Option<String>,
+    /// The level of the parent to start from; without one, its last.
+    pub iteration: Option<usize>,
+    /// Data points that go elsewhere or get another weight.
+    pub points: Vec<Change>,
+    /// New weights of all data points.
+    pub weights: Read<Option<WeightSpec>>,
+    /// How weights are used.
+    pub rational: Read<Option<Rational>>,
+    /// Another method.
+    pub method: Read<Option<MethodSpec>>,
+    /// Other rules when the iteration ends.
+    pub stop: Option<StopSpec>,
+    /// What the streams of the new job are like; without it as those of the parent.
+    pub stream: Read<Option<StreamSpec>>,
+}
+
+/// A data point that goes elsewhere, gets another weight, or both.
+#[derive(Clone, Debug)]
+pub struct Change {
+    /// Which point; on surfaces `row · columns + column`.
+    pub index: Read<usize>,
+    /// Where it goes.
+    pub point: Option<Coordinates>,
+    /// Its weight.
+    pub weight: Option<f64>,
+}
+
+/// The coordinates of a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinates {
+    values: [f64; MAX_DIMENSION],
+    count: usize,
+}
+
+impl Coordinates {
+    /// The coordinates, if there are not too many.
+    pub fn of(coordinates: &[f64]) -> Option<Self> {
+        let count = coordinates.len();
+        let mut values = [0.0; MAX_DIMENSION];
+        values.get_mut(..count)?.copy_from_slice(coordinates);
+        Some(Self { values, count })
+    }
+
+    /// One after the other.
+    pub fn as_slice(&self) -> &[f64] {
+        self.values.get(..self.count).unwrap_or(&[])
+    }
+}
+
+/// What an edit starts from.
+pub struct Parent<'a> {
+    /// The problem of the parent.
+    pub problem: &'a Problem,
+    /// Its control points at the level that the edit starts from.
+    pub control_points: &'a Arc<Points>,
+    /// The least eigenvalue of its collocation matrix, if it is known.
+    pub lambda_min: Option<f64>,
+    /// What its streams are like.
+    pub stream: Option<&'a StreamSpec>,
+}
+
+impl EditSpec {
+    /// The problem with the changes, starting from the parent's control points.
+    pub fn apply(self, parent: &Parent<'_>, limits: Limits) -> Read<ValidJob> {
+        let mut mistakes = Mistakes::default();
+        mistakes.keep(check_name(self.name.as_deref()));
+        mistakes.keep(self.check_some());
+        let mut request = parent.problem.restated();
+        let surface = request.v.is_some();
+        let rational = mistakes.keep(self.rational).flatten();
+        // Fixed weights are a part of the basis.
+        let same_matrix =
+            matches!(self.weights, Ok(None)) || rational == Some(Rational::Homogeneous);
+        request.lambda_min = parent.lambda_min.filter(|_| same_matrix);
+        let weights = self.weights;
+        let weights = weights.and_then(|weights| set_weights(&mut request, weights, rational));
+        mistakes.keep(weights);
+        let changed = change_points(self.points, &mut request, &mut mistakes);
+        if let Some(method) = mistakes.keep(self.method).flatten() {
+            (request.method, request.selected) = (method.method, method.selected);
+        }
+        if let Some(stop) = self.stop {
+            let rules = stop.rules(limits.iterations, &mut mistakes);
+            (request.tolerance, request.max_iterations) = (rules.tolerance, rules.max_iterations);
+        }
+        let stream = mistakes.keep(self.stream).flatten();
+        let stream = stream.or_else(|| parent.stream.cloned());
+        let fits = stream.as_ref().map(|stream| stream.check(surface));
+        mistakes.keep(fits.transpose());
+        if !mistakes.none() {
+            return Err(mistakes);
+        }
+        request.start = Some(start(parent, &request)?);
+        let problem = mistakes.fit(request, |place| in_edit(place, &changed));
+        if let Some(problem) = &problem {
+            mistakes.keep(check_bases(problem, parent.problem));
+        }
+        ValidJob::new(self.name, stream, problem, mistakes)
+    }
+
+    /// Refuses an edit that changes nothing.
+    fn check_some(&self) -> Read<()> {
+        let nothing = self.points.is_empty()
+            && matches!(self.weights, Ok(None))
+            && matches!(self.rational, Ok(None))
+            && matches!(self.method, Ok(None))
+            && self.stop.is_none();
+        if nothing {
+            let detail = "an edit changes something: points, weights, method or stop";
+            return Err(Mistake::at(Place::Whole, detail).into());
+        }
+        Ok(())
+    }
+}
+
+/// Changes single points; gives the entry of each that was changed.
+fn change_points(
+    changes: Vec<Change>,
+    request: &mut Request,
+    mistakes: &mut Mistakes,
+) -> HashMap<usize, usize> {
+    let mut changed = HashMap::with_capacity(changes.len());
+    let mut placed = HashSet::new();
+    for (k, change) in changes.into_iter().enumerate() {
+        if mistakes.full() {
+            break;
+        }
+        let goes = change.point.is_some();
+        let Some(index) = mistakes.keep(change.apply(k, request)) else {
+            continue;
+        };
+        if changed.contains_key(&index) {
+            let detail = "this point has been moved before, by the same edit";
+            mistakes.push(Mistake::at(Place::Change(k, ChangePart::Index), detail));
+        }
+        changed.entry(index).or_insert(k);
+        if goes {
+            placed.insert(index);
+        }
+    }
+    request.missing.retain(|index| !placed.contains(index));
+    changed
+}
+
+impl Change {
+    /// Puts the point elsewhere; gives its index.
+    fn apply(self, k: usize, request: &mut Request) -> Read<usize> {
+        let wrong = |part, detail: String| Err(Mistake::at(Place::Change(k, part), detail).into());
+        let index = self.index?;
+        let count = request.grid.count();
+        if index >= count {
+            let detail = format!("{index} is not one of the {count} points");
+            return wrong(ChangePart::Index, detail);
+        }
+        if self.point.is_none() && self.weight.is_none() {
+            return wrong(
+                ChangePart::Whole,
+                "a point or a weight is needed".to_owned(),
+            );
+        }
+        let weights = match &mut request.weights {
+            Weights::Homogeneous(weights) => Some(weights),
+            _ => None,
+        };
+        match (self.weight, weights) {
+            (None, _) => {}
+            (Some(weight), Some(weights)) => weights[index] = weight,
+            (Some(_), None) => {
+                let detail = "only points of homogeneous fits have weights of their own";
+                return wrong(ChangePart::Weight, detail.to_owned());
+            }
+        }
+        if let Some(point) = self.point {
+            let dimension = request.points.dimension();
+            let point = point.as_slice();
+            if point.len() != dimension {
+                let given = point.len();
+                let detail =
+                    format!("{given} coordinates, but the points of this fit have {dimension}");
+                return wrong(ChangePart::Point, detail);
+            }
+            let coordinates = point.iter().copied();
+            Arc::make_mut(&mut request.points).set(index, coordinates);
+        }
+        Ok(index)
+    }
+}
+
+/// New weights. They stay of the kind that they were: control points of homogeneous fits have a
+/// coordinate more.
+fn set_weights(
+    request: &mut Request,
+    weights: Option<WeightSpec>,
+    rational: Option<Rational>,
+) -> Read<()> {
+    let before = Rational::of(request);
+    let kind = rational.or(before);
+    if before.is_some() && kind != before {
+        let detail = "the weights of a fit stay homogeneous or fixed, as those of its parent";
+        return Err(Mistake::at(Place::Rational, detail).into());
+    }
+    let Some(weights) = weights else {
+        return check_unused(rational);
+    };
+    let resolved = weights.resolve(kind, request.grid)?;
+    // Single ones may change next.
+    if let Weights::Homogeneous(weights) = &resolved.weights {
+        let (given, expected) = (weights.len(), request.grid.count());
+        if given != expected {
+            let error = Invalid::WeightCount { given, expected };
+            return Err(Mistake::at(Place::Fit(fit::Place::Weights), error.to_string()).into());
+        }
+    }
+    request.weights = resolved.weights;
+    request.u.weights = resolved.u;
+    if let Some(v) = &mut request.v {
+        v.weights = resolved.v;
+    }
+    Ok(())
+}
+
+/// The parent's control points. Where data points get other weights, so do their control points,
+/// which stay where they are: the old weights would go through the data as well, and be kept.
+fn start(parent: &Parent<'_>, request: &Request) -> Read<Arc<Points>> {
+    let Parent {
+        problem,
+        control_points,
+        ..
+    } = parent;
+    let Weights::Homogeneous(new) = &request.weights else {
+        return Ok(Arc::clone(control_points));
+    };
+    let ones = vec![1.0; request.grid.count()];
+    let old = match &problem.request().weights {
+        Weights::Homogeneous(old) => old,
+        _ => &ones,
+    };
+    if old == new && problem.is_homogeneous() {
+        return Ok(Arc::clone(control_points));
+    }
+    if control_points.len() != old.len() {
+        let detail = "the control points of a least-squares fit do not belong to single data points, so that its weights cannot be edited: post a new job";
+        return Err(Mistake::at(Place::Fit(fit::Place::Weights), detail).into());
+    }
+    let mut lanes = control_points.lanes().to_vec();
+    if !problem.is_homogeneous() {
+        lanes.push(ones.as_slice().into());
+    }
+    for lane in &mut lanes {
+        for (x, (new, old)) in lane.iter_mut().zip(new.iter().zip(old)) {
+            *x *= new / old;
+        }
+    }
+    Ok(Arc::new(Points::from_lanes(lanes)))
+}
+
+/// Refuses a method with other bases.
+fn check_bases(problem: &Problem, parent: &Problem) -> Read<()> {
+    let bases = problem.directions().map(|direction| &direction.basis);
+    if bases.eq(parent.directions().map(|direction| &direction.basis)) {
+        return Ok(());
+    }
+    let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
+    Err(Mistake::at(Place::Fit(fit::Place::Method), detail).into())
+}
+
+/// Where in an edit a part of the problem is, which has changed these points by these entries.
+fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> Place {
+    use fit::Place as P;
+    let entry = |index, part| changed.get(&index).map(|k| Place::Change(*k, part));
+    match place {
+        P::Point(index) => entry(index, ChangePart::Whole).unwrap_or(Place::Whole),
+        P::Weight(index) => entry(index, ChangePart::Weight).unwrap_or(Place::Fit(place)),
+        P::AxisWeights(_) | P::AxisWeight(..) => Place::Fit(P::Weights),
+        // What an edit leaves as it is was right in the parent.
+        P::Line(..)
+        | P::Degree(_)
+        | P::Basis(_)
+        | P::Knots(_)
+        | P::Knot(..)
+        | P::Parameters(_)
+        | P::Parameter(..)
+        | P::Closed(_) => Place::Whole,
+        place => Place::Fit(place),
+    }
+}

@@ -1,0 +1,139 @@
+//! A job as it is asked for, and its way to a fitting problem.
+//!
+//! What a language cannot read of a part of a job stands in its place, so that one answer tells all
+//! that is wrong, in the order of the fields here.
+
+use std::sync::Arc;
+
+use super::mistakes::{Mistake, Mistakes, Place, Read};
+use super::shape::ShapeSpec;
+use super::stop::StopSpec;
+use super::stream::StreamSpec;
+use super::weights::Rational;
+use crate::fit::invalid as fit;
+use crate::fit::method::Method;
+use crate::fit::problem::Problem;
+
+/// The most characters of a name.
+pub const LONGEST_NAME: usize = 200;
+
+/// A job as it is asked for.
+#[derive(Clone, Debug)]
+pub struct JobSpec {
+    /// The client's name for it.
+    pub name: Option<String>,
+    /// Whether a surface is fitted.
+    pub surface: bool,
+    /// What is fitted.
+    pub shape: Read<ShapeSpec>,
+    /// How weights are used.
+    pub rational: Read<Option<Rational>>,
+    /// The method.
+    pub method: Read<MethodSpec>,
+    /// When the iteration ends.
+    pub stop: StopSpec,
+    /// What its streams are like if they do not say it themselves.
+    pub stream: Read<Option<StreamSpec>>,
+}
+
+/// A method as it is asked for.
+#[derive(Clone, Debug)]
+pub struct MethodSpec {
+    /// The method with its settings.
+    pub method: Method,
+    /// Local fits: the indices of the points that are adjusted, if not all.
+    pub selected: Option<Arc<[usize]>>,
+}
+
+impl From<Method> for MethodSpec {
+    fn from(method: Method) -> Self {
+        let selected = None;
+        Self { method, selected }
+    }
+}
+
+/// A job that can be computed.
+#[derive(Debug)]
+pub struct ValidJob {
+    /// The client's name for it.
+    pub name: Option<String>,
+    /// What its streams are like if they do not say it themselves.
+    pub stream: Option<Arc<StreamSpec>>,
+    /// The problem.
+    pub problem: Problem,
+}
+
+/// What a server accepts.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// The most data points.
+    pub points: usize,
+    /// The most iterations.
+    pub iterations: usize,
+}
+
+impl JobSpec {
+    /// Checks the job against the limits and the mathematics.
+    pub fn validate(self, limits: Limits) -> Read<ValidJob> {
+        let mut mistakes = Mistakes::default();
+        mistakes.keep(check_name(self.name.as_deref()));
+        let rational = self.rational.clone().ok().flatten();
+        let shape = mistakes.keep(self.shape);
+        let shape = shape.and_then(|shape| shape.shape(rational, &mut mistakes));
+        let shape = shape.filter(|shape| {
+            let count = check_count(shape.grid.count(), limits.points);
+            mistakes.keep(count).is_some()
+        });
+        let rules = self.stop.rules(limits.iterations, &mut mistakes);
+        let stream = mistakes.keep(self.stream).flatten();
+        let fits = stream.as_ref().map(|stream| stream.check(self.surface));
+        mistakes.keep(fits.transpose());
+        mistakes.keep(self.rational);
+        let method = mistakes.keep(self.method);
+        let Some((shape, method)) = shape.zip(method) else {
+            return Err(mistakes);
+        };
+        // The points and the basis may be wrong beside what was found so far.
+        let problem = mistakes.fit(shape.request(method, rules), Place::Fit);
+        ValidJob::new(self.name, stream, problem, mistakes)
+    }
+}
+
+impl ValidJob {
+    /// The job, if nothing is wrong with it.
+    pub(super) fn new(
+        name: Option<String>,
+        stream: Option<StreamSpec>,
+        problem: Option<Problem>,
+        mut mistakes: Mistakes,
+    ) -> Read<Self> {
+        let Some(problem) = problem.filter(|_| mistakes.none()) else {
+            return Err(mistakes);
+        };
+        let fits = stream.as_ref().map(|stream| stream.check_range(&problem));
+        mistakes.keep(fits.transpose());
+        mistakes.or(Self {
+            name,
+            stream: stream.map(Arc::new),
+            problem,
+        })
+    }
+}
+
+pub(super) fn check_name(name: Option<&str>) -> Read<()> {
+    match name {
+        Some(name) if name.chars().count() > LONGEST_NAME => {
+            let detail = format!("the name is longer than {LONGEST_NAME} characters");
+            Err(Mistake::at(Place::Name, detail).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_count(count: usize, limit: usize) -> Read<()> {
+    if count > limit {
+        let detail = format!("{count} points are more than {limit}, the limit of this server");
+        return Err(Mistake::at(Place::Fit(fit::Place::Points), detail).into());
+    }
+    Ok(())
+}

@@ -1,0 +1,135 @@
+//! What is wrong with a job or an edit, and with which part of it.
+//!
+//! Places are parts of the model. The language in which a request was written says where they stand
+//! there: JSON by a pointer, a protobuf message by the path of a field.
+
+use super::stream::Choice;
+use crate::fit::invalid as fit;
+
+/// The most mistakes that are told at once.
+pub const MOST_MISTAKES: usize = 16;
+
+/// A part of a job or an edit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// All of it.
+    Whole,
+    /// The client's name for the job.
+    Name,
+    /// A part of the fitting problem.
+    Fit(fit::Place),
+    /// How weights are used.
+    Rational,
+    /// The last iteration that is computed.
+    MaxIterations,
+    /// A choice of the streams, or an element of its list.
+    Stream(Choice, Option<usize>),
+    /// Edits: the iteration to start from.
+    Iteration,
+    /// Edits: an entry of the list of points that change, or a part of it.
+    Change(usize, ChangePart),
+}
+
+/// A part of what an edit says of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangePart {
+    /// All of it.
+    Whole,
+    /// Which point.
+    Index,
+    /// Where it goes.
+    Point,
+    /// Its weight.
+    Weight,
+}
+
+/// Where something is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Site {
+    /// In a part of the model.
+    Part(Place),
+    /// At a place in the language of the request that is no part of the model.
+    Text(String),
+}
+
+/// What is wrong, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mistake {
+    /// Where.
+    pub site: Site,
+    /// Why.
+    pub detail: String,
+}
+
+impl Mistake {
+    /// A mistake in a part of the model.
+    pub fn at(place: Place, detail: impl Into<String>) -> Self {
+        Self {
+            site: Site::Part(place),
+            detail: detail.into(),
+        }
+    }
+
+    /// A mistake at a place that only the language of the request has.
+    pub fn at_text(text: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self {
+            site: Site::Text(text.into()),
+            detail: detail.into(),
+        }
+    }
+}
+
+/// What was read of a part of a request, or all that is wrong with it.
+pub type Read<T> = Result<T, Mistakes>;
+
+/// All mistakes that were found, as far as one does not follow from another.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Mistakes(Vec<Mistake>);
+
+impl Mistakes {
+    /// One mistake more.
+    pub fn push(&mut self, mistake: Mistake) {
+        self.0.push(mistake);
+    }
+
+    /// The value, or its mistakes more.
+    pub fn keep<T>(&mut self, read: Result<T, impl Into<Self>>) -> Option<T> {
+        match read {
+            Ok(value) => Some(value),
+            Err(mistakes) => {
+                self.0.extend(mistakes.into().0);
+                None
+            }
+        }
+    }
+
+    /// Whether there are none.
+    pub fn none(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether there are as many as are told.
+    pub fn full(&self) -> bool {
+        self.0.len() >= MOST_MISTAKES
+    }
+
+    /// The value if there are no mistakes.
+    pub fn or<T>(self, value: T) -> Read<T> {
+        if self.none() { Ok(value) } else { Err(self) }
+    }
+}
+
+impl From<Mistake> for Mistakes {
+    fn from(mistake: Mistake) -> Self {
+        Self(vec![mistake])
+    }
+}
+
+impl IntoIterator for Mistakes {
+    type Item = Mistake;
+    type IntoIter = std::vec::IntoIter<Mistake>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}

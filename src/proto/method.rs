@@ -1,0 +1,246 @@
+//! Methods and their settings in messages.
+
+use super::messages::{self as pb, method as m, method::Kind};
+use super::values::{check_count, count, known, some};
+use crate::fit::invalid::{Axis, Place, Setting};
+use crate::fit::method::{
+    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
+use crate::fit::system::Forecast;
+use crate::model::job::MethodSpec;
+use crate::model::mistakes::{self as model, Mistake, Read};
+
+/// What a method is for.
+#[derive(Clone, Copy, Debug)]
+pub struct Scope {
+    /// The number of data points.
+    pub points: usize,
+    /// Whether they are those of a surface.
+    pub surface: bool,
+    /// The most indices of points.
+    pub most: usize,
+}
+
+impl Scope {
+    /// Methods that were accepted before.
+    pub const ANY: Self = Self {
+        points: usize::MAX,
+        surface: true,
+        most: usize::MAX,
+    };
+}
+
+/// The method that a message asks for.
+pub fn spec(method: Option<pb::Method>, scope: Scope) -> Read<Option<MethodSpec>> {
+    let Some(method) = method else {
+        return Ok(None);
+    };
+    let Some(kind) = method.kind else {
+        return Err(Mistake::at_text("method", "it has no kind").into());
+    };
+    let method = match kind {
+        Kind::Global(_) => Method::Global,
+        Kind::Weighted(m::Weighted { omega }) => Method::Weighted(Weighted { omega }),
+        Kind::Local(local) => return self::local(local, scope).map(Some),
+        Kind::Adaptive(m::Adaptive { threshold }) => Method::Adaptive(Adaptive { threshold }),
+        Kind::Extended(extended) => Method::Extended(Extended {
+            start: match known(extended.start, "method.extended.start")? {
+                m::Start::Unspecified | m::Start::Transformed => Start::Transformed,
+                m::Start::Data => Start::Data,
+            },
+        }),
+        Kind::Transpose(_) => Method::Transpose,
+        Kind::Convex(_) => Method::Convex,
+        Kind::Chebyshev(_) => Method::Chebyshev,
+        Kind::Direct(_) => Method::Direct,
+        Kind::LeastSquares(settings) => Method::LeastSquares(least_squares(settings, scope)?),
+        Kind::Custom(custom) => Method::Custom(self::custom(&custom)?),
+    };
+    Ok(Some(method.into()))
+}
+
+fn local(local: m::Local, scope: Scope) -> Read<MethodSpec> {
+    let (field, points) = ("method.local.indices", scope.points);
+    check_count(local.indices.len(), scope.most, "indices", field)?;
+    let outside = |index: &u32| *index as usize >= points;
+    if let Some(k) = local.indices.iter().position(outside) {
+        let detail = format!("{} is not one of the {points} points", local.indices[k]);
+        return Err(Mistake::at(model::Place::Fit(Place::Index(k)), detail).into());
+    }
+    let row_by_row = local.row_by_row;
+    let indices = some(local.indices);
+    if indices.is_none() && !row_by_row {
+        let place = model::Place::Fit(Place::Method);
+        let detail = "local needs the indices of the points to adjust, or row_by_row";
+        return Err(Mistake::at(place, detail).into());
+    }
+    let selected = indices.map(|indices| indices.into_iter().map(|it| it as usize).collect());
+    Ok(MethodSpec {
+        method: Method::Local(Local { row_by_row }),
+        selected,
+    })
+}
+
+/// Without a number for v both directions have that for u.
+fn least_squares(settings: m::LeastSquares, scope: Scope) -> Read<LeastSquares> {
+    let variant = match known(settings.variant, "method.least_squares.variant")? {
+        m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
+        m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
+        m::Variant::Cg => Variant::ConjugateGradients,
+    };
+    let wrong =
+        |setting: Place, detail| Err(Mistake::at(model::Place::Fit(setting), detail).into());
+    if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
+        let detail = "mu is a setting of the variant \"lspia\"";
+        return wrong(Place::Setting(Setting::Mu), detail);
+    }
+    let (u, v) = (settings.control_points_u, settings.control_points_v);
+    if v != 0 && !scope.surface {
+        let detail = "a curve has one number of control points";
+        return wrong(Place::ControlPoints(Axis::U), detail);
+    }
+    let v = if v == 0 { u } else { v };
+    Ok(LeastSquares {
+        u: u as usize,
+        v: v as usize,
+        variant,
+    })
+}
+
+/// The matrices of a transform.
+fn custom(custom: &m::Custom) -> Read<Custom> {
+    let u = matrix(&custom.transform_u, "method.custom.transform_u")?;
+    let v = some(custom.transform_v.clone());
+    let v = v.map(|entries| matrix(&entries, "method.custom.transform_v"));
+    Ok(Custom::new(u, v.transpose()?))
+}
+
+/// The rows of a square matrix.
+fn matrix(entries: &[f64], field: &str) -> Result<Vec<Vec<f64>>, Mistake> {
+    let count = entries.len();
+    check_count(count, LARGEST * LARGEST, "entries", field)?;
+    let rows = count.isqrt();
+    if rows * rows != count || count == 0 {
+        let detail = format!("{count} entries are no square matrix");
+        return Err(Mistake::at_text(field, detail));
+    }
+    Ok(entries.chunks_exact(rows).map(<[f64]>::to_vec).collect())
+}
+
+/// How the settings of a method are laid out.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Layout {
+    /// The numbers of columns of the square matrices of a transform for u and v.
+    columns: (usize, usize),
+    /// The directions have numbers of control points each.
+    each: bool,
+}
+
+impl Layout {
+    /// The layout of a method.
+    pub fn of(method: Option<&pb::Method>) -> Self {
+        let mut layout = Self::default();
+        match method.and_then(|method| method.kind.as_ref()) {
+            Some(Kind::Custom(custom)) => {
+                let columns = |entries: &[f64]| entries.len().isqrt();
+                layout.columns = (columns(&custom.transform_u), columns(&custom.transform_v));
+            }
+            Some(Kind::LeastSquares(settings)) => layout.each = settings.control_points_v != 0,
+            _ => {}
+        }
+        layout
+    }
+}
+
+/// The field of a setting, or of a part of it; everything else is the method.
+pub fn field(place: Place, layout: Layout) -> String {
+    let columns = layout.columns;
+    let transform = |axis, first: Option<(usize, usize)>| {
+        let (name, columns) = match axis {
+            Axis::V if columns.1 > 0 => ("transform_v", columns.1),
+            _ => ("transform_u", columns.0),
+        };
+        let entry = first.map(|(row, column)| format!("[{}]", row * columns + column));
+        format!("method.custom.{name}{}", entry.unwrap_or_default())
+    };
+    match place {
+        Place::Setting(setting) => {
+            let kind = match setting {
+                Setting::Omega => "weighted",
+                Setting::Threshold => "adaptive",
+                Setting::Mu => "least_squares",
+                Setting::Indices | Setting::RowByRow => "local",
+            };
+            format!("method.{kind}.{}", setting.name())
+        }
+        Place::Index(index) => format!("method.local.indices[{index}]"),
+        Place::ControlPoints(Axis::V) if layout.each => {
+            "method.least_squares.control_points_v".to_owned()
+        }
+        Place::ControlPoints(_) => "method.least_squares.control_points_u".to_owned(),
+        Place::Transform(axis) => transform(axis, None),
+        Place::TransformRow(axis, row) => transform(axis, Some((row, 0))),
+        Place::TransformEntry(axis, row, column) => transform(axis, Some((row, column))),
+        _ => "method".to_owned(),
+    }
+}
+
+/// The method as it was asked for.
+pub fn asked(method: &Method, indices: Vec<u32>) -> pb::Method {
+    match method {
+        Method::Custom(custom) => {
+            let custom = m::Custom {
+                transform_u: custom.u().concat(),
+                transform_v: custom.v().map(<[Vec<f64>]>::concat).unwrap_or_default(),
+            };
+            pb::Method {
+                kind: Some(Kind::Custom(custom)),
+            }
+        }
+        method => message(method, indices, None),
+    }
+}
+
+/// The method with its settings, and the ω that was computed for it.
+pub fn message(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
+    let kind = match *method {
+        Method::Global => Kind::Global(m::Global {}),
+        Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {
+            omega: forecast.and_then(|it| it.omega).or(omega),
+        }),
+        Method::Local(Local { row_by_row }) => Kind::Local(m::Local {
+            indices,
+            row_by_row,
+        }),
+        Method::Adaptive(Adaptive { threshold }) => Kind::Adaptive(m::Adaptive { threshold }),
+        Method::Extended(Extended { start }) => Kind::Extended(m::Extended {
+            start: match start {
+                Start::Transformed => m::Start::Transformed,
+                Start::Data => m::Start::Data,
+            }
+            .into(),
+        }),
+        Method::Transpose => Kind::Transpose(m::Transpose {}),
+        Method::Convex => Kind::Convex(m::Convex {}),
+        Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
+        Method::Direct => Kind::Direct(m::Direct {}),
+        Method::LeastSquares(settings) => Kind::LeastSquares(least_squares_message(settings)),
+        Method::Custom(_) => Kind::Custom(m::Custom::default()),
+    };
+    pb::Method { kind: Some(kind) }
+}
+
+fn least_squares_message(settings: LeastSquares) -> m::LeastSquares {
+    use m::Variant as V;
+    let (variant, mu) = match settings.variant {
+        Variant::Diagonal => (V::Diagonal, None),
+        Variant::Lspia { mu } => (V::Lspia, mu),
+        Variant::ConjugateGradients => (V::Cg, None),
+    };
+    m::LeastSquares {
+        control_points_u: count(settings.u),
+        control_points_v: count(settings.v),
+        variant: variant.into(),
+        mu,
+    }
+}

@@ -1,0 +1,26 @@
+//! The messages of the contract (`proto/piad/v1/fitting.proto`), and how they say a job.
+//!
+//! - [`job`]: a job and its message, both ways; [`method`] and [`stream`]: parts of it; [`values`]: numbers, lists and
+//!   enumerations.
+//!
+//! Requests, answers and the store use the same messages.
+
+pub mod job;
+pub mod method;
+pub mod stream;
+pub mod values;
+
+/// What is generated from the contract; the contract documents it.
+#[allow(
+    missing_docs,
+    unreachable_pub,
+    clippy::all,
+    clippy::unwrap_used,
+    reason = "generated"
+)]
+pub mod messages {
+    tonic::include_proto!("piad.v1");
+}
+
+/// The contract as a set of file descriptors, for reflection.
+pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/fitting.bin"));

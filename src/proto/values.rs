@@ -1,0 +1,30 @@
+//! Numbers, lists and enumerations of messages.
+
+use crate::model::mistakes::Mistake;
+
+/// Numbers of points, which are limited by what a request can carry.
+pub fn count(number: usize) -> u32 {
+    u32::try_from(number).unwrap_or(u32::MAX)
+}
+
+/// A list that is given.
+pub fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
+    (!list.is_empty()).then_some(list)
+}
+
+/// The value of an enumeration; values that are not known are mistakes of this field.
+pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
+    E::try_from(value).map_err(|_| {
+        let detail = format!("{value} is no value of this enumeration");
+        Mistake::at_text(field, detail)
+    })
+}
+
+/// Lists have as many elements as there can be, before anything is made of them.
+pub fn check_count(count: usize, most: usize, things: &str, field: &str) -> Result<(), Mistake> {
+    if count > most {
+        let detail = format!("{count} {things} are more than {most}, the limit here");
+        return Err(Mistake::at_text(field, detail));
+    }
+    Ok(())
+}
