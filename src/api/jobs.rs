@@ -13,7 +13,7 @@ use crate::job::store::Selection;
 /// How many jobs a page has if nobody says it.
 pub const DEFAULT_PAGE: usize = 50;
 /// The most jobs of a page.
-pub const LARGEST_PAGE: usize = 1000;
+pub(super) const LARGEST_PAGE: usize = 1000;
 
 /// Says how many jobs a page may have.
 pub fn check_limit(limit: usize) -> Result<(), String> {

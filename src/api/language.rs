@@ -27,7 +27,7 @@ impl Framing {
     }
 
     /// The media type of such a stream.
-    pub fn media_type(self) -> &'static str {
+    pub(super) fn media_type(self) -> &'static str {
         match self {
             Self::Sse => SSE,
             Self::Ndjson => NDJSON,

@@ -59,7 +59,7 @@ pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content
 }
 
 /// The last level of a job that has ended.
-pub async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Problem> {
+pub(super) async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Problem> {
     let status = job.status();
     match (status.levels, job.result().await?) {
         (Some(Levels { last, .. }), Some(points)) => Ok((status, last, points)),

@@ -13,19 +13,19 @@
 //! - [`problem`]: errors (RFC 9457); [`short`]: texts of clients in them, cut; [`text`]: whether bytes are UTF-8;
 //!   [`whole`]: whole numbers in texts.
 
-pub mod app;
-pub mod grpc;
-pub mod http;
-pub mod jobs;
+pub(crate) mod app;
+mod grpc;
+pub(crate) mod http;
+mod jobs;
 pub mod json;
-pub mod language;
-pub mod levels;
-pub mod openapi;
-pub mod order;
-pub mod problem;
-pub mod proto;
-pub mod stream;
-pub mod text;
-pub mod whole;
+mod language;
+mod levels;
+mod openapi;
+mod order;
+mod problem;
+mod proto;
+pub(crate) mod stream;
+mod text;
+mod whole;
 
 pub use crate::model::short;

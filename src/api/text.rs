@@ -27,7 +27,7 @@ const MARKED: [(&[u8], &str); 4] = [
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Refuses bodies that say that they are encoded.
-pub fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
+pub(super) fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
     for value in headers.get_all(header::CONTENT_ENCODING) {
         let given = String::from_utf8_lossy(value.as_bytes());
         let mut codings = given.split(',').map(str::trim);
@@ -45,7 +45,7 @@ pub fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
 
 /// Refuses bodies that are compressed without saying so. Of messages only those are known that
 /// begin with gzip's two bytes, with which no message begins.
-pub fn check_compression(body: &[u8], is_message: bool) -> Result<(), Problem> {
+pub(super) fn check_compression(body: &[u8], is_message: bool) -> Result<(), Problem> {
     let known = if is_message { 1 } else { COMPRESSED.len() };
     let found = COMPRESSED.iter().take(known);
     let found = found.filter(|(start, _)| body.starts_with(start));
@@ -59,7 +59,7 @@ pub fn check_compression(body: &[u8], is_message: bool) -> Result<(), Problem> {
 }
 
 /// The JSON of a body, which is UTF-8, without a byte-order mark.
-pub fn utf8(body: &[u8]) -> Result<&[u8], Problem> {
+pub(super) fn utf8(body: &[u8]) -> Result<&[u8], Problem> {
     check_compression(body, false)?;
     let marked = MARKED.iter().find(|(mark, _)| body.starts_with(mark));
     if let Some(name) = marked.map(|(_, name)| *name).or_else(|| unmarked(body)) {

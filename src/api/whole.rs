@@ -1,7 +1,7 @@
 //! Whole numbers in paths, queries and headers.
 
 /// The largest whole number in a path or a query: up to it all languages have all whole numbers.
-pub const LARGEST: u64 = (1 << 53) - 1;
+pub(super) const LARGEST: u64 = (1 << 53) - 1;
 
 /// A number written as numbers are: digits, without signs or leading zeros.
 pub fn plain_number(text: &str) -> Option<usize> {

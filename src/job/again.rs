@@ -20,7 +20,7 @@ const FAIR: Duration = Duration::from_secs(20);
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A run that can be ended when others need its memory.
-pub trait Revocable: Debug + Send + Sync {
+pub(super) trait Revocable: Debug + Send + Sync {
     /// Whether it may be ended: nobody has asked it for anything for as long as `idle`, or it has served
     /// its readers for as long as `fair`.
     fn is_revocable(&self, idle: Duration, fair: Duration) -> bool;
@@ -35,7 +35,7 @@ pub struct Again(Mutex<Vec<Weak<dyn Revocable>>>);
 
 impl Again {
     /// Waits for the memory of another run.
-    pub async fn turn(&self, share: &Share, bytes: usize) -> Option<Permit> {
+    pub(super) async fn turn(&self, share: &Share, bytes: usize) -> Option<Permit> {
         let mut permit = std::pin::pin!(share.take(bytes));
         loop {
             if let Ok(permit) = timeout(LOOK, permit.as_mut()).await {
@@ -46,7 +46,7 @@ impl Again {
     }
 
     /// A run that has got its memory here.
-    pub fn add(&self, run: Weak<dyn Revocable>) {
+    pub(super) fn add(&self, run: Weak<dyn Revocable>) {
         let mut runs = self.0.lock();
         runs.retain(|run| run.strong_count() > 0);
         runs.push(run);

@@ -54,7 +54,7 @@ impl Content {
     }
 
     /// The same, which is kept in a cache from now on.
-    pub fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
+    pub(super) fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
         self.charge = Some(Arc::new(cache.charge(self.head.len())));
         if let Some(rest) = &self.rest {
             // Who kept it before does so still.

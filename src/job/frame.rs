@@ -31,7 +31,7 @@ impl Frame {
     const BYTES_PER_NUMBER: usize = 8 + 28;
 
     /// The current level of a fit, which is kept in the cache.
-    pub fn of(iteration: &Iteration, cache: &Arc<Cache>) -> Self {
+    pub(super) fn of(iteration: &Iteration, cache: &Arc<Cache>) -> Self {
         let points = iteration.shared_control_points();
         let bytes = 8 * points.len() * points.dimension() + size_of::<Self>();
         Self {
@@ -55,7 +55,7 @@ impl Frame {
     }
 
     /// Bytes that a frame of `count` points takes in memory.
-    pub fn weight(dimension: usize, count: usize) -> usize {
+    pub(super) fn weight(dimension: usize, count: usize) -> usize {
         dimension * count * Self::BYTES_PER_NUMBER + size_of::<Self>()
     }
 

@@ -25,9 +25,9 @@ pub const PAGE: usize = 4096;
 pub struct Memory {
     limit: usize,
     /// For running jobs with large steps.
-    pub heavy: Share,
+    pub(super) heavy: Share,
     /// For running jobs with small steps.
-    pub quick: Share,
+    pub(super) quick: Share,
     /// For runs that compute again what readers have missed.
     pub again: Share,
     /// For requests while they arrive and are read.
@@ -40,7 +40,7 @@ pub struct Memory {
 
 impl Memory {
     /// Divides so many bytes.
-    pub fn new(bytes: usize) -> Self {
+    pub(super) fn new(bytes: usize) -> Self {
         let part = |sixteenths: usize| bytes / 16 * sixteenths;
         Self {
             limit: bytes,
@@ -101,7 +101,7 @@ impl Share {
     }
 
     /// Whether so many bytes fit in at all.
-    pub fn holds(&self, bytes: usize) -> bool {
+    pub(super) fn holds(&self, bytes: usize) -> bool {
         bytes <= self.bytes()
     }
 
@@ -115,7 +115,7 @@ impl Share {
     }
 
     /// So many bytes, if nobody has to wait for them.
-    pub fn take_at_once(&self, bytes: usize) -> Option<Permit> {
+    pub(super) fn take_at_once(&self, bytes: usize) -> Option<Permit> {
         let free = Arc::clone(&self.free);
         free.try_acquire_many_owned(self.pages(bytes)).ok()
     }
@@ -150,7 +150,7 @@ impl Cache {
     }
 
     /// Whether nothing more should be kept that nobody reads yet.
-    pub fn is_half_full(&self) -> bool {
+    pub(super) fn is_half_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit / 2
     }
 }

@@ -19,28 +19,28 @@
 //! An iterate is a pure function of the problem and its level. So frames are never stored: what is
 //! no longer at hand is computed again, by a run that starts over.
 
-pub mod again;
-pub mod content;
+pub(crate) mod again;
+pub(crate) mod content;
 pub mod counters;
-pub mod cursor;
-pub mod forms;
-pub mod frame;
-pub mod levels;
-pub mod memory;
-pub mod outline;
-pub mod patience;
-pub mod peer;
-pub mod places;
-pub mod recent;
-pub mod resources;
-pub mod run;
+pub(crate) mod cursor;
+pub(crate) mod forms;
+pub(crate) mod frame;
+pub(crate) mod levels;
+pub(crate) mod memory;
+pub(crate) mod outline;
+pub(crate) mod patience;
+pub(crate) mod peer;
+pub(crate) mod places;
+pub(crate) mod recent;
+pub(crate) mod resources;
+pub(crate) mod run;
 #[cfg(test)]
 mod samples;
-pub mod scheduler;
-pub mod service;
-pub mod state;
+pub(crate) mod scheduler;
+pub(crate) mod service;
+pub(crate) mod state;
 pub mod store;
-pub mod suspects;
+pub(crate) mod suspects;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, Weak};

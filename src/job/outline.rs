@@ -38,7 +38,7 @@ pub struct Outline {
     /// Multiplications of one iteration.
     pub step_cost: usize,
     /// What was doubtful about it when it was accepted.
-    pub warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
     /// Surfaces: the bases of both directions were asked for separately.
     pub bases_differ: bool,
 }
@@ -65,7 +65,7 @@ pub struct Parent {
 
 impl Outline {
     /// The outline of a new job.
-    pub fn new(label: Label, problem: &Problem) -> Self {
+    pub(super) fn new(label: Label, problem: &Problem) -> Self {
         let adjusted = || {
             let all = problem.grid().count();
             problem.selected().map_or(all, <[usize]>::len)

@@ -12,7 +12,7 @@ use parking_lot::Mutex;
 use super::peer::Peer;
 
 /// How long a reader waits.
-pub const PATIENCE: Duration = Duration::from_secs(1);
+pub(super) const PATIENCE: Duration = Duration::from_secs(1);
 
 /// So much patience comes back in a second.
 const REGAINED: f64 = 0.1;
@@ -37,7 +37,7 @@ impl Spent {
 
 impl Patience {
     /// A peer has made others wait from `since` until now.
-    pub fn spend(&self, peer: Option<Peer>, since: Instant, now: Instant) {
+    pub(super) fn spend(&self, peer: Option<Peer>, since: Instant, now: Instant) {
         let mut peers = self.0.lock();
         // A peer that has all of its patience is as good as unknown.
         if peers.len() == peers.capacity() {
@@ -55,7 +55,7 @@ impl Patience {
     }
 
     /// How much longer a peer may make others wait.
-    pub fn left(&self, peer: Option<Peer>, now: Instant) -> Duration {
+    pub(super) fn left(&self, peer: Option<Peer>, now: Instant) -> Duration {
         let peers = self.0.lock();
         let spent = peers.get(&peer).map_or(0.0, |spent| spent.until(now));
         PATIENCE.saturating_sub(Duration::from_secs_f64(spent))

@@ -38,11 +38,6 @@ impl Peer {
     pub async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
         CURRENT.scope(peer, future).await
     }
-
-    /// Calls a function that works for a peer.
-    pub fn sync_scope<T>(peer: Option<Self>, function: impl FnOnce() -> T) -> T {
-        CURRENT.sync_scope(peer, function)
-    }
 }
 
 impl fmt::Display for Peer {

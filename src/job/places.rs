@@ -9,7 +9,7 @@ use super::peer::Peer;
 
 /// The places of a server.
 #[derive(Debug)]
-pub struct Places {
+pub(super) struct Places {
     /// The most places that are taken.
     all: usize,
     /// The most that one peer takes.
@@ -26,14 +26,14 @@ struct Taken {
 /// A place, until it is dropped.
 #[derive(Debug)]
 #[must_use]
-pub struct Place {
+pub(super) struct Place {
     places: Arc<Places>,
     peer: Option<Peer>,
 }
 
 /// Why there is no place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Occupied {
+pub(super) enum Occupied {
     /// All of them are taken.
     All(usize),
     /// The peer has as many as it may have.
@@ -42,7 +42,7 @@ pub enum Occupied {
 
 impl Places {
     /// So many places, of which one peer may have so many.
-    pub fn new(all: usize, of_a_peer: usize) -> Arc<Self> {
+    pub(super) fn new(all: usize, of_a_peer: usize) -> Arc<Self> {
         Arc::new(Self {
             all,
             of_a_peer,
@@ -51,13 +51,13 @@ impl Places {
     }
 
     /// A place beyond all limits, for nobody in particular.
-    pub fn occupy(self: &Arc<Self>) -> Place {
+    pub(super) fn occupy(self: &Arc<Self>) -> Place {
         self.taken.lock().all += 1;
         self.place(None)
     }
 
     /// A place for a peer, if there is one.
-    pub fn take(self: &Arc<Self>, peer: Option<Peer>) -> Result<Place, Occupied> {
+    pub(super) fn take(self: &Arc<Self>, peer: Option<Peer>) -> Result<Place, Occupied> {
         let mut taken = self.taken.lock();
         if taken.all >= self.all {
             return Err(Occupied::All(self.all));

@@ -14,7 +14,7 @@ use crate::fit::system::System;
 
 /// The last jobs to end, up to so many bytes.
 #[derive(Debug)]
-pub struct Recent {
+pub(super) struct Recent {
     limit: usize,
     cache: Arc<Cache>,
     kept: Mutex<Kept>,
@@ -38,7 +38,7 @@ struct Entry {
 
 impl Recent {
     /// No job yet.
-    pub fn new(limit: usize, cache: Arc<Cache>) -> Self {
+    pub(super) fn new(limit: usize, cache: Arc<Cache>) -> Self {
         Self {
             limit,
             cache,
@@ -47,7 +47,7 @@ impl Recent {
     }
 
     /// Keeps a job at hand, and lets go of the oldest ones that it leaves no room for.
-    pub fn keep(&self, job: &Arc<Job>, run: &Arc<Run>) {
+    pub(super) fn keep(&self, job: &Arc<Job>, run: &Arc<Run>) {
         let alone = size_of::<Job>() + job.outline().memory;
         let with_frames = alone + run.ring_bytes();
         let frames_fit = with_frames <= self.limit;
@@ -92,7 +92,7 @@ impl Recent {
     }
 
     /// Lets go of a job.
-    pub fn forget(&self, id: Uuid) {
+    pub(super) fn forget(&self, id: Uuid) {
         let mut kept = self.kept.lock();
         if let Some(place) = kept.jobs.iter().position(|entry| entry.job.id() == id)
             && let Some(entry) = kept.jobs.remove(place)

@@ -15,7 +15,7 @@ pub struct Resources {
     /// Runs that compute again.
     pub again: Again,
     /// Bytes of recent frames that each run keeps at most.
-    pub ring_bytes: usize,
+    pub(super) ring_bytes: usize,
     /// What has been done so far.
     pub counters: Counters,
 }

@@ -55,7 +55,7 @@ impl Lane {
     }
 
     /// The lane of the first slice of a run, which prepares the steps.
-    pub fn of_start(start: usize, step: usize) -> Self {
+    pub(super) fn of_start(start: usize, step: usize) -> Self {
         match start {
             LONG.. => Self::Long(start),
             _ => Self::of(start.max(step)),
@@ -73,7 +73,7 @@ impl Lane {
 
 /// Whether work needs another turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub(super) enum Turn {
     /// Queue it again on this lane, behind the others.
     Again(Lane),
     /// It is done, or has nothing to do for now.
@@ -81,7 +81,7 @@ pub enum Turn {
 }
 
 /// Work that can be done in slices.
-pub trait Work: Send + Sync {
+pub(super) trait Work: Send + Sync {
     /// Works until about `deadline`.
     fn slice(&self, deadline: Instant) -> Turn;
 
@@ -176,7 +176,7 @@ impl Scheduler {
     }
 
     /// Queues work.
-    pub fn submit(&self, lane: Lane, work: Arc<dyn Work>) {
+    pub(super) fn submit(&self, lane: Lane, work: Arc<dyn Work>) {
         self.0.push(lane, work);
     }
 

@@ -9,21 +9,21 @@ use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 /// How long a suspect runs under watch.
-pub const WATCH: Duration = Duration::from_millis(250);
+pub(super) const WATCH: Duration = Duration::from_millis(250);
 
 /// In how many parts suspects of as many crashes are tried, one after the other. All of them are
 /// cleared within so many watches, and of 1000 suspects the culprit is known after three crashes.
-pub const PARTS: u32 = 32;
+pub(super) const PARTS: u32 = 32;
 
 /// What those under watch share. A suspect takes the more of it the fewer there may be.
 const WHOLE: u32 = 1 << 20;
 
 /// The right to run under watch.
-pub type Watch = OwnedSemaphorePermit;
+pub(super) type Watch = OwnedSemaphorePermit;
 
 /// The suspects of a server, from its start on.
 #[derive(Debug)]
-pub struct Suspects {
+pub(super) struct Suspects {
     watch: Arc<Semaphore>,
     /// What a suspect of so many crashes takes.
     shares: OnceLock<BTreeMap<u32, u32>>,
@@ -41,7 +41,7 @@ impl Default for Suspects {
 
 impl Suspects {
     /// Learns of how many crashes the jobs are suspect that were found at the start.
-    pub fn gather(&self, crashes: impl Iterator<Item = u32>) {
+    pub(super) fn gather(&self, crashes: impl Iterator<Item = u32>) {
         let mut counts = BTreeMap::new();
         for crashes in crashes.filter(|crashes| *crashes > 0) {
             *counts.entry(crashes).or_insert(0_u32) += 1;
@@ -56,7 +56,7 @@ impl Suspects {
 
     /// Waits until a job that was running in so many crashes may run under watch; `None` if it is
     /// above suspicion.
-    pub async fn turn(&self, crashes: u32) -> Option<Watch> {
+    pub(super) async fn turn(&self, crashes: u32) -> Option<Watch> {
         let share = *self.shares.get()?.get(&crashes)?;
         let watch = Arc::clone(&self.watch);
         watch.acquire_many_owned(share).await.ok()

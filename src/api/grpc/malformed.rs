@@ -15,7 +15,7 @@ const MALFORMED: [&str; 4] = [
 ];
 
 /// The answer to a call, with a status that says whose mistake it was.
-pub fn told(response: Response) -> Response {
+pub(super) fn told(response: Response) -> Response {
     let Some(status) = Status::from_header_map(response.headers()) else {
         return response;
     };

@@ -4,6 +4,6 @@
 //! - [`errors`]: problems as gRPC statuses; [`malformed`]: messages that cannot be read.
 
 pub mod errors;
-pub mod malformed;
+mod malformed;
 pub mod mount;
 pub mod service;

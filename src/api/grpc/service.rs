@@ -39,7 +39,7 @@ type Answer<T> = Result<Response<T>, Status>;
 
 impl Service {
     /// A service over these jobs.
-    pub fn new(app: App) -> Self {
+    pub(super) fn new(app: App) -> Self {
         Self(app)
     }
 

@@ -37,19 +37,19 @@ pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> R
 }
 
 /// A protobuf message as an answer.
-pub fn message(bytes: Bytes) -> Response {
+pub(super) fn message(bytes: Bytes) -> Response {
     let content_type = HeaderValue::from_static(PROTOBUF);
     no_store(([(header::CONTENT_TYPE, content_type)], bytes).into_response())
 }
 
 /// JSON as an answer.
-pub fn json(json: Bytes) -> Response {
+pub(super) fn json(json: Bytes) -> Response {
     let content_type = HeaderValue::from_static("application/json");
     no_store(([(header::CONTENT_TYPE, content_type)], json).into_response())
 }
 
 /// Answers of this API are never the same twice.
-pub fn no_store(mut response: Response) -> Response {
+pub(super) fn no_store(mut response: Response) -> Response {
     let value = HeaderValue::from_static("no-store");
     response.headers_mut().insert(header::CACHE_CONTROL, value);
     response

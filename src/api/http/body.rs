@@ -11,7 +11,7 @@ use crate::api::short::quoted;
 use crate::api::{app::App, text};
 
 /// Reads the body of a request, which is JSON or a protobuf message.
-pub async fn read(app: &App, request: Request) -> Result<(Language, Taken), Problem> {
+pub(super) async fn read(app: &App, request: Request) -> Result<(Language, Taken), Problem> {
     let language = language(&request)?;
     text::check_coding(request.headers())?;
     let (parts, body) = request.into_parts();

@@ -203,7 +203,7 @@ impl Limits {
 }
 
 /// `GET /v1/capabilities`
-pub async fn get(State(app): State<App>) -> Json<Capabilities> {
+pub(super) async fn get(State(app): State<App>) -> Json<Capabilities> {
     let results = [JSON, PROTOBUF].into_iter();
     Json(Capabilities {
         version: env!("CARGO_PKG_VERSION"),

@@ -78,7 +78,7 @@ impl fmt::Display for Origin {
 
 /// Tells browsers what pages of these origins may do, which is everything; `None` tells them nothing,
 /// so that they let no page read an answer.
-pub fn layer(origins: &[Origin]) -> Option<CorsLayer> {
+pub(super) fn layer(origins: &[Origin]) -> Option<CorsLayer> {
     let mut listed = Vec::new();
     for origin in origins {
         match origin {

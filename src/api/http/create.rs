@@ -32,12 +32,15 @@ const IDEMPOTENCY_KEY: &str = "idempotency-key";
 const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
 
 /// `POST /v1/jobs`
-pub async fn job(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+pub(super) async fn job(State(app): State<App>, request: Request) -> Result<Response, Problem> {
     post_job(app, request, negotiate::answer).await
 }
 
 /// `POST /v1/jobs/stream`: the same, answered with the events of the job.
-pub async fn job_stream(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+pub(super) async fn job_stream(
+    State(app): State<App>,
+    request: Request,
+) -> Result<Response, Problem> {
     post_job(app, request, events_only).await
 }
 
@@ -63,7 +66,7 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
 }
 
 /// `POST /v1/jobs/{id}/edits`: a new job that starts from the control points of another one.
-pub async fn edit(
+pub(super) async fn edit(
     State(app): State<App>,
     Named(id): Named<String>,
     request: Request,
@@ -72,7 +75,7 @@ pub async fn edit(
 }
 
 /// `POST /v1/jobs/{id}/edits/stream`: the same, answered with the events of the new job.
-pub async fn edit_stream(
+pub(super) async fn edit_stream(
     State(app): State<App>,
     Named(id): Named<String>,
     request: Request,

@@ -12,7 +12,7 @@ use crate::server::limits::Crowded;
 const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
 /// Answers requests on such connections with 503, but for those about the state of the server.
-pub async fn hold_back(request: Request, next: Next) -> Response {
+pub(super) async fn hold_back(request: Request, next: Next) -> Response {
     let Some(&crowded) = request.extensions().get::<Crowded>() else {
         return next.run(request).await;
     };

@@ -41,7 +41,7 @@ const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
 const END: &str = "end";
 
 /// `GET /v1/jobs/{id}/events`
-pub async fn get(
+pub(super) async fn get(
     State(app): State<App>,
     Named(id): Named<String>,
     uri: Uri,

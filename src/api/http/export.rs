@@ -34,7 +34,7 @@ const OPERATIONS_PER_NUMBER: usize = 100;
 
 /// How a level is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Representation {
+pub(super) enum Representation {
     /// As JSON.
     Json,
     /// As a protobuf message.
@@ -44,7 +44,7 @@ pub enum Representation {
 }
 
 /// What the query says, or else the Accept header; JSON if neither does.
-pub fn representation(
+pub(super) fn representation(
     headers: &HeaderMap,
     format: Option<&str>,
 ) -> Result<Representation, Problem> {

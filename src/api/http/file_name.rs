@@ -20,7 +20,7 @@ const ATTR_CHAR: &AsciiSet = &NON_ALPHANUMERIC
 
 /// The answer, with a name for the file that it is: of an iteration if it has a number, of the
 /// result otherwise.
-pub fn named(
+pub(super) fn named(
     mut response: Response,
     outline: &Outline,
     iteration: Option<usize>,

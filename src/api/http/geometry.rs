@@ -43,7 +43,7 @@ pub async fn iteration(
 }
 
 /// `GET /v1/jobs/{id}/iterations/{k}/{format}`
-pub async fn iteration_file(
+pub(super) async fn iteration_file(
     State(app): State<App>,
     Named((id, k, format)): Named<(String, String, String)>,
     uri: Uri,
@@ -72,7 +72,7 @@ async fn show_iteration(job: &Arc<Job>, k: &str, wanted: Wanted) -> Result<Respo
 }
 
 /// `GET /v1/jobs/{id}/input`: the job as it was accepted.
-pub async fn input(
+pub(super) async fn input(
     State(app): State<App>,
     Named(id): Named<String>,
     headers: HeaderMap,
@@ -84,7 +84,7 @@ pub async fn input(
 }
 
 /// `GET /v1/jobs/{id}/result`
-pub async fn result(
+pub(super) async fn result(
     State(app): State<App>,
     Named(id): Named<String>,
     uri: Uri,
@@ -95,7 +95,7 @@ pub async fn result(
 }
 
 /// `GET /v1/jobs/{id}/result/{format}`
-pub async fn result_file(
+pub(super) async fn result_file(
     State(app): State<App>,
     Named((id, format)): Named<(String, String)>,
     uri: Uri,
@@ -123,7 +123,7 @@ async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Response, Problem
 }
 
 /// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
-pub async fn limit(
+pub(super) async fn limit(
     State(app): State<App>,
     Named(id): Named<String>,
     headers: HeaderMap,

@@ -57,7 +57,7 @@ fn plain(name: &str) -> String {
 }
 
 /// Refuses requests that do not say for whom they are, or are for somebody else.
-pub async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
+pub(super) async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     match refusal(&hosts, &request) {
         None => next.run(request).await,
         Some(problem) => problem.into_response(),

@@ -36,7 +36,7 @@ pub struct Index {
 }
 
 /// `GET /`
-pub async fn index() -> Json<Index> {
+pub(super) async fn index() -> Json<Index> {
     Json(Index {
         name: "piad",
         version: env!("CARGO_PKG_VERSION"),
@@ -55,7 +55,7 @@ pub async fn index() -> Json<Index> {
 }
 
 /// `GET /metrics`: counters, for Prometheus.
-pub async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
+pub(super) async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
     let mut registry = Registry::default();
     app.jobs.resources().counters.register(&mut registry);
     app.requests.register(&mut registry);
@@ -91,12 +91,12 @@ pub struct Health {
 }
 
 /// `GET /livez`
-pub async fn livez() -> Json<Health> {
+pub(super) async fn livez() -> Json<Health> {
     Json(Health { status: "alive" })
 }
 
 /// `GET /readyz`
-pub async fn readyz(State(app): State<App>) -> Response {
+pub(super) async fn readyz(State(app): State<App>) -> Response {
     if *app.stopping.borrow() {
         return Problem::new(Kind::Stopping, "the server is stopping")
             .retry_after(5)
@@ -140,7 +140,7 @@ impl From<Kind> for ProblemType {
 pub struct ProblemTypes(Vec<ProblemType>);
 
 /// `GET /problems`: all types of problem objects.
-pub async fn problems() -> Json<ProblemTypes> {
+pub(super) async fn problems() -> Json<ProblemTypes> {
     let kinds = Kind::ALL.into_iter();
     Json(ProblemTypes(kinds.map(ProblemType::from).collect()))
 }

@@ -30,7 +30,7 @@ struct ListParameters {
 }
 
 /// `GET /v1/jobs`
-pub async fn list(
+pub(super) async fn list(
     State(app): State<App>,
     uri: Uri,
     headers: HeaderMap,
@@ -70,7 +70,7 @@ pub async fn list(
 }
 
 /// `GET /v1/jobs/{id}`
-pub async fn get(
+pub(super) async fn get(
     State(app): State<App>,
     Named(id): Named<String>,
     headers: HeaderMap,
@@ -81,7 +81,7 @@ pub async fn get(
 }
 
 /// The job as it stands.
-pub fn show(job: &Job, language: Language) -> Response {
+pub(super) fn show(job: &Job, language: Language) -> Response {
     match language {
         Language::Json => no_store(Json(JobView::new(job)).into_response()),
         Language::Protobuf => message(proto::view::job(job).encode_to_vec().into()),
@@ -89,7 +89,7 @@ pub fn show(job: &Job, language: Language) -> Response {
 }
 
 /// `POST /v1/jobs/{id}/cancel`
-pub async fn cancel(
+pub(super) async fn cancel(
     State(app): State<App>,
     Named(id): Named<String>,
     headers: HeaderMap,
@@ -101,7 +101,7 @@ pub async fn cancel(
 }
 
 /// `DELETE /v1/jobs/{id}`
-pub async fn delete(
+pub(super) async fn delete(
     State(app): State<App>,
     Named(id): Named<String>,
 ) -> Result<StatusCode, Problem> {

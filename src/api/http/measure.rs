@@ -49,7 +49,7 @@ impl Default for Requests {
 
 impl Requests {
     /// Makes the numbers known under their names.
-    pub fn register(&self, registry: &mut Registry) {
+    pub(super) fn register(&self, registry: &mut Registry) {
         registry.register_with_unit(
             "piad_http_request_duration",
             "Time from the head of a request to that of its answer, by method and route; the body of the answer, such as a stream of events, comes after it",
@@ -65,7 +65,11 @@ impl Requests {
 }
 
 /// Measures a request.
-pub async fn measure(State(requests): State<Requests>, request: Request, next: Next) -> Response {
+pub(super) async fn measure(
+    State(requests): State<Requests>,
+    request: Request,
+    next: Next,
+) -> Response {
     let begin = Instant::now();
     let method = name(request.method());
     let matched = request.extensions().get::<MatchedPath>();

@@ -10,16 +10,16 @@
 //! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
 //!   [`request_id`]: what it is called; [`crowd`]: what is answered on connections beyond the limits.
 
-pub mod answer;
-pub mod body;
+mod answer;
+mod body;
 pub mod capabilities;
 pub mod cors;
-pub mod create;
-pub mod crowd;
+mod create;
+mod crowd;
 pub mod events;
-pub mod export;
-pub mod file_name;
-pub mod geometry;
+mod export;
+mod file_name;
+mod geometry;
 pub mod host;
 pub mod info;
 pub mod intake;
@@ -27,7 +27,7 @@ pub mod jobs;
 pub mod measure;
 pub mod negotiate;
 pub mod path;
-pub mod query;
-pub mod render;
-pub mod request_id;
+mod query;
+mod render;
+mod request_id;
 pub mod router;

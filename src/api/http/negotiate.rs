@@ -65,7 +65,7 @@ pub fn language(headers: &HeaderMap) -> Result<Language, Problem> {
 }
 
 /// Refuses clients that do not take JSON.
-pub fn json(headers: &HeaderMap) -> Result<(), Problem> {
+pub(super) fn json(headers: &HeaderMap) -> Result<(), Problem> {
     choose(headers, &[(JSON, ())])
 }
 
@@ -76,7 +76,7 @@ fn prefers_stream(headers: &HeaderMap) -> bool {
 }
 
 /// The first of the representations that the Accept header likes best.
-pub fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
+pub(super) fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
     let mut given = Vec::new();
     for value in headers.get_all(header::ACCEPT) {
         let text = value
@@ -126,7 +126,7 @@ fn without_parameters(range: &str) -> String {
 }
 
 /// The time of `Prefer: wait=n` (RFC 7240), in seconds.
-pub fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
+pub(super) fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
     for value in headers.get_all("prefer") {
         let text = value.to_str().unwrap_or("");
         for preference in text.split(',') {

@@ -43,7 +43,7 @@ pub struct StreamQuery {
 
 impl IterationQuery {
     /// What it says about a curve or a surface.
-    pub fn spec(self, surface: bool) -> Result<StreamSpec, Problem> {
+    pub(super) fn spec(self, surface: bool) -> Result<StreamSpec, Problem> {
         let query = StreamQuery {
             view: self.view,
             samples: self.samples,
@@ -75,7 +75,7 @@ impl IterationQuery {
 
 impl StreamQuery {
     /// The name of a parameter that is given, if there is one.
-    pub fn given(&self) -> Option<&'static str> {
+    pub(super) fn given(&self) -> Option<&'static str> {
         let parameters = [
             ("last_event_id", &self.last_event_id),
             ("view", &self.view),

@@ -31,7 +31,7 @@ impl IntoResponse for Problem {
 }
 
 /// Writes problems as JSON and names the request in every answer.
-pub async fn render(request: Request, next: Next) -> Response {
+pub(super) async fn render(request: Request, next: Next) -> Response {
     let id = request.headers().get(REQUEST_ID).cloned();
     let mut response = next.run(request).await;
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {

@@ -12,7 +12,7 @@ const LONGEST: usize = 128;
 
 /// Ids that grow with time, as those of jobs do.
 #[derive(Clone, Copy)]
-pub struct NewRequestId;
+pub(super) struct NewRequestId;
 
 impl MakeRequestId for NewRequestId {
     fn make_request_id<B>(&mut self, _request: &Request<B>) -> Option<RequestId> {
@@ -22,7 +22,7 @@ impl MakeRequestId for NewRequestId {
 }
 
 /// A request without ids that are too long or not a word, and without several of them.
-pub fn plain<B>(mut request: Request<B>) -> Request<B> {
+pub(super) fn plain<B>(mut request: Request<B>) -> Request<B> {
     let headers = request.headers_mut();
     let ids: Vec<_> = headers.get_all(REQUEST_ID).iter().collect();
     if ids.len() > 1 || ids.first().is_some_and(|id| !is_plain(id)) {

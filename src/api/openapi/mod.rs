@@ -7,7 +7,7 @@
 //! - `parameters`: query parameters and headers;
 //! - [`page`]: the reference.
 
-pub mod operation;
+mod operation;
 pub mod operations;
 pub mod page;
 mod parameters;

@@ -23,7 +23,7 @@ pub enum Tag {
 
 impl Tag {
     /// All tags, with what they stand for.
-    pub const ALL: [(Self, &'static str); 4] = [
+    pub(super) const ALL: [(Self, &'static str); 4] = [
         (
             Self::Jobs,
             "Fits: create, edit, list, show, cancel and delete them.",
@@ -109,7 +109,7 @@ impl Operation {
     }
 
     /// What can be done with the job in an answer.
-    pub fn links(mut self, status: u16, ids: &[&str]) -> Self {
+    pub(super) fn links(mut self, status: u16, ids: &[&str]) -> Self {
         let links = ids
             .iter()
             .map(|id| ((*id).to_owned(), reference("links", id)));
@@ -126,7 +126,7 @@ impl Operation {
     }
 
     /// The operation as the specification has it.
-    pub fn object(mut self) -> Value {
+    pub(super) fn object(mut self) -> Value {
         self.problems.push(Kind::Internal);
         let mut groups: BTreeMap<u16, Vec<Kind>> = BTreeMap::new();
         for kind in self.problems {
@@ -145,7 +145,7 @@ impl Operation {
 }
 
 /// A reference to a component.
-pub fn reference(section: &str, name: &str) -> Value {
+fn reference(section: &str, name: &str) -> Value {
     json!({"$ref": format!("#/components/{section}/{name}")})
 }
 

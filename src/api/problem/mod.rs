@@ -17,7 +17,7 @@ use crate::api::json::schema::plain::never_null;
 use crate::model::mistakes::{self as model, Mistakes, Site};
 use field_error::LONGEST_DETAIL;
 pub use field_error::{FieldError, Place};
-pub use kind::{Entry, Kind};
+pub use kind::Kind;
 
 /// How a language says where the parts of a request stand.
 pub trait Words {

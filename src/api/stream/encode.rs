@@ -22,7 +22,7 @@ const SMALL: usize = 2000;
 const OPERATIONS_PER_NUMBER: usize = 50;
 
 /// The data of the `job` event, made once for each job and encoding.
-pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
+pub(super) async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
     // Knots that are near each other would be the same in 32 bits.
     let (name, encoding) = match form.encoding {
         Encoding::Json => ("json", Encoding::Json),
@@ -48,7 +48,7 @@ pub async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreEr
 }
 
 /// The data of the `end` event.
-pub fn end(job: &Job, status: &Status, form: &Form) -> Content {
+pub(super) fn end(job: &Job, status: &Status, form: &Form) -> Content {
     match form.is_protobuf() {
         false => view::events::end(job, status).into(),
         true => proto::view::end(job, status),

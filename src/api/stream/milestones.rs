@@ -2,7 +2,7 @@
 
 /// Milestones, of which some are reached.
 #[derive(Clone, Debug)]
-pub struct Milestones {
+pub(super) struct Milestones {
     /// Decreasing.
     distances: Vec<f64>,
     reached: usize,
@@ -10,7 +10,7 @@ pub struct Milestones {
 
 impl Milestones {
     /// None is reached yet.
-    pub fn new(distances: Vec<f64>) -> Self {
+    pub(super) fn new(distances: Vec<f64>) -> Self {
         Self {
             distances,
             reached: 0,
@@ -18,7 +18,7 @@ impl Milestones {
     }
 
     /// The smallest of those that an iteration is the first to reach, if there is one.
-    pub fn reach(&mut self, distance: f64) -> Option<f64> {
+    pub(super) fn reach(&mut self, distance: f64) -> Option<f64> {
         let within = |milestone: &&f64| distance <= **milestone;
         let new = self.distances[self.reached..].iter().take_while(within);
         let count = new.count();

@@ -10,7 +10,7 @@ use crate::api::json::schema::schema_of;
 
 /// The place of an array among the arrays of a document.
 #[derive(Clone, Copy, Debug)]
-pub struct Place(pub(super) u8);
+pub(super) struct Place(pub(super) u8);
 
 impl Serialize for Place {
     /// As bytes, which nothing else in an answer is: the document recognises them.

@@ -17,7 +17,7 @@ impl Rounding {
     /// The coarsest rounding that moves no number by more than a hundredth of `error`, with some
     /// room for arithmetic: `0.6 · 10^-places ≤ 0.01 · error`. None if the error is no positive
     /// number.
-    pub fn for_error(error: f64) -> Option<Self> {
+    pub(super) fn for_error(error: f64) -> Option<Self> {
         if !(error > 0.0 && error.is_finite()) {
             return None;
         }
@@ -29,7 +29,7 @@ impl Rounding {
 
     /// Writes a number rounded, or in full if it has too many digits even so, to the start of
     /// [`LONGEST`] bytes; returns how many it takes.
-    pub fn write(self, x: f64, room: &mut [u8]) -> usize {
+    pub(super) fn write(self, x: f64, room: &mut [u8]) -> usize {
         let scaled = if self.places < 0 {
             x.abs() / self.power
         } else {
@@ -94,14 +94,14 @@ fn join(room: &mut [u8], parts: [&[u8]; 3]) -> usize {
 }
 
 /// Room for any number.
-pub const LONGEST: usize = 2 * HALF + 1;
+pub(super) const LONGEST: usize = 2 * HALF + 1;
 
 /// Most numbers have between one and two times so many characters, none has more.
 const HALF: usize = 12;
 
 /// Writes a number with all the digits that tell it from others, `null` if it is not finite, to the
 /// start of [`LONGEST`] bytes; returns how many it takes.
-pub fn write(x: f64, room: &mut [u8]) -> usize {
+pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
     if !x.is_finite() {
         return join(room, [b"null", b"", b""]);
     }

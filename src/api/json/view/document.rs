@@ -73,7 +73,7 @@ impl Document {
     }
 
     /// A list of so many numbers, which have 64 bits in any encoding.
-    pub fn exact_numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
+    pub(super) fn exact_numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
         NumberArray(self.array(&[count], numbers, Precision::Exact))
     }
 

@@ -31,7 +31,7 @@ use crate::model::weights::Rational;
 /// The data of the `job` event: all that does not change from iteration to iteration.
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null, example = examples::job_event())]
-pub struct JobEvent<'a> {
+struct JobEvent<'a> {
     /// The id of the job.
     id: Uuid,
     /// The client's name for it.
@@ -121,7 +121,7 @@ pub fn description(
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
 #[schemars(example = examples::end())]
-pub struct EndEvent {
+struct EndEvent {
     /// The final state.
     #[schemars(with = "State")]
     state: &'static str,
@@ -146,7 +146,7 @@ pub struct EndEvent {
 /// Paths of a job that has ended.
 #[derive(Serialize, JsonSchema)]
 #[schemars(example = examples::end_links())]
-pub struct EndLinks {
+struct EndLinks {
     /// The job.
     #[serde(rename = "self")]
     #[schemars(extend("format" = "uri-reference"))]

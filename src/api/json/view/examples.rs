@@ -6,12 +6,12 @@ use serde_json::{Value, json};
 pub const ID: &str = "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10";
 
 /// Its distances.
-pub fn error() -> Value {
+pub(super) fn error() -> Value {
     json!({"max": 4.1e-7, "rms": 2.3e-7, "sum": 2.1e-6, "at": 4})
 }
 
 /// Its paths.
-pub fn links() -> Value {
+pub(super) fn links() -> Value {
     let part = |name: &str| format!("/v1/jobs/{ID}{name}");
     json!({
         "self": part(""),
@@ -25,12 +25,12 @@ pub fn links() -> Value {
 }
 
 /// Its paths when it has ended.
-pub fn end_links() -> Value {
+pub(super) fn end_links() -> Value {
     json!({"self": format!("/v1/jobs/{ID}"), "result": format!("/v1/jobs/{ID}/result")})
 }
 
 /// The job as a resource.
-pub fn job() -> Value {
+pub(super) fn job() -> Value {
     json!({
         "id": ID, "name": "wing section", "kind": "curve", "state": "converged", "reason": null, "detail": null, "warnings": [], "points": 4,
         "method": {"kind": "global"}, "stop": {"tolerance": 1e-6, "max_iterations": 1000}, "stream": null,
@@ -68,7 +68,7 @@ pub fn end() -> Value {
 }
 
 /// Its result.
-pub fn result() -> Value {
+pub(super) fn result() -> Value {
     json!({
         "id": ID, "name": null, "kind": "curve", "state": "converged", "iteration": 23, "error": error(),
         "basis": "bspline", "degree": 3, "closed": false, "rational": null, "knots": [0, 0, 0, 0, 1, 2, 3, 3, 3, 3],

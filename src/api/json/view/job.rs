@@ -155,7 +155,7 @@ impl Geometry {
 /// The method of a job, with numbers that were computed for it.
 #[derive(Default, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"kind": "weighted", "omega": 1.37, "lambda_min": 0.46}]))]
-pub struct AppliedMethod {
+pub(super) struct AppliedMethod {
     /// The kind.
     #[schemars(with = "Kind")]
     kind: &'static str,
@@ -195,7 +195,7 @@ pub struct AppliedMethod {
 
 impl AppliedMethod {
     /// The method with its settings, and with the numbers that were computed for it.
-    pub fn new(outline: &Outline, forecast: Option<Forecast>) -> Self {
+    pub(super) fn new(outline: &Outline, forecast: Option<Forecast>) -> Self {
         let kind = outline.method.name();
         let mut view = match &outline.method {
             &Method::Weighted(Weighted { omega }) => Self {
@@ -244,7 +244,7 @@ impl AppliedMethod {
 /// When the iteration ends.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"tolerance": 1e-6, "max_iterations": 1000}]))]
-pub struct AppliedStop {
+pub(super) struct AppliedStop {
     /// The largest allowed distance, in data units.
     tolerance: f64,
     /// The last iteration that is computed.
@@ -253,7 +253,7 @@ pub struct AppliedStop {
 
 impl AppliedStop {
     /// The stop rules of a job.
-    pub fn new(outline: &Outline) -> Self {
+    pub(super) fn new(outline: &Outline) -> Self {
         Self {
             tolerance: outline.tolerance,
             max_iterations: outline.max_iterations,
@@ -269,7 +269,7 @@ pub(super) fn stream(outline: &Outline) -> Option<&StreamSpec> {
 /// What is known of the convergence.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"rate": 0.8, "iterations": 60}]))]
-pub struct Prediction {
+pub(super) struct Prediction {
     /// The factor by which the error shrinks in each iteration, in the long run.
     rate: Option<f64>,
     /// About how many iterations it takes in all; null where nobody knows.
@@ -278,7 +278,7 @@ pub struct Prediction {
 
 impl Prediction {
     /// What is known at iteration 0.
-    pub fn at_first(levels: Option<Levels>) -> Self {
+    pub(super) fn at_first(levels: Option<Levels>) -> Self {
         Self {
             rate: levels.and_then(|levels| levels.forecast.rate),
             iterations: levels.and_then(|levels| levels.first.predicted),
@@ -289,7 +289,7 @@ impl Prediction {
 /// The job of which another one is an edit.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"id": examples::ID, "iteration": 38}]))]
-pub struct Parent {
+struct Parent {
     /// Its id.
     id: Uuid,
     /// The iteration from whose control points the edit started.
@@ -299,7 +299,7 @@ pub struct Parent {
 /// Paths of a job.
 #[derive(Serialize, JsonSchema)]
 #[schemars(example = examples::links())]
-pub struct Links {
+pub(super) struct Links {
     /// The job.
     #[serde(rename = "self")]
     #[schemars(extend("format" = "uri-reference"))]
@@ -326,7 +326,7 @@ pub struct Links {
 
 impl Links {
     /// The paths of a job.
-    pub fn new(job: &Job) -> Self {
+    pub(super) fn new(job: &Job) -> Self {
         let base = path(job);
         Self {
             events: format!("{base}/events"),

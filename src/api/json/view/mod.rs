@@ -11,9 +11,9 @@
 //! - [`decimal`]: numbers with as many digits as they deserve;
 //! - [`examples`]: what descriptions show.
 
-pub mod arrays;
-pub mod decimal;
-pub mod document;
+mod arrays;
+mod decimal;
+mod document;
 pub mod error;
 pub mod events;
 pub mod examples;

@@ -175,9 +175,9 @@ pub struct Along {
     /// What was fitted.
     pub problem: Arc<Problem>,
     /// The direction.
-    pub axis: Axis,
+    pub(super) axis: Axis,
     /// Which numbers.
-    pub numbers: fn(&Direction) -> Cow<'_, [f64]>,
+    pub(super) numbers: fn(&Direction) -> Cow<'_, [f64]>,
 }
 
 impl Along {

@@ -32,7 +32,7 @@ pub enum Digits {
 
 impl Digits {
     /// How many bytes are made ready for a number of a point, commas and brackets included.
-    pub fn size(self) -> usize {
+    pub(super) fn size(self) -> usize {
         match self {
             Self::Decimal(_) => LONGEST + 3,
             Self::Base64 => 11,
@@ -68,7 +68,7 @@ impl From<&[usize]> for Shape {
 
 impl Shape {
     /// How many numbers there are.
-    pub fn count(self) -> usize {
+    pub(super) fn count(self) -> usize {
         self.lists().last().copied().unwrap_or(1)
     }
 
@@ -156,7 +156,7 @@ impl Writer {
 }
 
 /// Whether all numbers of an array are finite in 32 bits, as far as they are in 64.
-pub fn fits_32_bits(count: usize, source: &impl Source) -> bool {
+pub(super) fn fits_32_bits(count: usize, source: &impl Source) -> bool {
     if let Some(fits) = source.fits_32_bits() {
         return fits;
     }
