@@ -269,7 +269,7 @@ pub fn message(
             Some(v) => Geometry::Surface(surface_message(request, v)),
         }),
         rational: rational_message(request).into(),
-        method: Some(method::asked(&request.method, indices)),
+        method: Some(method::asked(&request.method, request.v.is_some(), indices)),
         stop: Some(pb::StopRules {
             rule: Some(match request.tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),

@@ -185,8 +185,8 @@ pub fn field(place: Place, layout: Layout) -> String {
     }
 }
 
-/// The method as it was asked for.
-pub fn asked(method: &Method, indices: Vec<u32>) -> pb::Method {
+/// The method as it was asked for, of a surface or of a curve.
+pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     match method {
         Method::Custom(custom) => {
             let custom = m::Custom {
@@ -197,12 +197,17 @@ pub fn asked(method: &Method, indices: Vec<u32>) -> pb::Method {
                 kind: Some(Kind::Custom(custom)),
             }
         }
-        method => message(method, indices, None),
+        method => message(method, surface, indices, None),
     }
 }
 
 /// The method with its settings, and the ω that was computed for it.
-pub fn message(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -> pb::Method {
+pub fn message(
+    method: &Method,
+    surface: bool,
+    indices: Vec<u32>,
+    forecast: Option<Forecast>,
+) -> pb::Method {
     let kind = match *method {
         Method::Global => Kind::Global(m::Global {}),
         Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {
@@ -224,13 +229,15 @@ pub fn message(method: &Method, indices: Vec<u32>, forecast: Option<Forecast>) -
         Method::Convex => Kind::Convex(m::Convex {}),
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),
-        Method::LeastSquares(settings) => Kind::LeastSquares(least_squares_message(settings)),
+        Method::LeastSquares(settings) => {
+            Kind::LeastSquares(least_squares_message(settings, surface))
+        }
         Method::Custom(_) => Kind::Custom(m::Custom::default()),
     };
     pb::Method { kind: Some(kind) }
 }
 
-fn least_squares_message(settings: LeastSquares) -> m::LeastSquares {
+fn least_squares_message(settings: LeastSquares, surface: bool) -> m::LeastSquares {
     use m::Variant as V;
     let (variant, mu) = match settings.variant {
         Variant::Diagonal => (V::Diagonal, None),
@@ -239,7 +246,8 @@ fn least_squares_message(settings: LeastSquares) -> m::LeastSquares {
     };
     m::LeastSquares {
         control_points_u: count(settings.u),
-        control_points_v: count(settings.v),
+        // A curve has one number of control points, and refuses another one.
+        control_points_v: if surface { count(settings.v) } else { 0 },
         variant: variant.into(),
         mu,
     }

@@ -212,6 +212,7 @@ async fn every_kind_of_job_is_the_same_in_both_languages() {
         json!({"surface": {"points": data::peaks(12)}, "stop": {"tolerance": 1e-3},
             "method": {"kind": "least_squares", "control_points": {"u": 5, "v": 6}, "variant": "cg"},
             "stream": {"milestones": [9, 3, 2], "encoding": "base64"}}),
+        json!({"curve": {"points": data::helix()}, "method": {"kind": "least_squares", "control_points": 9}}),
         json!({"surface": {"points": data::peaks(5), "weights": {"u": [1, 2, 3, 2, 1], "v": [1, 1, 2, 1, 1]}}, "rational": "fixed",
             "method": {"kind": "adaptive", "threshold": 0.01}}),
     ];
