@@ -9,6 +9,7 @@ use uuid::Uuid;
 
 use super::super::StoreError;
 use super::error::damaged;
+use crate::fit::points::Grid;
 
 /// A point in time.
 #[derive(Clone, Copy, PartialEq, Message)]
@@ -45,6 +46,15 @@ pub(super) fn uuid(bytes: &[u8]) -> Result<Uuid, StoreError> {
 /// A count; larger than this machine can have is damage.
 pub(super) fn number(value: u64) -> Result<usize, StoreError> {
     usize::try_from(value).map_err(damaged)
+}
+
+/// The arrangement of points: there are some, and they can be counted.
+pub(super) fn grid(rows: u64, columns: u64) -> Result<Grid, StoreError> {
+    let (rows, columns) = (number(rows)?, number(columns)?);
+    match rows.checked_mul(columns) {
+        Some(1..) => Ok(Grid { rows, columns }),
+        _ => Err(damaged("there are no points, or more than can be")),
+    }
 }
 
 /// The code of a value, of a table that has all values.

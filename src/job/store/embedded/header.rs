@@ -6,11 +6,10 @@ use prost::Message;
 
 use super::super::{Record, StoreError};
 use super::error::damaged;
-use super::fields::{Time, number, time, uuid};
+use super::fields::{Time, grid, number, time, uuid};
 use super::input::MethodMessage;
 use super::status::StatusMessage;
 use super::warning::WarningMessage;
-use crate::fit::points::Grid;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::state::Status;
 use crate::model::stream::StreamSpec;
@@ -135,10 +134,7 @@ impl Header {
                 },
                 created: time(self.created)?,
                 surface: self.surface,
-                grid: Grid {
-                    rows: number(self.rows)?,
-                    columns: number(self.columns)?,
-                },
+                grid: grid(self.rows, self.columns)?,
                 method: self
                     .method
                     .ok_or_else(|| damaged("no method"))?

@@ -9,13 +9,12 @@ use prost::{Enumeration, Message, Oneof};
 use super::super::StoreError;
 use super::direction::DirectionMessage;
 use super::error::damaged;
-use super::fields::number;
+use super::fields::{grid, number};
 use super::points::PointsMessage;
 use crate::fit::direction::DirectionChoice;
 use crate::fit::method::{
     Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
-use crate::fit::points::Grid;
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
 
 /// A problem as it was asked for.
@@ -194,15 +193,19 @@ impl Input {
     pub(super) fn into_request(self) -> Result<Request, StoreError> {
         let code = self.weights();
         let points = self.points.ok_or_else(|| damaged("no points"))?;
+        let points = points.into_points()?;
+        let grid = grid(self.rows, self.columns)?;
+        let missing = narrow(self.missing)?;
+        let outside = missing.iter().any(|index| *index >= grid.count());
+        if points.len() != grid.count() || outside || (self.v.is_none() && grid.columns > 1) {
+            return Err(damaged("points and their arrangement do not fit together"));
+        }
         let selected = self.selects.then(|| narrow(self.selected)).transpose()?;
         let start = self.start.map(PointsMessage::into_points).transpose()?;
         Ok(Request {
-            points: Arc::new(points.into_points()?),
-            grid: Grid {
-                rows: number(self.rows)?,
-                columns: number(self.columns)?,
-            },
-            missing: narrow(self.missing)?,
+            points: Arc::new(points),
+            grid,
+            missing,
             u: self.u.ok_or_else(|| damaged("no direction"))?.try_into()?,
             v: self.v.map(DirectionChoice::try_from).transpose()?,
             weights: match code {
@@ -296,5 +299,29 @@ impl TryFrom<MethodMessage> for Method {
                 Self::Custom(Custom::new(RowMessage::rows(u), v))
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::samples::problem;
+
+    #[test]
+    fn what_does_not_fit_together_is_damage() {
+        let whole = Input::new(&problem());
+        assert!(whole.clone().into_request().is_ok());
+        let damages: [fn(&mut Input); 5] = [
+            |input| input.rows += 1,
+            |input| (input.rows, input.columns) = (1 << 33, 1 << 33),
+            |input| (input.rows, input.columns) = (10, 2),
+            |input| input.missing = vec![20],
+            |input| input.points = Some(PointsMessage::default()),
+        ];
+        for (k, damage) in damages.into_iter().enumerate() {
+            let mut input = whole.clone();
+            damage(&mut input);
+            assert!(input.into_request().is_err(), "{k}");
+        }
     }
 }

@@ -28,10 +28,32 @@ impl PointsMessage {
     /// The points of a message.
     pub(super) fn into_points(self) -> Result<Points, StoreError> {
         let dimension = number(self.dimension.into())?;
-        if dimension == 0 || !self.coordinates.len().is_multiple_of(dimension) {
+        let count = self.coordinates.len().checked_div(dimension).unwrap_or(0);
+        if count == 0 || count * dimension != self.coordinates.len() {
             return Err(damaged("coordinates are missing"));
         }
-        let lanes = self.coordinates.chunks(self.coordinates.len() / dimension);
+        let lanes = self.coordinates.chunks(count);
         Ok(Points::from_lanes(lanes))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_have_coordinates_all_of_them_as_many() {
+        let read = |dimension, coordinates: &[f64]| {
+            let coordinates = coordinates.to_vec();
+            let message = PointsMessage {
+                dimension,
+                coordinates,
+            };
+            message.into_points().map(|points| points.len())
+        };
+        assert_eq!(read(2, &[1.0, 2.0, 3.0, 4.0]).unwrap(), 2);
+        for (dimension, coordinates) in [(0, &[][..]), (2, &[]), (0, &[1.0]), (2, &[1.0; 3])] {
+            assert!(read(dimension, coordinates).is_err(), "{dimension}");
+        }
     }
 }
