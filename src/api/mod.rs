@@ -11,9 +11,12 @@
 //! - [`order`]: new jobs and edits; [`jobs`]: finding, listing, cancelling and deleting them;
 //!   [`levels`]: inputs, iterations and results;
 //! - [`problem`]: errors (RFC 9457); [`short`]: texts of clients in them, cut; [`text`]: whether bytes are UTF-8;
-//!   [`whole`]: whole numbers in texts.
+//!   [`whole`]: whole numbers in texts;
+//! - `fuzzing`: what fuzz targets call.
 
 pub(crate) mod app;
+#[cfg(any(test, fuzzing))]
+pub mod fuzzing;
 mod grpc;
 pub(crate) mod http;
 mod jobs;

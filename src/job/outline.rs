@@ -65,7 +65,7 @@ pub struct Parent {
 
 impl Outline {
     /// The outline of a new job.
-    pub(super) fn new(label: Label, problem: &Problem) -> Self {
+    pub(crate) fn new(label: Label, problem: &Problem) -> Self {
         let adjusted = || {
             let all = problem.grid().count();
             problem.selected().map_or(all, <[usize]>::len)

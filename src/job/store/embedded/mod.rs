@@ -18,6 +18,8 @@ mod direction;
 mod disk_space;
 mod error;
 mod fields;
+#[cfg(any(test, fuzzing))]
+pub(crate) mod fuzzing;
 mod header;
 mod idempotency;
 mod input;

@@ -1,0 +1,7 @@
+//! Edits as protobuf messages.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| piad::api::fuzzing::edit_message(bytes));

@@ -1,0 +1,7 @@
+//! The JSON of jobs.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| piad::api::fuzzing::job(bytes));

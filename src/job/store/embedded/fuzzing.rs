@@ -1,0 +1,57 @@
+//! Records of the store, as the fuzz targets read and write them: from bytes that may be anything.
+
+use prost::Message;
+
+use super::super::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
+use super::error::damaged;
+use super::header::Header;
+use super::idempotency::EntryMessage;
+use super::input::Input;
+use super::points::PointsMessage;
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+
+/// A problem as it is kept.
+pub(crate) fn kept(problem: &Problem) -> Vec<u8> {
+    Input::new(problem).encode_to_vec()
+}
+
+/// The problem that is kept in these bytes.
+pub(crate) fn problem(bytes: &[u8]) -> Result<Problem, StoreError> {
+    let request = Input::decode(bytes).map_err(damaged)?.into_request()?;
+    Problem::new(request).map_err(damaged)
+}
+
+/// A job without its points as it is kept.
+pub(crate) fn kept_record(record: &Record) -> Vec<u8> {
+    Header::new(record, 0, None).encode_to_vec()
+}
+
+/// The job that is kept in these bytes.
+pub(crate) fn record(bytes: &[u8]) -> Result<Record, StoreError> {
+    Header::decode(bytes).map_err(damaged)?.into_record()
+}
+
+/// Points as they are kept.
+pub(crate) fn kept_points(points: &Points) -> Vec<u8> {
+    PointsMessage::new(points).encode_to_vec()
+}
+
+/// The points that are kept in these bytes.
+pub(crate) fn points(bytes: &[u8]) -> Result<Points, StoreError> {
+    PointsMessage::decode(bytes).map_err(damaged)?.into_points()
+}
+
+/// The entry of an idempotency key as it is kept.
+pub(crate) fn kept_entry(entry: &IdempotencyEntry) -> Vec<u8> {
+    let key = IdempotencyKey {
+        name: String::new(),
+        digest: entry.digest,
+    };
+    EntryMessage::new(&key, entry.id, entry.created).encode_to_vec()
+}
+
+/// The entry that is kept in these bytes.
+pub(crate) fn entry(bytes: &[u8]) -> Result<IdempotencyEntry, StoreError> {
+    EntryMessage::read(bytes)
+}
