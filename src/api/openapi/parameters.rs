@@ -6,6 +6,7 @@ use super::operation::schema_of;
 use super::page;
 use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
+use crate::api::json::view::examples;
 use crate::api::order::LONGEST_KEY;
 use crate::api::whole::LARGEST;
 use crate::export::Format;
@@ -54,37 +55,34 @@ fn paths() -> Vec<Value> {
         {"type": "integer", "minimum": 0, "maximum": LARGEST},
         {"type": "string", "const": "last"},
     ]});
+    let path =
+        |name, description, schema, example| parameter("path", name, description, schema, example);
     vec![
-        parameter(
-            "path",
+        path(
             "id",
             "The id of the job.",
             json!({"type": "string", "format": "uuid"}),
-            json!("019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
+            json!(examples::ID),
         ),
-        parameter(
-            "path",
+        path(
             "k",
             "The number of an iteration, from 0, or `last`: the last one so far.",
             iteration,
             json!("last"),
         ),
-        parameter(
-            "path",
+        path(
             "format",
             "The file format.",
             json!({"type": "string", "enum": Format::ALL.map(Format::name)}),
             json!("svg"),
         ),
-        parameter(
-            "path",
+        path(
             "slug",
             "The last part of the `type` of a problem.",
             json!({"type": "string", "pattern": "^[a-z-]+$"}),
             json!("invalid-fit"),
         ),
-        parameter(
-            "path",
+        path(
             "file",
             "The name of the file.",
             json!({"type": "string", "enum": page::FILES.map(|(name, ..)| name)}),
@@ -111,7 +109,7 @@ fn lists() -> Vec<Value> {
             "cursor",
             "Only jobs before this one, as `next` of the page before says.",
             json!({"type": "string", "format": "uuid"}),
-            json!("019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
+            json!(examples::ID),
         ),
     ]
 }
@@ -184,11 +182,6 @@ fn streams() -> Vec<Value> {
     ]
 }
 
-/// An iteration, the end, or nothing at all.
-fn event_id() -> Value {
-    json!({"type": "string", "pattern": "^(0|[1-9][0-9]{0,8}|end|)$"})
-}
-
 fn request_headers() -> Vec<Value> {
     let header = |name, description, schema, example| {
         parameter("header", name, description, schema, example)
@@ -197,7 +190,8 @@ fn request_headers() -> Vec<Value> {
         header(
             "Last-Event-ID",
             "The id of the last event that the client has: the stream goes on after it. After `end` there is nothing: 204.",
-            event_id(),
+            // The number of an iteration, `end`, or nothing, which is as if there were no header.
+            json!({"type": "string", "pattern": "^(0|[1-9][0-9]{0,8}|end|)$"}),
             json!("7"),
         ),
         header(
@@ -224,68 +218,55 @@ fn request_headers() -> Vec<Value> {
 
 /// The headers of answers.
 pub(super) fn headers() -> Map<String, Value> {
-    let header = |description: &str, schema: Value, example: Value| json!({"description": description, "required": false, "schema": schema, "example": example});
     let text = || json!({"type": "string"});
+    let whole = || json!({"type": "integer", "minimum": 0});
     let headers = [
         (
             "X-Request-Id",
-            header(
-                "The id of the request: the client's own, or one that the server gave it.",
-                text(),
-                json!("019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
-            ),
+            "The id of the request: the client's own, or one that the server gave it.",
+            text(),
+            json!(examples::ID),
         ),
         (
             "Location",
-            header(
-                "The path of the new job.",
-                json!({"type": "string", "format": "uri-reference"}),
-                json!("/v1/jobs/019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"),
-            ),
+            "The path of the new job.",
+            json!({"type": "string", "format": "uri-reference"}),
+            json!(format!("/v1/jobs/{}", examples::ID)),
         ),
         (
             "Idempotency-Replayed",
-            header(
-                "The job was made before, for the same key.",
-                json!({"type": "string", "const": "true"}),
-                json!("true"),
-            ),
+            "The job was made before, for the same key.",
+            json!({"type": "string", "const": "true"}),
+            json!("true"),
         ),
         (
             "Preference-Applied",
-            header(
-                "How long the answer may have waited for the end of the job.",
-                text(),
-                json!("wait=10"),
-            ),
+            "How long the answer may have waited for the end of the job.",
+            text(),
+            json!("wait=10"),
         ),
         (
             "Piad-Resumed-After",
-            header(
-                "The iteration after which the stream goes on.",
-                json!({"type": "integer", "minimum": 0}),
-                json!(7),
-            ),
+            "The iteration after which the stream goes on.",
+            whole(),
+            json!(7),
         ),
         (
             "Content-Disposition",
-            header(
-                "A name for the file: that of the job, and of an iteration its number (RFC 6266).",
-                text(),
-                json!("inline; filename=\"naca2412.step\"; filename*=UTF-8''naca2412.step"),
-            ),
+            "A name for the file: that of the job, and of an iteration its number (RFC 6266).",
+            text(),
+            json!("inline; filename=\"naca2412.step\"; filename*=UTF-8''naca2412.step"),
         ),
         (
             "Retry-After",
-            header(
-                "After how many seconds to send the request again.",
-                json!({"type": "integer", "minimum": 0}),
-                json!(5),
-            ),
+            "After how many seconds to send the request again.",
+            whole(),
+            json!(5),
         ),
     ];
-    headers
-        .into_iter()
-        .map(|(name, header)| (name.to_owned(), header))
-        .collect()
+    let header = |(name, description, schema, example): (&str, &str, Value, Value)| {
+        let header = json!({"description": description, "required": false, "schema": schema, "example": example});
+        (name.to_owned(), header)
+    };
+    headers.into_iter().map(header).collect()
 }
