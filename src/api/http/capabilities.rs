@@ -9,8 +9,7 @@ use tonic::server::NamedService;
 
 use crate::api::app::App;
 use crate::api::grpc::service::Service;
-use crate::api::json::request::method::Kind as MethodKind;
-use crate::api::json::request::schema::settings;
+use crate::api::json::request::method::{Kind as MethodKind, settings};
 use crate::api::json::schema::plain::never_null;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::config::Config;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
 use super::places::direction;
@@ -13,18 +13,44 @@ use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::invalid::Place as P;
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start, Variant, Weighted,
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::model::job::MethodSpec;
 use crate::model::mistakes::{Mistake, Mistakes, Place, Read};
 
+/// The settings of the methods that have some.
+const SETTINGS: [(&str, &[&str]); 6] = [
+    ("weighted", &["omega"]),
+    ("local", &["indices", "row_by_row"]),
+    ("adaptive", &["threshold"]),
+    ("extended", &["start"]),
+    ("least_squares", &["control_points", "variant", "mu"]),
+    ("custom", &["transform"]),
+];
+
+/// The settings of a method.
+pub(in crate::api) fn settings(kind: &str) -> &'static [&'static str] {
+    let entry = SETTINGS.iter().find(|(method, _)| *method == kind);
+    entry.map_or(&[], |(_, settings)| settings)
+}
+
+/// Says in the schema which kinds of methods there are, and to which of them a setting belongs.
+fn explain(schema: &mut Schema) {
+    schema::explain(schema, &METHODS);
+    for (kind, settings) in SETTINGS {
+        settings
+            .iter()
+            .for_each(|name| schema::belongs(schema, name, kind));
+    }
+}
+
 /// How the control points move from iteration to iteration.
 // Which settings belong to which kind is checked after reading, so that the error can say it.
 #[derive(Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
-#[schemars(rename = "Method", transform = schema::method, example = schema::example_method())]
+#[schemars(rename = "Method", transform = explain, example = schema::example_method())]
 pub(in crate::api) struct MethodRequest {
     /// The kind of the method.
     pub(in crate::api) kind: Kind,
@@ -209,12 +235,12 @@ impl MethodRequest {
             ("mu", self.mu.is_some()),
             ("transform", self.transform.is_some()),
         ];
-        let own = schema::settings(self.kind.name());
+        let own = settings(self.kind.name());
         let mut mistakes = Mistakes::default();
         for (name, given) in given {
             if given && !own.contains(&name) {
                 let mut kinds = Kind::NAMES.iter();
-                let method = kinds.find(|kind| schema::settings(kind).contains(&name));
+                let method = kinds.find(|kind| settings(kind).contains(&name));
                 let method = method.unwrap_or(&"");
                 let detail = format!("{name} is a setting of the method {method:?}");
                 mistakes.push(Mistake::at_text(format!("/method/{name}"), detail));

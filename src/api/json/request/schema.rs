@@ -5,31 +5,6 @@ use serde_json::{Value, json};
 
 use crate::fit::about::About;
 use crate::fit::basis::BASES;
-use crate::fit::method::METHODS;
-
-/// The settings of the methods that have some.
-const SETTINGS: [(&str, &[&str]); 6] = [
-    ("weighted", &["omega"]),
-    ("local", &["indices", "row_by_row"]),
-    ("adaptive", &["threshold"]),
-    ("extended", &["start"]),
-    ("least_squares", &["control_points", "variant", "mu"]),
-    ("custom", &["transform"]),
-];
-
-/// The settings of a method.
-pub(in crate::api) fn settings(kind: &str) -> &'static [&'static str] {
-    let entry = SETTINGS.iter().find(|(method, _)| *method == kind);
-    entry.map_or(&[], |(_, settings)| settings)
-}
-
-/// Says which kinds of methods there are, and to which of them a setting belongs.
-pub(super) fn method(schema: &mut Schema) {
-    explain(schema, &METHODS);
-    for (kind, settings) in SETTINGS {
-        settings.iter().for_each(|name| belongs(schema, name, kind));
-    }
-}
 
 /// Says which bases there are. Only B-splines have a degree and knots to choose.
 pub(super) fn basis(schema: &mut Schema) {
@@ -40,7 +15,7 @@ pub(super) fn basis(schema: &mut Schema) {
 }
 
 /// Adds what the kinds mean to the description of an object.
-fn explain(schema: &mut Schema, kinds: &[&About]) {
+pub(super) fn explain(schema: &mut Schema, kinds: &[&About]) {
     let line = |about: &&About| format!("- `{}`: {}. {}", about.name, about.title, about.summary);
     let lines: Vec<String> = kinds.iter().map(line).collect();
     if let Some(Value::String(description)) = schema.get_mut("description") {
@@ -50,7 +25,7 @@ fn explain(schema: &mut Schema, kinds: &[&About]) {
 }
 
 /// Adds to the description of a field to which kind it belongs.
-fn belongs(schema: &mut Schema, field: &str, kind: &str) {
+pub(super) fn belongs(schema: &mut Schema, field: &str, kind: &str) {
     let field = schema.pointer_mut(&format!("/properties/{field}/description"));
     if let Some(Value::String(description)) = field {
         description.push_str(&format!(" Only with `{kind}`."));
