@@ -7,7 +7,6 @@ use super::language::Language;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode;
-use super::stream::form::{Form, View};
 use crate::fit::iteration::Level;
 use crate::fit::points::Points;
 use crate::job::Job;
@@ -15,6 +14,7 @@ use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::state::{Levels, Status};
+use crate::model::stream::form::{Form, View};
 
 /// Bytes of a data point of an input with all that is given for it.
 const BYTES_PER_POINT: usize = 160;

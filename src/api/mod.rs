@@ -10,7 +10,7 @@
 //! - [`app`]: what the doors share; [`language`]: the languages of requests and answers;
 //! - [`order`]: new jobs and edits; [`jobs`]: finding, listing, cancelling and deleting them;
 //!   [`levels`]: inputs, iterations and results;
-//! - [`problem`]: errors (RFC 9457); [`short`]: texts of clients in them, cut; [`text`]: whether bytes are UTF-8;
+//! - [`problem`]: errors (RFC 9457); [`text`]: whether bytes are UTF-8;
 //!   [`whole`]: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call.
 
@@ -30,5 +30,3 @@ mod proto;
 pub(crate) mod stream;
 mod text;
 mod whole;
-
-pub use crate::model::short;

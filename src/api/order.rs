@@ -8,7 +8,6 @@ use sha2::{Digest, Sha256};
 use crate::api::app::App;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem, Words};
-use crate::api::stream::options::{self, StreamOptions};
 use crate::config::Config;
 use crate::fit::problem as fit;
 use crate::fit::system::System;
@@ -24,6 +23,7 @@ use crate::model::job::{Limits, ValidJob};
 use crate::model::mistakes::{Mistake, Place};
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
+use crate::model::stream::options::{self, StreamOptions};
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub const PARSED_AT_ONCE: usize = 4 * 1024;

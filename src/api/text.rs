@@ -3,7 +3,7 @@
 use axum::http::{HeaderMap, header};
 
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::quoted;
+use crate::model::short::quoted;
 
 /// What compressed bytes begin with, and what they are called.
 const COMPRESSED: [(&[u8], &str); 6] = [

@@ -7,8 +7,8 @@ use super::intake;
 use super::intake::Taken;
 use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::quoted;
 use crate::api::{app::App, text};
+use crate::model::short::quoted;
 
 /// Reads the body of a request, which is JSON or a protobuf message.
 pub(super) async fn read(app: &App, request: Request) -> Result<(Language, Taken), Problem> {

@@ -22,11 +22,11 @@ use crate::api::order;
 use crate::api::order::Order;
 use crate::api::problem::Problem;
 use crate::api::proto;
-use crate::api::stream::form::Encoding;
-use crate::api::stream::options::{self, StreamOptions};
 use crate::job::memory::Permit;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
+use crate::model::stream::form::Encoding;
+use crate::model::stream::options::{self, StreamOptions};
 
 const IDEMPOTENCY_KEY: &str = "idempotency-key";
 const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");

@@ -26,15 +26,15 @@ use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::language::Framing;
 use crate::api::problem::Problem;
-use crate::api::short::quoted;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
-use crate::api::stream::form::Encoding;
-use crate::api::stream::options::{self, StreamOptions};
 use crate::api::stream::sending::Outgoing;
 use crate::api::whole::plain_number;
 use crate::job::content::Content;
 use crate::job::{Held, Job};
+use crate::model::short::quoted;
+use crate::model::stream::form::Encoding;
+use crate::model::stream::options::{self, StreamOptions};
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");

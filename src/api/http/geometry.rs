@@ -19,10 +19,7 @@ use crate::api::json::view::to_bytes;
 use crate::api::language::Language;
 use crate::api::levels;
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::quoted;
 use crate::api::stream::encode;
-use crate::api::stream::form::{Digits, Encoding, Form};
-use crate::api::stream::options;
 use crate::api::whole::plain_number;
 use crate::export::{Format, UnknownFormat};
 use crate::fit::iteration::Iteration;
@@ -30,6 +27,9 @@ use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 use crate::fit::points::Grid;
 use crate::job::Job;
 use crate::job::scheduler::Lane;
+use crate::model::short::quoted;
+use crate::model::stream::form::{Digits, Encoding, Form};
+use crate::model::stream::options;
 
 /// `GET /v1/jobs/{id}/iterations/{k}`
 pub async fn iteration(

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use super::path::Named;
 use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::quoted;
+use crate::model::short::quoted;
 
 /// What the server is.
 #[derive(Serialize, JsonSchema)]

@@ -15,11 +15,11 @@ use crate::api::app::App;
 use crate::api::json::view::job::{JobPage, JobView};
 use crate::api::language::Language;
 use crate::api::problem::Problem;
-use crate::api::short::quoted;
 use crate::api::whole::plain_number;
 use crate::api::{jobs, proto};
 use crate::job::Job;
 use crate::job::state::State as JobState;
+use crate::model::short::quoted;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

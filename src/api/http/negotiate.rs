@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 
 use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::quoted;
+use crate::model::short::quoted;
 
 /// The longest that `Prefer: wait` may ask for.
 pub const LONGEST_WAIT: u64 = 300;

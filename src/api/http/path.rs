@@ -5,7 +5,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use crate::api::problem::{Kind, Problem};
-use crate::api::short;
+use crate::model::short;
 
 /// The parts of a path. What is no text, such as `%FF`, names nothing.
 #[derive(Debug)]

@@ -3,13 +3,13 @@
 use serde::Deserialize;
 
 use crate::api::problem::Problem;
-use crate::api::short::quoted;
-use crate::api::stream::choices::ChoiceMistake;
-use crate::api::stream::form::not_samples;
-use crate::api::stream::options::{no_milestone, not_positive};
 use crate::api::whole::plain_number;
 use crate::fit::points::Grid;
 use crate::model::named::Named;
+use crate::model::short::quoted;
+use crate::model::stream::choices::ChoiceMistake;
+use crate::model::stream::form::not_samples;
+use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec};
 
 /// The query of a single iteration or a result.

@@ -27,7 +27,7 @@ use crate::api::grpc;
 use crate::api::openapi::resources::Resources;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
-use crate::api::short;
+use crate::model::short;
 
 /// All resources, under the names of the server.
 pub fn router(app: App, hosts: Hosts) -> Router {

@@ -7,9 +7,9 @@ use super::read::values::Element;
 use super::read::values::LONGEST_TEXT;
 use super::read::{Limits, Numeral, Of, Reader, Reading, choices, object};
 use super::schema::{names, schema_of};
-use crate::api::short::{cut, quoted};
-use crate::api::stream::form::not_samples;
 use crate::model::named::Named;
+use crate::model::short::{cut, quoted};
+use crate::model::stream::form::not_samples;
 use crate::model::stream::{
     Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, OnDisconnect, Pace, Samples, StreamSpec, View,
 };

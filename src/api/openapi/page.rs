@@ -7,7 +7,7 @@ use axum::response::{IntoResponse, Response};
 
 use crate::api::http::path::Named;
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::quoted;
+use crate::model::short::quoted;
 
 const HTML: &str = include_str!("page.html");
 

@@ -12,9 +12,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::json::view::examples;
-use super::short;
 use crate::api::json::schema::plain::never_null;
 use crate::model::mistakes::{self as model, Mistakes, Site};
+use crate::model::short;
 use field_error::LONGEST_DETAIL;
 pub use field_error::{FieldError, Place};
 pub use kind::Kind;

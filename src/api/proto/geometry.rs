@@ -10,7 +10,6 @@ use super::names;
 use super::view::{direction, distances};
 use crate::api::json::view::source::{Net, NetWeights, Source};
 use crate::api::json::view::writer::{Digits, Writer};
-use crate::api::stream::form::{Form, View};
 use crate::fit::geometry::Geometry;
 use crate::fit::iteration::Level;
 use crate::fit::points::Points;
@@ -20,6 +19,7 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
+use crate::model::stream::form::{Form, View};
 use crate::proto::messages::{self as pb, iteration};
 use crate::proto::values::count;
 

@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use super::form::{Digits, Encoding, Form, View};
 use crate::api::json::view;
 use crate::api::proto;
 use crate::fit::direction::Direction;
@@ -14,6 +13,7 @@ use crate::job::frame::Frame;
 use crate::job::scheduler::Lane;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
+use crate::model::stream::form::{Digits, Encoding, Form, View};
 
 /// So many numbers are written where they are needed, more of them on the compute pool.
 const SMALL: usize = 2000;

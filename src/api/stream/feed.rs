@@ -14,7 +14,6 @@ use tracing::error;
 
 use super::encode;
 use super::milestones::Milestones;
-use super::options::StreamOptions;
 use crate::api::app::App;
 use crate::job::content::Content;
 use crate::job::counters::Open;
@@ -23,6 +22,7 @@ use crate::job::frame::Frame;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::job::{Held, Job};
+use crate::model::stream::options::StreamOptions;
 
 /// What happens in the life of a job, or of the connection. Data are JSON or a protobuf message, as
 /// the form of the feed says.

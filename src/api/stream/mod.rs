@@ -11,5 +11,3 @@ pub mod encoded;
 pub mod feed;
 pub mod milestones;
 pub mod sending;
-
-pub use crate::model::stream::{choices, form, options};

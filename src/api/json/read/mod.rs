@@ -18,9 +18,9 @@ use serde::de::{DeserializeSeed, Error, SeqAccess};
 use serde_json::Deserializer as Json;
 
 use crate::api::problem::{Kind, Problem};
-use crate::api::short::cut;
 use crate::api::text;
 use crate::model::mistakes::MOST_MISTAKES;
+use crate::model::short::cut;
 pub(in crate::api) use object::object;
 pub use object::{Field, Members};
 use reader::Seed;

@@ -6,7 +6,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 
 use super::reader::Seed;
 use super::{Anything, Read, Reader, Reading, Step};
-use crate::api::short::{cut, quoted};
+use crate::model::short::{cut, quoted};
 
 /// The most characters of a name that are kept. No field has a longer one.
 const LONGEST_NAME: usize = 100;

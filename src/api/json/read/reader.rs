@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
 use super::{Members, Reading};
-use crate::api::short::quoted;
+use crate::model::short::quoted;
 
 /// Values may stand within one another so deeply. No part of a job needs more than eight.
 const DEEPEST: usize = 64;

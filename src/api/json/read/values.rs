@@ -144,7 +144,7 @@ macro_rules! choices {
                 if value.is_none() {
                     at.wrong(format!(
                         "{} is no choice; there are {}",
-                        $crate::api::short::quoted(name),
+                        $crate::model::short::quoted(name),
                         <$type>::names().join(", ")
                     ));
                 }
@@ -187,7 +187,7 @@ macro_rules! names {
                     $($name => return Some(Self::Value::$variant),)+
                     _ => at.wrong(format!(
                         "{} is no {}; there are {}",
-                        $crate::api::short::quoted(name),
+                        $crate::model::short::quoted(name),
                         $what,
                         Self::Value::NAMES.join(", ")
                     )),

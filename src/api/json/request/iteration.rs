@@ -4,7 +4,7 @@ use schemars::json_schema;
 
 use crate::api::json::read::{Numeral, Of, Reader, Reading};
 use crate::api::json::schema::schema_of;
-use crate::api::short::quoted;
+use crate::model::short::quoted;
 
 /// The level of the parent to start from: a number or `"last"`.
 #[derive(Clone, Copy, Debug)]

@@ -8,9 +8,9 @@ use crate::api::json::per_direction::Pair;
 use crate::api::json::read::values::{Count, Element};
 use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading};
 use crate::api::json::schema::schema_of;
-use crate::api::short::quoted;
 use crate::fit::method::LARGEST;
 use crate::fit::points::Grid;
+use crate::model::short::quoted;
 
 /// The relaxation of weighted PIA: a number or `"auto"`.
 #[derive(Clone, Copy, Debug)]

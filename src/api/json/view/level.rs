@@ -19,7 +19,6 @@ use crate::api::json::per_direction::{Pair, PerDirection};
 use crate::api::json::read::values::Count;
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
-use crate::api::stream::form::{self, Encoding, Form, View};
 use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
 use crate::fit::invalid::Axis;
@@ -32,6 +31,7 @@ use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::{State, Status};
 use crate::model::shape::BasisKind;
+use crate::model::stream::form::{self, Encoding, Form, View};
 use crate::model::weights::Rational;
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
