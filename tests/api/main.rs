@@ -60,6 +60,7 @@ mod rpc;
 mod rpc_operations;
 mod scales;
 mod short_forms;
+mod stored_before;
 mod stream_object;
 mod streams;
 mod support;
