@@ -9,7 +9,7 @@ use tokio::time::sleep_until;
 use super::Job;
 use super::frame::Frame;
 use super::peer::Peer;
-use super::run::Read;
+use super::run::FrameLookup;
 use super::run::attached::Attached;
 use super::state::{State, Status};
 use super::store::StoreError;
@@ -25,19 +25,19 @@ pub enum Next {
 
 /// Reads the frames of a job in order, without gaps, from any level on.
 ///
-/// Nothing is computed ahead of a reader beyond a few frames, and nothing is kept for it: a reader
-/// that is slower than the ring of the run it follows goes on with a run of its own.
+/// At most a few frames are computed ahead of a reader, and none are kept for it: a reader that falls
+/// out of the ring of its run goes on with a run of its own.
 pub struct Cursor {
     job: Arc<Job>,
     next: usize,
     run: Option<Attached>,
-    /// Since when others are waited for, that would lose their next frame.
+    /// Since when it has been waiting for readers that would lose their next frame.
     waiting: Option<Instant>,
     peer: Option<Peer>,
     status: watch::Receiver<Status>,
-    /// Frames that are not the newest are left out.
+    /// If set, only the newest frame whose level is a multiple of this is read.
     latest: Option<usize>,
-    /// The job was not over when reading began: if it is cancelled, reading ends at once.
+    /// The job had not ended when reading began: if it is cancelled, reading ends at once.
     live: bool,
 }
 
@@ -58,8 +58,8 @@ impl Cursor {
         }
     }
 
-    /// From now on only the newest frame is of interest, of those whose level is a multiple of
-    /// `every`; in the end it is the last.
+    /// From now on the reader skips to the newest frame whose level is a multiple of `every`; when the
+    /// job has ended, to the last frame.
     pub fn only_latest(&mut self, every: usize) {
         self.latest = Some(every);
     }
@@ -69,13 +69,13 @@ impl Cursor {
         self.next = index;
     }
 
-    /// No more frames are wanted: the end comes next.
+    /// Skips all remaining frames: the end comes next.
     pub fn only_end(&mut self) {
         self.next = usize::MAX;
         self.run = None;
     }
 
-    /// The next frame, or the end. Giving up the wait loses nothing.
+    /// The next frame, or the end. It is cancel-safe: a future that is dropped loses no frame.
     pub async fn next(&mut self) -> Result<Next, StoreError> {
         loop {
             let status = self.status.borrow_and_update().clone();
@@ -115,14 +115,14 @@ impl Cursor {
                     return Ok(Next::Frame(frame));
                 }
                 Attempt::TryAgain => {}
-                // Where only the newest frame counts, there is a newer one by now.
+                // A reader of the newest frame looks for a newer one.
                 Attempt::Leave if self.latest.is_some() && !job_ended => {}
                 Attempt::Leave => self.run = None,
             }
         }
     }
 
-    /// The last frame of a job that has ended is at hand, whoever computed it.
+    /// The last frame of a job that has ended, made from its stored result.
     async fn last_frame(&self, status: &Status) -> Result<Option<Arc<Frame>>, StoreError> {
         let Some(level) = status.levels.map(|levels| levels.last) else {
             return Ok(None);
@@ -131,7 +131,7 @@ impl Cursor {
             return Ok(None);
         }
         let points = match self.job.result().await {
-            // It was deleted, but can be computed again.
+            // The job was deleted; the frame can still be computed again.
             Err(StoreError::Gone(_)) => None,
             points => points?,
         };
@@ -142,9 +142,9 @@ impl Cursor {
 /// What came of trying to read a frame.
 enum Attempt {
     Frame(Arc<Frame>),
-    /// Something has changed since.
+    /// The run or the job has changed in the meantime.
     TryAgain,
-    /// This run will not deliver the frame; another one can.
+    /// Only another run can deliver the frame.
     Leave,
 }
 
@@ -155,20 +155,20 @@ async fn attempt(
     status: &mut watch::Receiver<Status>,
     job_ended: bool,
 ) -> Attempt {
-    // Nearly always it is there.
-    if let Read::Frame(frame) = run.read(index) {
+    // Usually the frame is there already.
+    if let FrameLookup::Frame(frame) = run.read(index) {
         return Attempt::Frame(frame);
     }
     let mut advanced = std::pin::pin!(run.changed());
-    // From here on no advance goes unnoticed.
+    // From here on no change goes unnoticed.
     advanced.as_mut().enable();
     match run.read(index) {
-        Read::Frame(frame) => return Attempt::Frame(frame),
-        // Out of the ring, or a run that was stopped.
-        Read::Gone => return Attempt::Leave,
-        Read::Ended if job_ended => return Attempt::Leave,
-        Read::Ended => changed(status).await,
-        Read::Later => {
+        FrameLookup::Frame(frame) => return Attempt::Frame(frame),
+        // The frame has left the ring, or the run was stopped.
+        FrameLookup::Gone => return Attempt::Leave,
+        FrameLookup::Ended if job_ended => return Attempt::Leave,
+        FrameLookup::Ended => changed(status).await,
+        FrameLookup::Later => {
             let until = run.want(index, waiting);
             tokio::select! {
                 () = advanced => {}
@@ -180,7 +180,7 @@ async fn attempt(
     Attempt::TryAgain
 }
 
-/// Waits for a time; for ever if there is none.
+/// Waits until this time, or for ever without one.
 async fn time(until: Option<Instant>) {
     match until {
         Some(until) => sleep_until(until.into()).await,
@@ -188,7 +188,8 @@ async fn time(until: Option<Instant>) {
     }
 }
 
-/// Waits for a change of the job's state; for ever if there will be none.
+/// Waits for a change of the job's status, or for ever if there can be none any more.
+
 async fn changed(status: &mut watch::Receiver<Status>) {
     if status.changed().await.is_err() {
         std::future::pending().await

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::futures::Notified;
 
-use super::{LOOK_AHEAD, Read, Reader, Run};
+use super::state::Follower;
+use super::{FrameLookup, LOOK_AHEAD, Run};
 use crate::job::patience::PATIENCE;
 use crate::job::peer::Peer;
 
@@ -21,10 +22,10 @@ impl Run {
     /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
     pub fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
         let mut state = self.state.lock();
-        if matches!(state.read(next), Read::Gone) {
+        if matches!(state.read(next), FrameLookup::Gone) {
             return None;
         }
-        let reader = state.add_reader(Reader { next, peer });
+        let reader = state.add_reader(Follower { next, peer });
         drop(state);
         let run = Arc::clone(self);
         Some(Attached { run, reader, peer })
@@ -32,30 +33,30 @@ impl Run {
 }
 
 impl Attached {
-    /// The first reader of a run, from frame `next` on.
+    /// The first reader of a new run, from frame `next` on.
     pub fn to_new(run: Arc<Run>, next: usize, peer: Option<Peer>) -> Self {
-        let reader = run.state.lock().add_reader(Reader { next, peer });
+        let reader = run.state.lock().add_reader(Follower { next, peer });
         Self { run, reader, peer }
     }
 
-    /// What the run has to say about frame `index`, which is the next one that the reader wants.
-    pub fn read(&self, index: usize) -> Read {
+    /// Asks the run for frame `index`, the next one that the reader wants.
+    pub fn read(&self, index: usize) -> FrameLookup {
         let mut state = self.run.state.lock();
         if let Some(reader) = state.readers.get_mut(&self.reader) {
             reader.next = index;
         }
         state.touched = Instant::now();
         let read = state.read(index);
-        state.delivered |= matches!(read, Read::Frame(_));
+        state.delivered |= matches!(read, FrameLookup::Frame(_));
         read
     }
 
-    /// Lets the run advance to frame `index`, and a little further where frames are small; unless
-    /// another reader would lose its next frame by that. Readers of large frames that go together
-    /// share one run, and one that is a moment slower does not need a run of its own.
+    /// Lets the run advance to frame `index`, and a little further if frames are small, unless that
+    /// pushed the next frame of another reader out of the ring. So readers of large frames that are
+    /// about equally fast share one run.
     ///
-    /// Says until when to wait for the others, at most, and then to call this again; and knows from
-    /// `waiting` since when they are waited for.
+    /// If the run has to wait for another reader, this returns until when, at most; then the caller
+    /// calls it again. `waiting` is the time since which it has been waiting.
     pub fn want(&self, index: usize, waiting: &mut Option<Instant>) -> Option<Instant> {
         let lost = self.lost_before(index);
         let now = Instant::now();
@@ -65,7 +66,7 @@ impl Attached {
         for reader in state.readers.values_mut().filter(|it| it.next < lost) {
             let left = self.left_for(reader.peer, since, now);
             if left.is_zero() {
-                // It has had its time, and will need a run of its own.
+                // Its time is up: it will need a run of its own.
                 reader.next = usize::MAX;
             }
             until = until.max(Some(now + left).filter(|until| *until > now));
@@ -78,7 +79,7 @@ impl Attached {
         until
     }
 
-    /// How much longer to wait for a reader of a peer.
+    /// How much longer to wait for a reader of this peer.
     fn left_for(&self, peer: Option<Peer>, since: Instant, now: Instant) -> Duration {
         let left = PATIENCE.saturating_sub(now - since);
         if peer == self.peer {
@@ -97,12 +98,12 @@ impl Attached {
         index.saturating_add(LOOK_AHEAD.min((self.run.capacity - 1) / 2))
     }
 
-    /// Frames before this one go out of the ring if the run advances as wanted.
+    /// Frames before this one leave the ring if the run advances as wanted.
     fn lost_before(&self, index: usize) -> usize {
         (self.ahead_of(index).saturating_add(1)).saturating_sub(self.run.capacity)
     }
 
-    /// Completes at the next change of the run after this call.
+    /// Completes at the next change of the run from now on.
     pub fn changed(&self) -> Notified<'_> {
         self.run.changed.notified()
     }
@@ -113,11 +114,11 @@ impl Drop for Attached {
         let mut state = self.run.state.lock();
         state.readers.remove(&self.reader);
         if state.readers.is_empty() && !state.to_the_end {
-            // Nobody waits for what was wanted.
+            // Nobody is left to read what was wanted.
             state.wanted = None;
         }
         drop(state);
-        // Others may have waited for this one.
+        // Others may be waiting for this reader.
         self.run.changed.notify_waiters();
     }
 }

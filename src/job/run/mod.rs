@@ -1,12 +1,14 @@
-//! An iteration that several readers share and that advances as far as somebody wants it to.
+//! A run: an iteration that several readers share. It advances only as far as a reader, or the job
+//! itself, wants it to.
 //!
+//! - `state`: how far it has come, with its recent frames;
 //! - `shared`: the system that it iterates;
 //! - [`attached`]: a reader's hold on it.
 
 pub mod attached;
 mod shared;
+mod state;
 
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -15,104 +17,38 @@ use parking_lot::Mutex;
 use tokio::sync::Notify;
 
 pub use shared::SharedSystem;
+pub use state::{Ending, FrameLookup};
 
-use crate::fit::iteration::{Iteration, Level, Outcome};
+use crate::fit::iteration::{Iteration, Outcome};
 use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
 use crate::job::again::Revocable;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::patience::Patience;
-use crate::job::peer::Peer;
 use crate::job::resources::Resources;
 use crate::job::scheduler::{Lane, Turn, Work};
 use crate::job::state::Levels;
+use state::RunState;
 
 /// How many levels a run may be ahead of its readers.
 const LOOK_AHEAD: usize = 32;
-
-/// Why a run will not go any further.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// The iteration has ended.
-    Outcome(Outcome),
-    /// It was stopped.
-    Stopped,
-    /// A defect: the computation panicked.
-    Broken,
-    /// Others needed its memory.
-    Revoked,
-}
-
-/// What a run has to say about a frame.
-#[derive(Debug)]
-pub enum Read {
-    /// Here it is.
-    Frame(Arc<Frame>),
-    /// It will come when somebody wants it.
-    Later,
-    /// It has gone out of the ring: only another run can deliver it.
-    Gone,
-    /// It will never come.
-    Ended,
-}
 
 /// A shared iteration with a bounded ring of recent frames.
 #[derive(Debug)]
 pub struct Run {
     resources: Arc<Resources>,
-    /// For its first slice, which makes the system, and for steps.
+    /// The lane of the first slice, which builds the system, and that of the steps.
     lanes: [Lane; 2],
-    /// How many frames the ring holds: at least the newest.
+    /// How many frames the ring holds, at least one.
     capacity: usize,
     frame_bytes: usize,
-    /// Frames of this run are small enough to be kept even if nobody reads them yet.
+    /// Frames of this run are small enough to be kept before anybody reads them.
     keeps_unread: bool,
     patience: Arc<Patience>,
     state: Mutex<RunState>,
     changed: Notify,
     stopped: AtomicBool,
-}
-
-#[derive(Debug)]
-struct RunState {
-    /// `None` before the first slice, while a slice works on it, and after the end.
-    iteration: Option<Iteration>,
-    /// A slice is at work.
-    working: bool,
-    /// What it iterates; gone if it was revoked.
-    shared: Option<Arc<SharedSystem>>,
-    /// What it may take, until it has ended.
-    permit: Option<Permit>,
-    /// It is taken to its end, whoever reads it.
-    to_the_end: bool,
-    begun: Instant,
-    /// When somebody asked for a frame.
-    touched: Instant,
-    /// Somebody has got a frame.
-    delivered: bool,
-    /// Kept beyond the end of the iteration, for those who come next.
-    system: Option<Arc<System>>,
-    levels: Option<Levels>,
-    /// The level up to which somebody wants frames.
-    wanted: Option<usize>,
-    scheduled: bool,
-    /// Frames of consecutive levels, the newest at the back.
-    ring: VecDeque<Arc<Frame>>,
-    readers: BTreeMap<u64, Reader>,
-    /// The number of the next reader.
-    next_reader: u64,
-    ending: Option<Ending>,
-    /// The frame of the last level.
-    last: Option<Arc<Frame>>,
-}
-
-#[derive(Debug)]
-struct Reader {
-    /// The frame that it wants next.
-    next: usize,
-    /// Whose reader it is.
-    peer: Option<Peer>,
 }
 
 impl Run {
@@ -156,8 +92,8 @@ impl Run {
         self.state.lock().ring.len() * self.frame_bytes
     }
 
-    /// Stops the run after its current step; before the first level at once, as making the system can
-    /// take long. Frames in the ring can still be read.
+    /// Stops the run after its current step, or at once while the system is still being built, which
+    /// can take long. Frames in the ring can still be read.
     pub fn stop(&self) {
         self.stopped.store(true, Ordering::Release);
         let mut state = self.state.lock();
@@ -171,7 +107,7 @@ impl Run {
         self.changed.notify_waiters();
     }
 
-    /// Runs to its end, whoever reads it, and says why it ended and with which frame.
+    /// Runs to its end, with or without readers; returns why it ended, and the last frame.
     pub async fn complete(self: &Arc<Self>) -> (Ending, Option<Arc<Frame>>) {
         self.state.lock().to_the_end = true;
         self.want(usize::MAX);
@@ -201,7 +137,7 @@ impl Run {
         }
     }
 
-    /// Takes a step, or several at once where nobody sees what is between.
+    /// Takes a step; takes several at once if nobody reads the levels between.
     fn advance(&self, iteration: &mut Iteration) {
         let state = self.state.lock();
         let wanted = state.wanted.unwrap_or(0);
@@ -214,7 +150,7 @@ impl Run {
         });
     }
 
-    /// A level is reached: keeps its frame if it can be of use.
+    /// Records the level that was reached, and keeps its frame if somebody may read it.
     fn publish(&self, iteration: &mut Iteration) {
         let level = iteration.level();
         let outcome = iteration.outcome();
@@ -224,7 +160,7 @@ impl Run {
             return;
         }
         if outcome == Some(Outcome::Overflow) {
-            // This level has no geometry: the one before was the last.
+            // This level has no geometry, so the one before it is the last.
             state.last = state.ring.back().cloned();
             state.end(Ending::Outcome(Outcome::Overflow));
             drop(state);
@@ -234,7 +170,7 @@ impl Run {
         let mut oldest = None;
         let keep = self.keeps_unread() || outcome.is_some() || state.is_read(level.iteration);
         if keep {
-            // Copying can take as long as a step, so it is not done under the lock.
+            // Copying the control points can take as long as a step: the lock is not held meanwhile.
             drop(state);
             let frame = Arc::new(Frame::of(iteration, cache));
             state = self.state.lock();
@@ -246,7 +182,7 @@ impl Run {
             while state.ring.len() > self.capacity {
                 oldest = state.ring.pop_front();
             }
-            // One goes for the new one, and one makes room for those of others.
+            // A full cache drops two frames for each new one, so that other runs get room, too.
             for _ in 0..2 {
                 if cache.is_full() && state.ring.len() > 1 {
                     oldest = state.ring.pop_front();
@@ -266,12 +202,13 @@ impl Run {
         }
     }
 
-    /// Whether frames are kept that nobody reads yet.
+    /// Whether frames are kept now that nobody has asked for yet.
     fn keeps_unread(&self) -> bool {
         self.keeps_unread && !self.resources.memory.cache.is_half_full()
     }
 
-    /// Takes the iteration for a slice, if there is something to do; before level 0 there is none.
+    /// Takes the iteration out of the state for a slice, if there is work to do. Before level 0 there is
+    /// no iteration.
     fn take_up(&self) -> Option<(Option<Iteration>, Arc<SharedSystem>)> {
         let mut state = self.state.lock();
         let shared = state.shared.clone().filter(|_| state.has_work());
@@ -280,7 +217,7 @@ impl Run {
         shared.map(|shared| (state.iteration.take(), shared))
     }
 
-    /// Ends a slice, and says whether another one is needed.
+    /// Puts the iteration back at the end of a slice; returns whether another slice is needed.
     fn lay_down(&self, iteration: Iteration) -> Turn {
         let mut state = self.state.lock();
         state.working = false;
@@ -316,86 +253,6 @@ impl Run {
 fn last_frame(iteration: &Iteration) -> Arc<Frame> {
     let points = iteration.shared_control_points();
     Arc::new(Frame::last(iteration.level(), points))
-}
-
-impl RunState {
-    fn new(system: Arc<SharedSystem>, permit: Option<Permit>) -> Self {
-        let now = Instant::now();
-        Self {
-            iteration: None,
-            working: false,
-            shared: Some(system),
-            permit,
-            to_the_end: false,
-            begun: now,
-            touched: now,
-            delivered: false,
-            system: None,
-            levels: None,
-            wanted: None,
-            scheduled: false,
-            ring: VecDeque::new(),
-            readers: BTreeMap::new(),
-            next_reader: 0,
-            ending: None,
-            last: None,
-        }
-    }
-
-    fn has_work(&self) -> bool {
-        let reached = self.levels.map(|levels| levels.last.iteration);
-        self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
-    }
-
-    fn add_reader(&mut self, reader: Reader) -> u64 {
-        let number = self.next_reader;
-        self.next_reader += 1;
-        self.readers.insert(number, reader);
-        number
-    }
-
-    fn is_read(&self, level: usize) -> bool {
-        self.readers.values().any(|reader| reader.next <= level)
-    }
-
-    fn reached(&mut self, level: Level, system: &Arc<System>) {
-        self.system.get_or_insert_with(|| Arc::clone(system));
-        let first = self.levels.map_or(level, |levels| levels.first);
-        self.levels = Some(Levels {
-            first,
-            last: level,
-            forecast: system.forecast(),
-        });
-    }
-
-    fn end(&mut self, ending: Ending) {
-        if self.ending.is_none() {
-            self.ending = Some(ending);
-            self.iteration = None;
-            self.scheduled = false;
-            if !self.working {
-                self.permit = None;
-            }
-        }
-    }
-
-    fn read(&self, index: usize) -> Read {
-        let reached = self.levels.map(|levels| levels.last.iteration);
-        if self.ending == Some(Ending::Revoked) {
-            return Read::Gone;
-        }
-        if reached < Some(index) {
-            return match self.ending {
-                None => Read::Later,
-                Some(_) => Read::Ended,
-            };
-        }
-        let frame = self.ring.front().and_then(|front| {
-            let offset = index.checked_sub(front.level.iteration)?;
-            self.ring.get(offset)
-        });
-        frame.map_or(Read::Gone, |frame| Read::Frame(Arc::clone(frame)))
-    }
 }
 
 impl Revocable for Run {
@@ -439,7 +296,7 @@ impl Work for Run {
             self.publish(&mut iteration);
             let more = self.state.lock().has_work();
             let goes_on = more && Instant::now() < deadline;
-            // Making the system and steps can be for different lanes.
+            // The first slice and the steps may belong to different lanes.
             if !goes_on || (is_start && self.lanes[0] != self.lanes[1]) {
                 return self.lay_down(iteration);
             }

@@ -8,20 +8,20 @@ use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::job::patience::Patience;
 
-/// The system of a problem, made when it is first needed and shared by all runs that need it at
-/// the same time.
+/// The system of a problem: built when it is first needed, shared by all runs that need it at the
+/// same time, and dropped with the last of them.
 #[derive(Debug)]
 pub struct SharedSystem {
     pub(super) problem: Arc<Problem>,
     system: Mutex<Weak<System>>,
-    /// A system that may have the same collocation matrix; given up once it has been used.
+    /// A system that may have the same collocation matrix; dropped once it has been used.
     similar: Mutex<Option<Arc<System>>>,
-    /// How long readers of the runs have made each other wait.
+    /// How long the readers of these runs have made each other wait.
     pub(super) patience: Arc<Patience>,
 }
 
 impl SharedSystem {
-    /// Nothing is computed yet. If the matrix is that of the system `similar`, that one is used.
+    /// Nothing is computed yet. A collocation matrix equal to that of `similar` will be taken from there.
     pub fn new(problem: Arc<Problem>, similar: Option<Arc<System>>) -> Self {
         Self {
             problem,
@@ -31,9 +31,9 @@ impl SharedSystem {
         }
     }
 
-    /// The system, if somebody holds it.
+    /// The system, if it has been built and is still in use.
     pub fn at_hand(&self) -> Option<Arc<System>> {
-        // While it is being made the lock is held for long.
+        // The lock is held for long while the system is being built.
         self.system.try_lock()?.upgrade()
     }
 
@@ -42,8 +42,8 @@ impl SharedSystem {
         &self.problem
     }
 
-    /// The system, which lives as long as somebody holds it. It can take long to make: not
-    /// for the threads that serve the network.
+    /// The system, which lives as long as somebody holds it. Building it can take long, so this is
+    /// never called on the threads that serve the network.
     pub fn get(&self) -> Arc<System> {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {

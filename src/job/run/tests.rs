@@ -8,7 +8,7 @@ use crate::job::scheduler::Scheduler;
 /// Waits for a frame that is on its way.
 async fn arrives(reader: &Attached, index: usize) {
     for _ in 0..1000 {
-        if let Read::Frame(frame) = reader.read(index) {
+        if let FrameLookup::Frame(frame) = reader.read(index) {
             return assert_eq!(frame.level.iteration, index);
         }
         tokio::time::sleep(Duration::from_millis(5)).await;
@@ -29,23 +29,23 @@ async fn readers_of_large_frames_wait_for_each_other() {
     arrives(&quick, 0).await;
     arrives(&slow, 0).await;
     // The other one has not taken frame 0 yet.
-    assert!(matches!(quick.read(1), Read::Later));
+    assert!(matches!(quick.read(1), FrameLookup::Later));
     quick.want(1, &mut None);
     tokio::time::sleep(Duration::from_millis(50)).await;
-    assert!(matches!(quick.read(1), Read::Later));
-    assert!(matches!(slow.read(1), Read::Later));
+    assert!(matches!(quick.read(1), FrameLookup::Later));
+    assert!(matches!(slow.read(1), FrameLookup::Later));
     slow.want(1, &mut None);
     arrives(&quick, 1).await;
     arrives(&slow, 1).await;
-    assert!(matches!(quick.read(2), Read::Later));
+    assert!(matches!(quick.read(2), FrameLookup::Later));
     let mut waiting = None;
     while let Some(until) = quick.want(2, &mut waiting) {
         tokio::time::sleep_until(until.into()).await;
     }
     arrives(&quick, 2).await;
-    assert!(matches!(slow.read(1), Read::Gone));
+    assert!(matches!(slow.read(1), FrameLookup::Gone));
     drop(slow);
-    assert!(matches!(quick.read(3), Read::Later));
+    assert!(matches!(quick.read(3), FrameLookup::Later));
     quick.want(3, &mut None);
     arrives(&quick, 3).await;
     assert_eq!(resources.counters.iterations.get(), 4);

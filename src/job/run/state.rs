@@ -1,0 +1,161 @@
+//! How far a run has come: its recent frames, who follows it, and why it ended.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::SharedSystem;
+use crate::fit::iteration::{Iteration, Level, Outcome};
+use crate::fit::system::System;
+use crate::job::frame::Frame;
+use crate::job::memory::Permit;
+use crate::job::peer::Peer;
+use crate::job::state::Levels;
+
+/// Why a run has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The iteration has ended.
+    Outcome(Outcome),
+    /// It was stopped.
+    Stopped,
+    /// The computation panicked, which is a defect of the program.
+    Broken,
+    /// Its memory was given to another run.
+    Revoked,
+}
+
+/// What comes of asking a run for a frame.
+#[derive(Debug)]
+pub enum FrameLookup {
+    /// The frame.
+    Frame(Arc<Frame>),
+    /// The run has not reached it yet.
+    Later,
+    /// It has left the ring: only another run can compute it again.
+    Gone,
+    /// The run has ended before it.
+    Ended,
+}
+
+#[derive(Debug)]
+pub(super) struct RunState {
+    /// `None` before the first slice, while a slice works on it, and after the end.
+    pub(super) iteration: Option<Iteration>,
+    /// A slice is running.
+    pub(super) working: bool,
+    /// What it iterates; `None` once the run was revoked.
+    pub(super) shared: Option<Arc<SharedSystem>>,
+    /// The memory of the run, until it has ended.
+    pub(super) permit: Option<Permit>,
+    /// It runs to its end, with or without readers.
+    pub(super) to_the_end: bool,
+    pub(super) begun: Instant,
+    /// When a frame was last asked for.
+    pub(super) touched: Instant,
+    /// At least one frame has been delivered.
+    pub(super) delivered: bool,
+    /// Kept after the end of the iteration, for edits and later readers.
+    pub(super) system: Option<Arc<System>>,
+    pub(super) levels: Option<Levels>,
+    /// The highest level that is wanted.
+    pub(super) wanted: Option<usize>,
+    pub(super) scheduled: bool,
+    /// Frames of consecutive levels, the newest at the back.
+    pub(super) ring: VecDeque<Arc<Frame>>,
+    pub(super) readers: BTreeMap<u64, Follower>,
+    pub(super) next_reader: u64,
+    pub(super) ending: Option<Ending>,
+    /// The frame of the last level.
+    pub(super) last: Option<Arc<Frame>>,
+}
+
+/// A reader of the run.
+#[derive(Debug)]
+pub(super) struct Follower {
+    /// The frame that it wants next.
+    pub(super) next: usize,
+    pub(super) peer: Option<Peer>,
+}
+
+impl RunState {
+    pub(super) fn new(system: Arc<SharedSystem>, permit: Option<Permit>) -> Self {
+        let now = Instant::now();
+        Self {
+            iteration: None,
+            working: false,
+            shared: Some(system),
+            permit,
+            to_the_end: false,
+            begun: now,
+            touched: now,
+            delivered: false,
+            system: None,
+            levels: None,
+            wanted: None,
+            scheduled: false,
+            ring: VecDeque::new(),
+            readers: BTreeMap::new(),
+            next_reader: 0,
+            ending: None,
+            last: None,
+        }
+    }
+
+    pub(super) fn has_work(&self) -> bool {
+        let reached = self.levels.map(|levels| levels.last.iteration);
+        self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
+    }
+
+    pub(super) fn add_reader(&mut self, reader: Follower) -> u64 {
+        let number = self.next_reader;
+        self.next_reader += 1;
+        self.readers.insert(number, reader);
+        number
+    }
+
+    pub(super) fn is_read(&self, level: usize) -> bool {
+        self.readers.values().any(|reader| reader.next <= level)
+    }
+
+    pub(super) fn reached(&mut self, level: Level, system: &Arc<System>) {
+        self.system.get_or_insert_with(|| Arc::clone(system));
+        let first = self.levels.map_or(level, |levels| levels.first);
+        self.levels = Some(Levels {
+            first,
+            last: level,
+            forecast: system.forecast(),
+        });
+    }
+
+    pub(super) fn end(&mut self, ending: Ending) {
+        if self.ending.is_none() {
+            self.ending = Some(ending);
+            self.iteration = None;
+            self.scheduled = false;
+            if !self.working {
+                self.permit = None;
+            }
+        }
+    }
+
+    pub(super) fn read(&self, index: usize) -> FrameLookup {
+        let reached = self.levels.map(|levels| levels.last.iteration);
+        if self.ending == Some(Ending::Revoked) {
+            return FrameLookup::Gone;
+        }
+        if reached < Some(index) {
+            return match self.ending {
+                None => FrameLookup::Later,
+                Some(_) => FrameLookup::Ended,
+            };
+        }
+        let frame = self.ring.front().and_then(|front| {
+            let offset = index.checked_sub(front.level.iteration)?;
+            self.ring.get(offset)
+        });
+        frame.map_or(FrameLookup::Gone, |frame| {
+            FrameLookup::Frame(Arc::clone(frame))
+        })
+    }
+}
