@@ -10,7 +10,7 @@
 //! - [`memory`]: what all of this may take, and who gets how much; [`again`]: runs for readers that have
 //!   missed something; [`resources`]: all that jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
-//! - [`places`]: how many jobs there may be, in all and for each peer;
+//! - [`slots`]: how many jobs there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`suspects`]: those that may have brought the process down;
 //! - [`store`]: where jobs are kept; [`recent`]: those that are still at hand;
@@ -30,7 +30,6 @@ pub(crate) mod memory;
 pub(crate) mod outline;
 pub(crate) mod patience;
 pub(crate) mod peer;
-pub(crate) mod places;
 pub(crate) mod recent;
 pub(crate) mod resources;
 pub(crate) mod run;
@@ -38,6 +37,7 @@ pub(crate) mod run;
 mod samples;
 pub(crate) mod scheduler;
 pub(crate) mod service;
+pub(crate) mod slots;
 pub(crate) mod state;
 pub mod store;
 pub(crate) mod suspects;

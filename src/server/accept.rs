@@ -3,7 +3,6 @@
 use std::future::poll_fn;
 use std::io;
 use std::net::SocketAddr;
-use std::sync::Arc;
 use std::task::Poll;
 use std::time::Instant;
 
@@ -41,7 +40,7 @@ pub(super) struct Doors {
     /// How long connections may do nothing.
     pub(super) times: Times,
     /// Those that there are.
-    pub(super) connections: Arc<Connections>,
+    pub(super) connections: Connections,
     pub(super) counters: Counters,
     /// Becomes true when no more are taken in.
     pub(super) stopping: watch::Receiver<bool>,
@@ -113,7 +112,7 @@ impl Doors {
         async move {
             let _open = open;
             match admission {
-                Admission::Within(_place) => served.await,
+                Admission::Within(_slot) => served.await,
                 Admission::Beyond(_, ended) => tokio::select! {
                     () = served => {}
                     // It makes room for another one.

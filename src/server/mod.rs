@@ -42,7 +42,7 @@ use crate::job::store::embedded::EmbeddedStore;
 use crate::job::store::{Retention, Store};
 use accept::Doors;
 use activity::Times;
-use limits::{Connections, Most};
+use limits::{ConnectionLimits, Connections};
 use listen::Listen;
 
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
@@ -69,7 +69,7 @@ pub async fn serve(
         );
     }
     let grace = config.grace;
-    let (times, most) = (times(&config), Most::of(&config));
+    let (times, most) = (times(&config), ConnectionLimits::of(&config));
     let counters = jobs.resources().counters.clone();
     let hosts = Hosts::new(&config.allowed_host, is_loopback(&listeners)?);
     let router = router::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);

@@ -65,7 +65,7 @@ impl Jobs {
         let outline = Outline::new(label, &problem);
         self.admit(&outline)?;
         check_work(&problem)?;
-        let place = self.places.take(peer)?;
+        let slot = self.slots.take(peer)?;
         let memory = self.share(&outline).take_at_once(outline.memory);
         let record = Record {
             outline,
@@ -84,18 +84,18 @@ impl Jobs {
         let waiting = match memory {
             Some(memory) => {
                 let run = job.begin(problem, similar, memory);
-                tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(run), place));
+                tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(run), slot));
                 None
             }
-            None => Some(place),
+            None => Some(slot),
         };
         let existing = inserted.await.inspect_err(|_| job.request_cancel())?;
         if let Some(entry) = existing {
             job.request_cancel();
             return self.job_of(entry, key.as_ref()).await;
         }
-        if let Some(place) = waiting {
-            tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), None, place));
+        if let Some(slot) = waiting {
+            tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), None, slot));
         }
         self.resources.counters.accepted.inc();
         info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");

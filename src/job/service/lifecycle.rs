@@ -12,8 +12,8 @@ use super::Jobs;
 use crate::fit::iteration::Outcome;
 use crate::job::Job;
 use crate::job::frame::Frame;
-use crate::job::places::Place;
 use crate::job::run::{Ending, Run};
+use crate::job::slots::Slot;
 use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
 use crate::job::suspects::{WATCH, Watch};
@@ -46,7 +46,7 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
 
 impl Jobs {
     /// Takes a job to its end: at once if it has got a run, else when it is its turn.
-    pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, place: Place) {
+    pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
         let ended = async {
             let turn = match run {
                 Some(run) => Some(Start { run, watch: None }),
@@ -69,13 +69,13 @@ impl Jobs {
             if let Err(error) = queued {
                 warn!(job = %job.id(), %error, "a job could not be put back into the queue");
             }
-            return drop(place);
+            return drop(slot);
         }
-        self.end(&job, ending, last, place).await;
+        self.end(&job, ending, last, slot).await;
     }
 
     /// Keeps the end of a job and tells everybody.
-    async fn end(&self, job: &Job, ending: Ending, last: Option<Arc<Frame>>, place: Place) {
+    async fn end(&self, job: &Job, ending: Ending, last: Option<Arc<Frame>>, slot: Slot) {
         let (state, reason, failure) = verdict(ending);
         let status = Status {
             state,
@@ -92,7 +92,7 @@ impl Jobs {
         let mut finished = finish().await;
         info!(job = %job.id(), %state, "job ended");
         self.resources.counters.count_end(state);
-        drop(place);
+        drop(slot);
         let _ = job.result.set(result.clone());
         // From here on clients know of the end: a crash does not undo it any more.
         job.status.send_replace(status.clone());

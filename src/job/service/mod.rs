@@ -21,10 +21,10 @@ use uuid::Uuid;
 use super::Job;
 use super::memory::Share;
 use super::outline::Outline;
-use super::places::Places;
 use super::recent::Recent;
 use super::resources::Resources;
 use super::scheduler::Lane;
+use super::slots::Slots;
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
 
@@ -55,7 +55,7 @@ pub struct Jobs {
     /// Jobs that were running in a crash, which run again a few at a time.
     suspects: Suspects,
     /// For jobs that have not ended.
-    places: Arc<Places>,
+    slots: Arc<Slots>,
     /// The process is about to end: jobs go back to the queue.
     suspended: AtomicBool,
     recent: Recent,
@@ -76,7 +76,7 @@ impl Jobs {
             resources,
             limits,
             suspects: Suspects::default(),
-            places: Places::new(limits.jobs, limits.jobs_of_a_peer),
+            slots: Slots::new(limits.jobs, limits.jobs_of_a_peer),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent, cache),
             ended: Arc::default(),
@@ -93,7 +93,7 @@ impl Jobs {
     /// How many jobs wait for their turn.
     pub fn queued(&self) -> usize {
         let running = self.resources.counters.running();
-        self.places.taken().saturating_sub(running)
+        self.slots.taken().saturating_sub(running)
     }
 
     /// Queues the jobs that had not ended when the process did, and keeps the past within limits
@@ -109,8 +109,8 @@ impl Jobs {
         }
         for record in unfinished {
             let job = self.bring_to_life(record);
-            let place = self.places.occupy();
-            tokio::spawn(Arc::clone(self).drive(job, None, place));
+            let slot = self.slots.occupy();
+            tokio::spawn(Arc::clone(self).drive(job, None, slot));
         }
         let jobs = Arc::downgrade(self);
         let age_check = (self.limits.retention.age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK);
@@ -140,7 +140,7 @@ impl Jobs {
             job.suspend();
         }
         // Stopping takes a step, of at most a few seconds.
-        while self.places.taken() > 0 {
+        while self.slots.taken() > 0 {
             sleep(Duration::from_millis(1)).await;
         }
     }

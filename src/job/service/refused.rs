@@ -4,7 +4,7 @@ use thiserror::Error;
 use uuid::Uuid;
 
 use crate::fit::problem::Problem;
-use crate::job::places::Occupied;
+use crate::job::slots::NoSlot;
 use crate::job::store::StoreError;
 
 /// Multiplications of an iteration: they take a second or two.
@@ -57,11 +57,11 @@ pub enum Refused {
     Store(#[from] StoreError),
 }
 
-impl From<Occupied> for Refused {
-    fn from(occupied: Occupied) -> Self {
-        match occupied {
-            Occupied::All(limit) => Self::Full { limit },
-            Occupied::ByPeer(limit) => Self::PeerFull { limit },
+impl From<NoSlot> for Refused {
+    fn from(no_slot: NoSlot) -> Self {
+        match no_slot {
+            NoSlot::All(limit) => Self::Full { limit },
+            NoSlot::PerPeer(limit) => Self::PeerFull { limit },
         }
     }
 }

@@ -1,0 +1,121 @@
+//! Slots for what there may be only so many of, in all and for each peer: jobs that have not ended, and
+//! connections.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+
+use super::peer::Peer;
+
+/// So many slots, of which one peer may take so many.
+#[derive(Debug)]
+pub struct Slots {
+    all: usize,
+    per_peer: usize,
+    taken: Mutex<Taken>,
+}
+
+#[derive(Debug, Default)]
+struct Taken {
+    all: usize,
+    peers: HashMap<Peer, usize>,
+}
+
+/// A slot that is taken until this is dropped.
+#[derive(Debug)]
+#[must_use]
+pub struct Slot {
+    slots: Arc<Slots>,
+    peer: Option<Peer>,
+}
+
+/// Why there is no slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoSlot {
+    /// All of these are taken.
+    All(usize),
+    /// The peer has taken all of these, which are as many as one may have.
+    PerPeer(usize),
+}
+
+impl Slots {
+    /// Nothing is taken yet.
+    pub fn new(all: usize, per_peer: usize) -> Arc<Self> {
+        Arc::new(Self {
+            all,
+            per_peer,
+            taken: Mutex::default(),
+        })
+    }
+
+    /// A slot beyond all limits, which counts for no peer.
+    pub(super) fn occupy(self: &Arc<Self>) -> Slot {
+        self.taken.lock().all += 1;
+        self.slot(None)
+    }
+
+    /// A slot for a peer, if there is one left.
+    pub fn take(self: &Arc<Self>, peer: Option<Peer>) -> Result<Slot, NoSlot> {
+        let mut taken = self.taken.lock();
+        if taken.all >= self.all {
+            return Err(NoSlot::All(self.all));
+        }
+        if let Some(peer) = peer {
+            let its = taken.peers.get(&peer).copied().unwrap_or(0);
+            if its >= self.per_peer {
+                return Err(NoSlot::PerPeer(self.per_peer));
+            }
+            taken.peers.insert(peer, its + 1);
+        }
+        taken.all += 1;
+        Ok(self.slot(peer))
+    }
+
+    /// How many slots are taken.
+    pub fn taken(&self) -> usize {
+        self.taken.lock().all
+    }
+
+    fn slot(self: &Arc<Self>, peer: Option<Peer>) -> Slot {
+        let slots = Arc::clone(self);
+        Slot { slots, peer }
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        let mut taken = self.slots.taken.lock();
+        taken.all -= 1;
+        let Some(peer) = self.peer else { return };
+        if let Some(its) = taken.peers.get_mut(&peer) {
+            *its -= 1;
+            if *its == 0 {
+                taken.peers.remove(&peer);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peer_takes_its_own_slots_only() {
+        let slots = Slots::new(3, 2);
+        let peer = |last| Some(Peer::at([192, 0, 2, last].into()));
+        let first = slots.take(peer(1)).unwrap();
+        let second = slots.take(peer(1)).unwrap();
+        assert_eq!(slots.take(peer(1)).unwrap_err(), NoSlot::PerPeer(2));
+        let third = slots.take(peer(2)).unwrap();
+        assert_eq!(slots.take(peer(2)).unwrap_err(), NoSlot::All(3));
+        let recovered = slots.occupy();
+        assert_eq!(slots.taken(), 4);
+        drop((first, recovered));
+        let again = slots.take(peer(1)).unwrap();
+        drop((second, third, again));
+        assert_eq!(slots.taken(), 0);
+        assert!(slots.taken.lock().peers.is_empty());
+    }
+}
