@@ -1,5 +1,5 @@
-//! Levels that are computed again, for readers that have missed them: by runs that share a part of
-//! the memory, in turn.
+//! Runs that compute levels again for readers that have missed them. They share a part of the memory,
+//! which they get in turn.
 
 use std::fmt::Debug;
 use std::sync::Weak;
@@ -10,31 +10,32 @@ use tokio::time::timeout;
 
 use super::memory::{Permit, Share};
 
-/// A run that nobody has asked for anything for this long gives way to those who wait.
+/// A run from which nobody has read for this long gives its memory to those who wait.
 const IDLE: Duration = Duration::from_millis(500);
 
-/// A run that has served its readers for this long gives way, too: they go on when it is their turn.
+/// A run that has served its readers for this long gives way, too; its readers then queue for memory
+/// like the others.
 const FAIR: Duration = Duration::from_secs(20);
 
-/// How often those who wait look for a run that gives way.
+/// How often those who wait look for a run that can give way.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// A run that can be ended when others need its memory.
 pub(super) trait Revocable: Debug + Send + Sync {
-    /// Whether it may be ended: nobody has asked it for anything for as long as `idle`, or it has served
-    /// its readers for as long as `fair`.
+    /// Whether it may be ended: nobody has read from it for the time `idle`, or it has served its
+    /// readers for the time `fair`.
     fn is_revocable(&self, idle: Duration, fair: Duration) -> bool;
 
-    /// Ends it and forgets its frames: readers go on with another one.
+    /// Ends it and drops its frames: its readers go on with another run.
     fn revoke(&self);
 }
 
-/// Runs that compute again.
+/// The runs that hold memory of this part.
 #[derive(Debug, Default)]
 pub struct Again(Mutex<Vec<Weak<dyn Revocable>>>);
 
 impl Again {
-    /// Waits for the memory of another run.
+    /// Waits for memory, and ends a run that may be ended to get it.
     pub(super) async fn turn(&self, share: &Share, bytes: usize) -> Option<Permit> {
         let mut permit = std::pin::pin!(share.take(bytes));
         loop {
@@ -45,14 +46,14 @@ impl Again {
         }
     }
 
-    /// A run that has got its memory here.
+    /// Registers a run that has got its memory here.
     pub(super) fn add(&self, run: Weak<dyn Revocable>) {
         let mut runs = self.0.lock();
         runs.retain(|run| run.strong_count() > 0);
         runs.push(run);
     }
 
-    /// Ends a run that may be ended, if there is one; the oldest first.
+    /// Ends the oldest of the runs that may be ended, if there is one.
     fn make_room(&self) {
         let mut runs = self.0.lock();
         let live = runs.iter().enumerate();

@@ -1,7 +1,9 @@
-//! Bytes for the wire: small ones whole, large ones made piece by piece as they are sent.
+//! Bytes for the wire: small contents are kept whole, large ones are made piece by piece as they are
+//! sent.
 //!
-//! A frame of a million points is tens of megabytes as text. So only a description of its pieces is
-//! kept; each is made when a reader comes to it, and the last few are at hand for the others.
+//! A frame of a million points is tens of megabytes as text. So of large contents only the closures
+//! that make their pieces are kept. A piece is made when a reader comes to it, and the last few pieces
+//! are cached for the other readers.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, OnceLock};
@@ -13,20 +15,20 @@ use tokio::sync::OnceCell;
 use super::memory::{Cache, Charge, Permit};
 use super::scheduler::{Broken, Lane, Scheduler};
 
-/// So many pieces are kept for readers that follow; where memory is scarce, those that are being made.
+/// How many pieces are cached for readers that follow, and how many while the cache is full.
 const RECENT: usize = 16;
 const FEWEST: usize = 4;
 
-/// Something on the wire.
+/// A body, an event or a file for the wire.
 #[derive(Clone, Debug)]
 pub struct Content {
-    /// What it begins with; all of it, if there is no rest.
+    /// The first bytes; all of them, if there is no rest.
     pub head: Bytes,
-    /// What follows.
+    /// What follows the head.
     pub rest: Option<Arc<Pieces>>,
-    /// What the head takes while it is kept.
+    /// The bytes of the head in the cache.
     charge: Option<Arc<Charge>>,
-    /// What it takes of another part of the memory until it is sent.
+    /// Memory of another part that it holds until it is sent.
     permit: Option<Arc<Permit>>,
 }
 
@@ -37,7 +39,7 @@ impl From<Bytes> for Content {
 }
 
 impl Content {
-    /// What it begins with, and what follows.
+    /// A content of a head and what follows it.
     pub fn new(head: Bytes, rest: Option<Arc<Pieces>>) -> Self {
         Self {
             head,
@@ -47,29 +49,29 @@ impl Content {
         }
     }
 
-    /// The same, which takes some memory until it is sent.
+    /// The same content, which holds this memory until it is sent.
     pub fn with_permit(mut self, permit: Option<Permit>) -> Self {
         self.permit = permit.map(Arc::new);
         self
     }
 
-    /// The same, which is kept in a cache from now on.
+    /// The same content, counted in the cache from now on.
     pub(super) fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
         self.charge = Some(Arc::new(cache.charge(self.head.len())));
         if let Some(rest) = &self.rest {
-            // Who kept it before does so still.
+            // If it is in the cache already, it stays counted there.
             let _ = rest.cache.set(Arc::clone(cache));
         }
         self
     }
 
-    /// The number of all bytes, if it is known without making them.
+    /// The number of bytes, if it is known without making them.
     pub fn length(&self) -> Option<usize> {
         let rest = self.rest.as_ref();
         Some(self.head.len() + rest.map_or(Some(0), |rest| rest.length)?)
     }
 
-    /// Everything, made on this thread.
+    /// All bytes, made on this thread.
     pub fn whole(self) -> Bytes {
         match self.rest {
             None => self.head,
@@ -78,29 +80,29 @@ impl Content {
     }
 }
 
-/// A part of something large.
+/// A part of a large content.
 pub enum Piece {
-    /// Here it is.
+    /// Its bytes.
     Made(Bytes),
-    /// It can be made, as often as needed.
+    /// Makes its bytes, as often as they are needed.
     Later(Box<dyn Fn() -> Bytes + Send + Sync>),
 }
 
-/// The parts of something large, shared by all who send it.
+/// The parts of a large content, shared by all who send it.
 pub struct Pieces {
     pieces: Vec<Piece>,
-    /// All bytes, where that is known without making them.
+    /// The number of bytes, if it is known without making them.
     length: Option<usize>,
     /// The last pieces that were made, in order.
-    recent: Mutex<VecDeque<(usize, Made)>>,
-    /// Where they are kept.
+    recent: Mutex<VecDeque<(usize, Making)>>,
+    /// The cache in which made pieces are counted.
     cache: OnceLock<Arc<Cache>>,
 }
 
-type Made = Arc<OnceCell<Kept>>;
+/// A piece that is made by the first reader that needs it.
+type Making = Arc<OnceCell<CachedPiece>>;
 
-/// A piece that was made.
-struct Kept {
+struct CachedPiece {
     bytes: Bytes,
     _charge: Option<Charge>,
 }
@@ -116,12 +118,12 @@ impl Pieces {
         }
     }
 
-    /// How many there are.
+    /// How many pieces there are.
     pub fn count(&self) -> usize {
         self.pieces.len()
     }
 
-    /// A piece, made in the compute pool unless it is at hand.
+    /// The bytes of a piece, made on the compute pool unless they are cached.
     pub async fn piece(self: &Arc<Self>, index: usize, pool: &Scheduler) -> Result<Bytes, Broken> {
         if let Piece::Made(bytes) = &self.pieces[index] {
             return Ok(bytes.clone());
@@ -130,17 +132,16 @@ impl Pieces {
             let pieces = Arc::clone(self);
             let bytes = pool.compute(Lane::Wire, move || pieces.make(index)).await?;
             let charge = self.cache.get().map(|cache| cache.charge(bytes.len()));
-            Ok(Kept {
+            Ok(CachedPiece {
                 bytes,
                 _charge: charge,
             })
         };
-        let place = self.place(index);
-        let kept = place.get_or_try_init(make).await?;
-        Ok(kept.bytes.clone())
+        let piece = self.cached(index);
+        Ok(piece.get_or_try_init(make).await?.bytes.clone())
     }
 
-    /// All bytes behind the head.
+    /// The head and all pieces.
     fn whole(&self, head: &Bytes) -> Bytes {
         let mut whole = Vec::with_capacity(head.len() + self.length.unwrap_or(0));
         whole.extend_from_slice(head);
@@ -150,7 +151,7 @@ impl Pieces {
         whole.into()
     }
 
-    /// A piece, made on this thread.
+    /// The bytes of a piece, made on this thread.
     pub fn make(&self, index: usize) -> Bytes {
         match &self.pieces[index] {
             Piece::Made(bytes) => bytes.clone(),
@@ -158,13 +159,14 @@ impl Pieces {
         }
     }
 
-    /// Where a piece is or will be. Readers far behind the first one make theirs for themselves.
-    fn place(&self, index: usize) -> Made {
+    /// The cached piece, or a new one that is cached unless other readers are ahead: readers that are
+    /// far behind make their pieces for themselves.
+    fn cached(&self, index: usize) -> Making {
         let mut recent = self.recent.lock();
         if let Some((_, made)) = recent.iter().find(|(known, _)| *known == index) {
             return Arc::clone(made);
         }
-        let made = Made::default();
+        let made = Making::default();
         if recent.back().is_none_or(|(newest, _)| *newest < index) {
             let scarce = self.cache.get().is_some_and(|cache| cache.is_full());
             let most = if scarce { FEWEST } else { RECENT };

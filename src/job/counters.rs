@@ -11,9 +11,9 @@ use super::state::State;
 /// Counters from the start of the server on, and gauges.
 #[derive(Clone, Debug, Default)]
 pub struct Counters {
-    /// Levels computed, of all runs of all jobs.
+    /// Levels computed by all runs of all jobs.
     pub iterations: Counter,
-    /// Frames written for the wire: one for each frame and view, however many clients read it.
+    /// Frames encoded: one for each frame and form, however many clients read it.
     pub encodings: Counter,
     /// Events sent.
     pub events: Counter,
@@ -23,13 +23,13 @@ pub struct Counters {
     pub commits: Counter,
     /// Writes in those commits.
     pub writes: Counter,
-    ended: Family<Ending, Counter>,
+    ended: Family<EndLabel, Counter>,
     streams: Gauge,
     connections: Gauge,
     running: Gauge,
 }
 
-/// Something that is open, and counted until this is dropped.
+/// Counts a stream, a connection or a running job until it is dropped.
 #[derive(Debug)]
 #[must_use]
 pub struct Open(Gauge);
@@ -48,7 +48,7 @@ impl Drop for Open {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
-struct Ending {
+struct EndLabel {
     state: &'static str,
 }
 
@@ -56,7 +56,7 @@ impl Counters {
     /// Counts the end of a job.
     pub fn count_end(&self, state: State) {
         let state = state.name();
-        self.ended.get_or_create(&Ending { state }).inc();
+        self.ended.get_or_create(&EndLabel { state }).inc();
     }
 
     /// Counts a stream of events while it is open.
@@ -79,7 +79,7 @@ impl Counters {
         usize::try_from(self.running.get()).unwrap_or(0)
     }
 
-    /// Makes the counters known under their names.
+    /// Registers the counters under their names.
     pub fn register(&self, registry: &mut Registry) {
         let plain = [
             ("iterations", "Levels computed", &self.iterations),

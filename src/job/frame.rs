@@ -16,21 +16,20 @@ pub struct Frame {
     pub level: Level,
     /// The free control points.
     pub control_points: Arc<Points>,
-    /// Those that have moved since the level before; `None` if all may have.
+    /// The indices of those that have moved since the level before; `None` if all may have.
     pub moved: Option<Arc<[usize]>>,
     /// The fit has ended at this level.
     pub is_last: bool,
-    /// What was made of it.
     encoded: Forms,
-    /// What it takes while it is kept.
+    /// The bytes of the control points in the cache.
     _charge: Option<Charge>,
 }
 
 impl Frame {
-    /// Bytes that a number of a frame takes: itself, and its decimal digits once somebody reads it.
+    /// Bytes for each coordinate of a frame: the number itself, and its decimal digits once it is read.
     const BYTES_PER_NUMBER: usize = 8 + 28;
 
-    /// The current level of a fit, which is kept in the cache.
+    /// The current level of a fit, counted in the cache.
     pub(super) fn of(iteration: &Iteration, cache: &Arc<Cache>) -> Self {
         let points = iteration.shared_control_points();
         let bytes = 8 * points.len() * points.dimension() + size_of::<Self>();
@@ -42,7 +41,7 @@ impl Frame {
         }
     }
 
-    /// The level at which a fit has ended, with control points that may be kept elsewhere.
+    /// The last level of a fit, with control points that are not counted in the cache.
     pub fn last(level: Level, control_points: Arc<Points>) -> Self {
         Self {
             level,
@@ -54,12 +53,12 @@ impl Frame {
         }
     }
 
-    /// Bytes that a frame of `count` points takes in memory.
+    /// Bytes of memory for a frame of `count` points.
     pub(super) fn weight(dimension: usize, count: usize) -> usize {
         dimension * count * Self::BYTES_PER_NUMBER + size_of::<Self>()
     }
 
-    /// The frame in a form on the wire: made by its first reader and shared by the others.
+    /// The frame in one of its forms, made by its first reader and shared with the others.
     pub async fn encoded<F: Future<Output = Result<Content, StoreError>> + Send + 'static>(
         &self,
         form: &Arc<str>,

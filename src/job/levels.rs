@@ -8,8 +8,8 @@ use crate::fit::system::Forecast;
 pub struct Levels {
     /// Level 0.
     pub first: Level,
-    /// The level reached.
+    /// The last level so far.
     pub last: Level,
-    /// What is known of the convergence.
+    /// What is known about the convergence.
     pub forecast: Forecast,
 }

@@ -1,16 +1,16 @@
-//! The memory of a server, divided among all that takes much of it.
+//! The memory of a server, divided among its large consumers.
 //!
 //! | Part | Sixteenths | For |
 //! |---|---|---|
 //! | `heavy` | 5 | running jobs with large steps |
 //! | `quick` | 2 | running jobs with small steps, which wait for no large one |
-//! | `again` | 5 | runs that compute again what readers have missed |
+//! | `again` | 5 | runs that compute levels again that readers have missed |
 //! | `bodies` | 1 | requests while they arrive and are read |
 //! | `files` | 1 | files that are made as a whole |
-//! | `cache` | 2 | what is kept to be quick: recent frames, their forms, jobs that have just ended |
+//! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
-//! All but the cache are shares that are waited for. What is cached is counted, and goes when there is
-//! too much of it.
+//! All but the cache are shares: those who need memory wait for it. The cache only counts its contents,
+//! which are evicted when there are too many.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -28,18 +28,18 @@ pub struct Memory {
     pub(super) heavy: Share,
     /// For running jobs with small steps.
     pub(super) quick: Share,
-    /// For runs that compute again what readers have missed.
+    /// For runs that compute levels again that readers have missed.
     pub again: Share,
     /// For requests while they arrive and are read.
     pub bodies: Share,
     /// For files that are made as a whole.
     pub files: Share,
-    /// What is kept to be quick.
+    /// For what is kept to save time.
     pub cache: Arc<Cache>,
 }
 
 impl Memory {
-    /// Divides so many bytes.
+    /// Divides this many bytes.
     pub(super) fn new(bytes: usize) -> Self {
         let part = |sixteenths: usize| bytes / 16 * sixteenths;
         Self {
@@ -61,7 +61,7 @@ impl Memory {
         self.limit
     }
 
-    /// Bytes that are handed out or cached.
+    /// Bytes in use, of the shares and of the cache.
     pub fn used(&self) -> usize {
         let shares = [
             &self.heavy,
@@ -75,7 +75,7 @@ impl Memory {
     }
 }
 
-/// Memory that those who need it take, or wait for in the order in which they came.
+/// A part of the memory. Those who need some take it, or wait for it in the order in which they came.
 #[derive(Debug)]
 pub struct Share {
     pages: u32,
@@ -109,25 +109,25 @@ impl Share {
         self.bytes() - (self.free.available_permits() * PAGE).min(self.bytes())
     }
 
-    /// What needs more than there is at all gets everything there is, and runs alone.
+    /// A request for more than the whole share gets all of it, and so runs alone.
     fn pages(&self, bytes: usize) -> u32 {
         u32::try_from(bytes.div_ceil(PAGE)).map_or(self.pages, |pages| pages.min(self.pages))
     }
 
-    /// So many bytes, if nobody has to wait for them.
+    /// Takes this many bytes if they are free.
     pub(super) fn take_at_once(&self, bytes: usize) -> Option<Permit> {
         let free = Arc::clone(&self.free);
         free.try_acquire_many_owned(self.pages(bytes)).ok()
     }
 
-    /// Waits for so many bytes. The semaphore is never closed: there is always a permit in the end.
+    /// Waits for this many bytes. The semaphore is never closed, so that there is always a permit.
     pub async fn take(&self, bytes: usize) -> Option<Permit> {
         let free = Arc::clone(&self.free);
         free.acquire_many_owned(self.pages(bytes)).await.ok()
     }
 }
 
-/// The sum of what is kept to be quick.
+/// Counts the bytes that are kept to save time.
 #[derive(Debug)]
 pub struct Cache {
     limit: usize,
@@ -135,7 +135,7 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Counts what is kept, as long as the charge lives.
+    /// Counts these bytes until the charge is dropped.
     pub fn charge(self: &Arc<Self>, bytes: usize) -> Charge {
         self.used.fetch_add(bytes, Ordering::Relaxed);
         Charge {
@@ -149,13 +149,13 @@ impl Cache {
         self.used.load(Ordering::Relaxed) > self.limit
     }
 
-    /// Whether nothing more should be kept that nobody reads yet.
+    /// Whether nothing more should be kept that nobody has read yet.
     pub(super) fn is_half_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit / 2
     }
 }
 
-/// What something takes that is kept.
+/// Bytes that are counted in the cache.
 #[derive(Debug)]
 pub struct Charge {
     cache: Arc<Cache>,

@@ -3,21 +3,21 @@
 //! - [`outline`]: a job without its points;
 //! - [`state`]: the state machine of a job; [`levels`]: how far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
-//! - [`forms`], [`content`]: what is sent of it, made once in each form;
+//! - [`forms`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
-//!   for each other; [`peer`]: whose they are;
-//! - [`memory`]: what all of this may take, and who gets how much; [`again`]: runs for readers that have
-//!   missed something; [`resources`]: all that jobs share;
+//!   for each other; [`peer`]: the client machine that a reader belongs to;
+//! - [`memory`]: how the memory is divided; [`again`]: runs for readers that have missed frames;
+//!   [`resources`]: what all jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
-//! - [`slots`]: how many jobs there may be, in all and for each peer;
+//! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`suspects`]: those that may have brought the process down;
-//! - [`store`]: where jobs are kept; [`recent`]: those that are still at hand;
-//! - [`counters`]: what has been done so far.
+//! - [`suspects`]: jobs that may have crashed the process;
+//! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
+//! - [`counters`]: metrics.
 //!
-//! An iterate is a pure function of the problem and its level. So frames are never stored: what is
-//! no longer at hand is computed again, by a run that starts over.
+//! An iterate is a pure function of the problem and its level. So frames are never stored: those that
+//! are no longer in memory are computed again, by a run that starts over.
 
 pub(crate) mod again;
 pub(crate) mod content;
@@ -63,17 +63,16 @@ use run::{Run, SharedSystem};
 use state::{State, Status};
 use store::{Record, Store, StoreError};
 
-/// Readers hold the points of jobs that take at most so many bytes.
+/// Streams hold the points of jobs of at most so many bytes.
 const HELD: usize = 256 * 1024;
 
-/// What a reader holds of a job.
+/// The system of a job, if a stream holds it until it ends.
 pub type Held = Option<Arc<SharedSystem>>;
 
-/// A job: a problem and what has become of it. Its points are at hand while it runs, or while somebody
-/// reads them.
+/// A job: a problem and what has become of it. Its points are in memory only while it runs or is read.
 pub struct Job {
     outline: Outline,
-    /// How many crashes of the process it may be to blame for.
+    /// How many crashes of the process it may have caused.
     crashes: u32,
     status: watch::Sender<Status>,
     store: Arc<dyn Store>,
@@ -81,9 +80,9 @@ pub struct Job {
     result: OnceLock<Option<Arc<Points>>>,
     cancel_requested: AtomicBool,
     cancel: Notify,
-    /// The run that decides the job's fate; gone once the job has ended.
+    /// The run whose end is the end of the job; gone once the job has ended.
     primary: Mutex<Weak<Run>>,
-    /// Runs that readers can share, the primary one among them.
+    /// Runs that readers can share, including the primary one.
     runs: Mutex<Vec<Weak<Run>>>,
     resources: Arc<Resources>,
     descriptions: Forms,
@@ -123,12 +122,12 @@ impl Job {
         Ok(Arc::clone(self.system().await?.problem()))
     }
 
-    /// The system of the problem, which all who need it share; made when there is none.
+    /// The system of the problem, shared by all who need it; read from the store if nobody has it.
     pub async fn system(&self) -> Result<Arc<SharedSystem>, StoreError> {
         if let Some(system) = self.system.lock().upgrade() {
             return Ok(system);
         }
-        // Nothing is locked meanwhile: a reader that is not asked to go on would keep the lock.
+        // No lock is held across this await: a reader that is not polled would keep it.
         let problem = self.store.problem(self.id()).await?;
         let problem = problem.ok_or(StoreError::Gone(self.id()))?;
         let mut shared = self.system.lock();
@@ -140,8 +139,8 @@ impl Job {
         Ok(system)
     }
 
-    /// What a reader of a small job holds, once that has begun: it comes to its end, also if the job is
-    /// deleted meanwhile.
+    /// The system of a small job that has begun, for its streams to hold: so they come to their end
+    /// even if the job is deleted meanwhile.
     pub async fn held(&self) -> Result<Held, StoreError> {
         let is_small = self.outline.memory <= HELD;
         let waits = self.status.borrow().state == State::Queued;
@@ -151,7 +150,7 @@ impl Job {
         Ok(None)
     }
 
-    /// The state, with the level that a running job has reached by now.
+    /// The status, with the level that a running job has reached by now.
     pub fn status(&self) -> Status {
         let mut status = self.status.borrow().clone();
         if status.state == State::Running
@@ -205,7 +204,7 @@ impl Job {
         }
     }
 
-    /// Stops the job for now: it goes on after the next start of the server.
+    /// Stops the job; it runs again after the next start of the server.
     fn suspend(&self) {
         self.cancel.notify_waiters();
         if let Some(run) = self.primary.lock().upgrade() {
@@ -222,7 +221,7 @@ impl Job {
         }
     }
 
-    /// The description of the job in this form, made once by `encode`.
+    /// The data of the `job` event in this form, made once by `encode`.
     pub async fn description<F: Future<Output = Result<Content, StoreError>> + Send + 'static>(
         &self,
         form: &'static str,
@@ -237,7 +236,7 @@ impl Job {
         &self.resources
     }
 
-    /// Makes the run that decides the job's fate. Readers may come as soon as it is there.
+    /// Starts the primary run. Readers can attach to it as soon as this returns.
     fn begin(
         &self,
         problem: Arc<Problem>,
@@ -249,14 +248,14 @@ impl Job {
         let run = Run::new(system, Arc::clone(&self.resources), Some(permit));
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
-        // A request to cancel may have come before there was anything to stop.
+        // The job may have been cancelled before there was a run to stop.
         if self.cancel_requested.load(Ordering::Acquire) {
             run.stop();
         }
         run
     }
 
-    /// A run that can deliver frame `next`: one that has it or has not come so far, else a new one,
+    /// Attaches to a run that can deliver frame `next`: one that has not passed it, or else a new one,
     /// which has to wait for memory.
     async fn attach(
         self: &Arc<Self>,
@@ -266,7 +265,7 @@ impl Job {
         if let Some(attached) = self.attach_to_live(next, peer) {
             return Ok(attached);
         }
-        // A reader that is not asked to go on must not keep others waiting for what it has got.
+        // In a task of its own: a reader that is not polled would keep the memory from others.
         let attached = tokio::spawn(Arc::clone(self).attach_to_new(next, peer));
         let broken = |_| Err(StoreError::Failed("a reader could not begin".to_owned()));
         attached.await.unwrap_or_else(broken)
@@ -280,7 +279,7 @@ impl Job {
         let resources = &self.resources;
         let share = &resources.memory.again;
         let permit = resources.again.turn(share, self.outline.memory).await;
-        // Another reader may have been here in the meantime.
+        // Another reader may have started a run in the meantime.
         if let Some(attached) = self.attach_to_live(next, peer) {
             return Ok(attached);
         }
@@ -296,7 +295,7 @@ impl Job {
         let mut runs = self.runs.lock();
         runs.retain(|run| run.strong_count() > 0);
         let mut live: Vec<Arc<Run>> = runs.iter().filter_map(Weak::upgrade).collect();
-        // The run that is furthest needs the fewest steps to get there.
+        // The run that has come furthest needs the fewest steps.
         live.sort_by_key(|run| std::cmp::Reverse(run.levels().map(|levels| levels.last.iteration)));
         live.iter().find_map(|run| run.attach(next, peer))
     }

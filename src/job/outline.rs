@@ -48,9 +48,9 @@ pub struct Outline {
 pub struct Label {
     /// The client's name for the job.
     pub name: Option<String>,
-    /// Where the fit comes from, if it is an edit of another one.
+    /// The job and level that it started from, if it is an edit.
     pub parent: Option<Parent>,
-    /// How its streams go if they do not say it themselves.
+    /// The defaults of its streams.
     pub stream: Option<Arc<StreamSpec>>,
 }
 

@@ -1,8 +1,8 @@
-//! How long readers of a job wait for others that would lose their next frame.
+//! How long the readers of a job wait for each other, so that none loses its next frame.
 //!
-//! A reader waits for another one of its own peer for a second. Those of another peer make it wait for
-//! a second altogether, however many streams that peer opens one after the other: what they have used
-//! up comes back slowly.
+//! A reader waits up to a second for another reader of its own peer. Readers of another peer can make
+//! it wait for a second in total, however many streams that peer opens one after the other: the time
+//! that they have used up comes back slowly.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -11,10 +11,10 @@ use parking_lot::Mutex;
 
 use super::peer::Peer;
 
-/// How long a reader waits.
+/// How long a reader waits at most.
 pub(super) const PATIENCE: Duration = Duration::from_secs(1);
 
-/// So much patience comes back in a second.
+/// Seconds of patience that come back in each second.
 const REGAINED: f64 = 0.1;
 
 /// How long each peer has made others wait.
@@ -24,11 +24,12 @@ pub struct Patience(Mutex<HashMap<Option<Peer>, Spent>>);
 #[derive(Clone, Copy, Debug)]
 struct Spent {
     seconds: f64,
-    /// When that was so.
+    /// When `seconds` was up to date.
     at: Instant,
 }
 
 impl Spent {
+    /// The seconds that are still spent at a later time.
     fn until(self, now: Instant) -> f64 {
         let since = now.saturating_duration_since(self.at).as_secs_f64();
         (self.seconds - REGAINED * since).max(0.0)
@@ -36,10 +37,10 @@ impl Spent {
 }
 
 impl Patience {
-    /// A peer has made others wait from `since` until now.
+    /// Notes that a peer has made others wait from `since` until now.
     pub(super) fn spend(&self, peer: Option<Peer>, since: Instant, now: Instant) {
         let mut peers = self.0.lock();
-        // A peer that has all of its patience is as good as unknown.
+        // Peers whose patience is complete need no entry.
         if peers.len() == peers.capacity() {
             peers.retain(|_, spent| spent.until(now) > 0.0);
         }

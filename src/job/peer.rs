@@ -1,7 +1,7 @@
-//! Whom work is for: the machine at the other end of a connection.
+//! The peer that work is done for: the machine at the other end of a connection.
 //!
-//! What is shared is shared between peers first, so that none of them can take all of it. The peer of
-//! a request goes with the task that answers it; work that nobody waits for has none.
+//! Limits hold for each peer, so that no one client can take everything. The peer of a request is a
+//! task-local variable of the task that answers it; background work has no peer.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
@@ -12,8 +12,8 @@ task_local! {
     static CURRENT: Option<Peer>;
 }
 
-/// A machine, as far as its address tells: an IPv4 address, or the 64 bits of an IPv6 address that a
-/// machine cannot choose.
+/// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
+/// machine chooses its address itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Peer(IpAddr);
 
@@ -34,7 +34,7 @@ impl Peer {
         CURRENT.try_with(|peer| *peer).ok().flatten()
     }
 
-    /// Lets a future work for a peer.
+    /// Runs a future for a peer.
     pub async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
         CURRENT.scope(peer, future).await
     }

@@ -1,5 +1,5 @@
-//! Jobs that have just ended: they are read and edited in the next moments, for which they stay in
-//! memory, with their recent frames and collocation matrices, while there is room in the cache.
+//! Jobs that have just ended. They are likely to be read and edited in the next moments, so they stay in
+//! memory with their recent frames and collocation matrices while there is room in the cache.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,21 +17,21 @@ use crate::fit::system::System;
 pub(super) struct Recent {
     limit: usize,
     cache: Arc<Cache>,
-    kept: Mutex<Kept>,
+    kept: Mutex<KeptJobs>,
 }
 
 #[derive(Debug, Default)]
-struct Kept {
-    jobs: VecDeque<Entry>,
+struct KeptJobs {
+    jobs: VecDeque<KeptJob>,
     bytes: usize,
 }
 
 #[derive(Debug)]
-struct Entry {
+struct KeptJob {
     job: Arc<Job>,
     bytes: usize,
     _charge: Charge,
-    /// A job does not hold its runs and its system by itself.
+    /// A job itself holds its runs and its system only weakly.
     _run: Option<Arc<Run>>,
     _system: Option<Arc<System>>,
 }
@@ -46,15 +46,15 @@ impl Recent {
         }
     }
 
-    /// Keeps a job at hand, and lets go of the oldest ones that it leaves no room for.
+    /// Keeps a job, and drops the oldest ones if there is no room for all.
     pub(super) fn keep(&self, job: &Arc<Job>, run: &Arc<Run>) {
         let alone = size_of::<Job>() + job.outline().memory;
         let with_frames = alone + run.ring_bytes();
         let frames_fit = with_frames <= self.limit;
-        let entry = Entry {
+        let entry = KeptJob {
             job: Arc::clone(job),
             bytes: if frames_fit { with_frames } else { alone },
-            // Frames are counted by themselves.
+            // Frames have charges of their own.
             _charge: self.cache.charge(alone),
             _run: frames_fit.then(|| Arc::clone(run)),
             _system: run.system(),
@@ -72,13 +72,13 @@ impl Recent {
             kept.bytes -= entry.bytes;
             dropped.push(entry);
         }
-        // Freeing large arrays takes a while: not under the lock.
+        // Freeing large arrays takes a while, so the lock is released first.
         drop(kept);
         drop(dropped);
         self.make_room();
     }
 
-    /// Lets go of the oldest jobs while the cache is full.
+    /// Drops the oldest jobs while the cache is full.
     fn make_room(&self) {
         while self.cache.is_full() {
             let mut kept = self.kept.lock();
@@ -91,7 +91,7 @@ impl Recent {
         }
     }
 
-    /// Lets go of a job.
+    /// Drops a job.
     pub(super) fn forget(&self, id: Uuid) {
         let mut kept = self.kept.lock();
         if let Some(place) = kept.jobs.iter().position(|entry| entry.job.id() == id)

@@ -1,4 +1,4 @@
-//! What the jobs of a server share.
+//! What the jobs of a server share: compute pool, memory and counters.
 
 use super::again::Again;
 use super::counters::Counters;
@@ -21,7 +21,7 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Nothing is taken yet of so many bytes of memory.
+    /// Resources with this many bytes of memory.
     pub fn new(scheduler: Scheduler, memory: usize, ring_bytes: usize) -> Self {
         Self {
             scheduler,

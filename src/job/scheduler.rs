@@ -1,13 +1,16 @@
 //! The compute pool: threads that run work in slices of a few milliseconds, round robin.
 //!
-//! Work has one of four lanes with threads of their own. Steps on the quick lane take less than a
-//! millisecond; those on the heavy lane can take longer than a slice, as a step is not interrupted.
-//! What comes from clients is read, and what goes to them is written, on the wire lane; and what can
-//! take seconds in one piece, like the factors of a dense matrix, has the long lane. The operating
-//! system shares the cores between them: a small job never waits for a large one, and nobody's request
-//! for somebody's set-up. Set-ups are not cut into slices: the long lane takes the one with the least
-//! work and the one that came first in turn, so that a short one does not wait for many that are
-//! longer, and none waits for ever.
+//! There are four lanes, each with threads of its own:
+//!
+//! - quick: steps that take less than a millisecond;
+//! - heavy: larger steps, which can take longer than a slice, as a step is not interrupted;
+//! - wire: reading requests and encoding answers;
+//! - long: work that can take seconds in one piece, like factorising a dense matrix.
+//!
+//! The operating system shares the cores between the lanes. So a small job never waits for a large
+//! one, and no request waits for the set-up of another client's job. Work on the long lane is not cut
+//! into slices. It takes the piece with the least work and the piece that came first in turn, so that
+//! a short one does not wait for many longer ones, and none waits for ever.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,7 +28,7 @@ use crate::trim;
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);
 
-/// Multiplications (or numbers to be written) that take well below a millisecond.
+/// Multiplications that take well below a millisecond.
 const QUICK: usize = 200_000;
 
 /// Multiplications that take a tenth of a second or more.
@@ -40,7 +43,7 @@ pub enum Lane {
     Heavy,
     /// For reading what comes from clients, and writing what goes to them.
     Wire,
-    /// For what can take seconds in one piece, of so many multiplications.
+    /// For work that can take seconds in one piece, with its number of multiplications.
     Long(usize),
 }
 
@@ -62,7 +65,7 @@ impl Lane {
         }
     }
 
-    /// The lane of what is read or written for a client, which takes so many operations.
+    /// The lane of reading a request or encoding an answer, which takes so many operations.
     pub fn of_wire(operations: usize) -> Self {
         match Self::of(operations) {
             Self::Quick => Self::Quick,
@@ -76,7 +79,7 @@ impl Lane {
 pub(super) enum Turn {
     /// Queue it again on this lane, behind the others.
     Again(Lane),
-    /// It is done, or has nothing to do for now.
+    /// It is done, or has nothing to do at the moment.
     Done,
 }
 
@@ -85,11 +88,11 @@ pub(super) trait Work: Send + Sync {
     /// Works until about `deadline`.
     fn slice(&self, deadline: Instant) -> Turn;
 
-    /// Told after a panic in [`slice`](Self::slice), which will not be called again.
+    /// Called after a panic in [`slice`](Self::slice), which will not be called again.
     fn broken(&self);
 }
 
-/// Work panicked: a defect, contained to this piece of work.
+/// Work has panicked, which is a defect of the program; other work is not affected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("the computation broke down")]
 pub struct Broken;
@@ -134,19 +137,19 @@ struct Queue {
 #[derive(Default)]
 struct QueueState {
     waiting: VecDeque<Waiting>,
-    /// Whether the one with the fewest multiplications was taken last, and not the first.
+    /// Long lane: whether the piece with the least work was taken last time, not the oldest one.
     least: bool,
     closed: bool,
 }
 
-/// Work that waits, and how many multiplications it is if it is long.
+/// Work that waits, and on the long lane its number of multiplications.
 struct Waiting {
     multiplications: usize,
     work: Arc<dyn Work>,
 }
 
 impl QueueState {
-    /// On the long lane the work with the fewest multiplications every other time, else the first.
+    /// The oldest work; on the long lane, every other time that with the fewest multiplications.
     fn next(&mut self, lane: Lane) -> Option<Arc<dyn Work>> {
         let least = !self.least && matches!(lane, Lane::Long(_));
         let waiting = self.waiting.iter().enumerate();
@@ -188,7 +191,7 @@ impl Scheduler {
     ) -> Result<T, Broken> {
         let (sender, receiver) = oneshot::channel();
         let call: Box<dyn FnOnce() + Send> = Box::new(move || {
-            // Nobody waits for the value of a request that was given up.
+            // Nobody waits for the value any more if the request was dropped.
             if !sender.is_closed() {
                 let _ = sender.send(function());
             }
@@ -199,7 +202,7 @@ impl Scheduler {
 }
 
 impl Scheduler {
-    /// Ends the threads after their current slices. Work that waits, or comes later, is not done.
+    /// Ends the threads after their current slices. Work that is waiting, or comes later, is dropped.
     pub fn close(&self) {
         for (lane, _) in LANES {
             self.0.of(lane).close();
@@ -222,7 +225,7 @@ impl Queue {
         }
     }
 
-    /// The next work, as soon as there is some. A thread that waits for it is trimmed meanwhile.
+    /// Waits for the next work. A thread that waits for long gives memory back: see [`trim`].
     fn pop(&self, lane: Lane) -> Option<Arc<dyn Work>> {
         let mut state = self.state.lock();
         let mut rounds = trim::ROUNDS;
@@ -296,7 +299,7 @@ impl Work for Call {
         Turn::Done
     }
 
-    // The waiting side learns it from the closed channel.
+    // The caller notices the closed channel.
     fn broken(&self) {}
 }
 

@@ -12,7 +12,7 @@ use crate::fit::outcome::Stall;
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Accepted; waits for memory.
+    /// Accepted, and waiting for memory.
     Queued,
     /// Being computed.
     Running,
@@ -82,11 +82,11 @@ impl FromStr for State {
 /// Why a job failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// The iteration left the range of 64-bit numbers.
+    /// The distances left the range of 64-bit floating-point numbers.
     Overflow,
     /// A defect of the program.
     Defect,
-    /// The process has crashed each time that the job was running.
+    /// The process has crashed several times while the job was running.
     Crashes,
 }
 
@@ -110,14 +110,15 @@ pub struct Status {
 /// Why a job ended as it did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// The distances do not fall any more: a least-squares fit is at its minimum.
+    /// The distances fall no further: a least-squares fit has reached its minimum.
     Stationary,
     /// The method cannot go on.
     Stalled(Stall),
 }
 
 impl Reason {
-    /// Why, in words, and how far from the data the fit is left: at first and at last.
+    /// The reason in words, with the largest distance that is left; `first` and `last` are those of level
+    /// 0 and of the last level.
     fn detail(self, first: f64, last: f64, tolerance: f64) -> String {
         let left = format!("a distance of {last:.3e} is left, the tolerance is {tolerance:.3e}");
         match self {
@@ -153,7 +154,7 @@ impl Reason {
 }
 
 impl Status {
-    /// A job that was just accepted.
+    /// The status of a job that was just accepted.
     pub const QUEUED: Self = Self {
         state: State::Queued,
         levels: None,
@@ -163,7 +164,7 @@ impl Status {
         failure: None,
     };
 
-    /// A job that begins to run now.
+    /// The status of a job that begins to run now.
     pub fn running() -> Self {
         Self {
             state: State::Running,
@@ -179,8 +180,8 @@ impl Status {
         Some(reason.detail(first, last, tolerance))
     }
 
-    /// How far the fit is, in [0, 1]. PIA converges geometrically, so that with a tolerance it is
-    /// `log(e₀/e) / log(e₀/tolerance)`; without one the part of the iterations that are allowed.
+    /// How far the fit has come, in [0, 1]. As PIA converges geometrically, this is
+    /// `log(e₀/e) / log(e₀/tolerance)` with a tolerance; without one, the share of `max_iterations`.
     pub fn progress(&self, outline: &Outline) -> f64 {
         if matches!(
             self.state,
@@ -200,7 +201,7 @@ impl Status {
         } else {
             last.iteration as f64 / outline.max_iterations.max(1) as f64
         };
-        // Errors may grow for a while, and numbers may overflow in a fit that fails.
+        // Errors may grow for a while, and a fit that diverges gives NaN.
         if progress.is_nan() {
             0.0
         } else {

@@ -1,5 +1,5 @@
-//! Jobs that were running in a crash of the process run again a few at a time: what brings it down
-//! does so among few, which after the next crash are tried by themselves (see
+//! Jobs that were running when the process crashed. They run again a few at a time: so the job that
+//! crashes the process does so among few, which after the next crash are tried one by one (see
 //! [`blame`](super::store::blame)).
 
 use std::collections::BTreeMap;
@@ -11,11 +11,11 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 /// How long a suspect runs under watch.
 pub(super) const WATCH: Duration = Duration::from_millis(250);
 
-/// In how many parts suspects of as many crashes are tried, one after the other. All of them are
-/// cleared within so many watches, and of 1000 suspects the culprit is known after three crashes.
+/// Suspects of equally many crashes are tried in so many parts, one after the other. So all of them are
+/// cleared within 32 watches, and among 1000 suspects the culprit is found after three crashes.
 pub(super) const PARTS: u32 = 32;
 
-/// What those under watch share. A suspect takes the more of it the fewer there may be.
+/// The permits that suspects under watch share: the fewer may run at a time, the more each of them takes.
 const WHOLE: u32 = 1 << 20;
 
 /// The right to run under watch.
@@ -25,12 +25,12 @@ pub(super) type Watch = OwnedSemaphorePermit;
 #[derive(Debug)]
 pub(super) struct Suspects {
     watch: Arc<Semaphore>,
-    /// What a suspect of so many crashes takes.
+    /// How many permits a suspect takes, by its number of crashes.
     shares: OnceLock<BTreeMap<u32, u32>>,
 }
 
 impl Default for Suspects {
-    /// Nobody is suspect yet.
+    /// No suspects yet.
     fn default() -> Self {
         Self {
             watch: Arc::new(Semaphore::new(WHOLE as usize)),
@@ -40,7 +40,7 @@ impl Default for Suspects {
 }
 
 impl Suspects {
-    /// Learns of how many crashes the jobs are suspect that were found at the start.
+    /// Takes note of the crashes of all jobs that were found unfinished at the start.
     pub(super) fn gather(&self, crashes: impl Iterator<Item = u32>) {
         let mut counts = BTreeMap::new();
         for crashes in crashes.filter(|crashes| *crashes > 0) {
@@ -50,12 +50,12 @@ impl Suspects {
         let shares = counts
             .into_iter()
             .map(|(crashes, count)| (crashes, share(count)));
-        // There is one start.
+        // This is called once, at the start.
         let _ = self.shares.set(shares.collect());
     }
 
-    /// Waits until a job that was running in so many crashes may run under watch; `None` if it is
-    /// above suspicion.
+    /// Waits until a job that was running in so many crashes may run under watch; `None` if it is no
+    /// suspect.
     pub(super) async fn turn(&self, crashes: u32) -> Option<Watch> {
         let share = *self.shares.get()?.get(&crashes)?;
         let watch = Arc::clone(&self.watch);

@@ -37,7 +37,7 @@ use crate::config::{Config, DataDir};
 use crate::job::counters::Counters;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Scheduler;
-use crate::job::service::{Jobs, Limits};
+use crate::job::service::{JobLimits, Jobs};
 use crate::job::store::embedded::EmbeddedStore;
 use crate::job::store::{Retention, Store};
 use accept::Doors;
@@ -125,8 +125,8 @@ fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
     Ok(Arc::new(store.map_err(io::Error::other)?))
 }
 
-fn limits(config: &Config) -> Limits {
-    Limits {
+fn limits(config: &Config) -> JobLimits {
+    JobLimits {
         recent: bytes(config.recent.as_u64()),
         jobs: config.max_jobs,
         jobs_of_a_peer: config.jobs_of_a_peer(),

@@ -14,18 +14,19 @@ use crate::job::peer::Peer;
 use crate::job::state::Status;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
 
-/// A job that was asked for.
+/// The job for a request that was accepted.
 #[derive(Debug)]
 pub enum Accepted {
-    /// It is new.
+    /// A new job.
     New(Arc<Job>),
-    /// It was made before, for the same key.
+    /// The job that was made before for the same idempotency key.
     Known(Arc<Job>),
 }
 
 impl Jobs {
-    /// Accepts a job and starts it; or gives the job that was made for the same key. When it
-    /// returns, the job is kept. If its collocation matrix is that of the system `similar`, that one is used.
+    /// Creates a job and starts it, or returns the job that was made for the same idempotency key. When
+    /// this returns, the job is stored. A collocation matrix equal to that of `similar` is taken from
+    /// there.
     pub async fn create(
         self: &Arc<Self>,
         label: Label,
@@ -36,13 +37,13 @@ impl Jobs {
         let jobs = Arc::clone(self);
         let problem = Arc::new(problem);
         let peer = Peer::current();
-        // A client that goes away in the meantime must not leave half a job behind.
+        // In a task of its own: a client that disconnects must not leave half a job behind.
         let accepted = tokio::spawn(async move {
             loop {
                 let (label, problem) = (label.clone(), Arc::clone(&problem));
                 let (similar, key) = (similar.clone(), key.clone());
                 let accepted = Arc::clone(&jobs).accept(label, problem, similar, key, peer);
-                // The job of the key may be deleted when it is looked for.
+                // The job of the key may have been deleted before it was found.
                 if let Some(accepted) = accepted.await? {
                     return Ok(accepted);
                 }
@@ -53,7 +54,7 @@ impl Jobs {
         })
     }
 
-    /// `None` if there was a job for the key, which is gone.
+    /// `None` if the job that was made for the key has been deleted.
     async fn accept(
         self: Arc<Self>,
         label: Label,
@@ -76,11 +77,11 @@ impl Jobs {
             crashes: 0,
             watched: false,
         };
-        // Alive before it is stored: whoever finds it in the store finds it alive.
+        // In memory before it is in the store, so that whoever finds it there finds this one.
         let job = self.bring_to_life(record.clone());
         let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
-        // The fit does not wait for the disk; the answer does. A job that has to wait for memory
-        // does so without its points, which it gets back from the store.
+        // The answer waits for the disk, the fit does not. A job that has to wait for memory drops its
+        // points and reads them from the store again.
         let waiting = match memory {
             Some(memory) => {
                 let run = job.begin(problem, similar, memory);
@@ -102,7 +103,7 @@ impl Jobs {
         Ok(Some(Accepted::New(job)))
     }
 
-    /// The job that was made for a key, if there is one.
+    /// The job that was made for an idempotency key, if there is one.
     pub async fn find_by_key(&self, key: &IdempotencyKey) -> Result<Option<Accepted>, Refused> {
         match self.store.idempotency_entry(&key.name).await? {
             None => Ok(None),
@@ -110,7 +111,7 @@ impl Jobs {
         }
     }
 
-    /// The job of the entry of a key, which must have been made by the same request.
+    /// The job of an entry, which must have been made by the same request.
     async fn job_of(
         &self,
         entry: IdempotencyEntry,
@@ -123,7 +124,7 @@ impl Jobs {
         Ok(job.map(Accepted::Known))
     }
 
-    /// Refuses what can never run.
+    /// Refuses jobs that need more memory than they can ever get.
     fn admit(&self, outline: &Outline) -> Result<(), Refused> {
         let share = self.share(outline);
         if !share.holds(outline.memory) {

@@ -21,14 +21,14 @@ use crate::job::suspects::{WATCH, Watch};
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
-/// The run of a job whose turn it is.
-struct Start {
+/// A run that was started.
+struct StartedRun {
     run: Arc<Run>,
-    /// If the job may be to blame for a crash, its right to run under watch.
+    /// If the job may have caused a crash: its permit to run under watch.
     watch: Option<Watch>,
 }
 
-/// What the end of its run means for a job.
+/// The final state of a job whose run has ended like this.
 fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
     match ending {
         Ending::Outcome(outcome) => match outcome {
@@ -39,17 +39,17 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
             Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
         },
         Ending::Broken => (State::Failed, None, Some(Failure::Defect)),
-        // Only runs for readers are revoked.
+        // Primary runs are never revoked.
         Ending::Stopped | Ending::Revoked => (State::Cancelled, None, None),
     }
 }
 
 impl Jobs {
-    /// Takes a job to its end: at once if it has got a run, else when it is its turn.
+    /// Takes a job to its end: at once if it has a run, else when its turn comes.
     pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
         let ended = async {
             let turn = match run {
-                Some(run) => Some(Start { run, watch: None }),
+                Some(run) => Some(StartedRun { run, watch: None }),
                 None => self.turn(&job).await?,
             };
             match turn {
@@ -74,7 +74,7 @@ impl Jobs {
         self.end(&job, ending, last, slot).await;
     }
 
-    /// Keeps the end of a job and tells everybody.
+    /// Stores the end of a job and publishes it.
     async fn end(&self, job: &Job, ending: Ending, last: Option<Arc<Frame>>, slot: Slot) {
         let (state, reason, failure) = verdict(ending);
         let status = Status {
@@ -94,9 +94,9 @@ impl Jobs {
         self.resources.counters.count_end(state);
         drop(slot);
         let _ = job.result.set(result.clone());
-        // From here on clients know of the end: a crash does not undo it any more.
+        // From here on clients know that the job has ended.
         job.status.send_replace(status.clone());
-        // Until the disk takes it the job lives in memory; after a crash it would run again.
+        // Until it is stored the job stays in memory; after a crash it would run again.
         while let Err(error) = finished {
             error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
             self.retain().await;
@@ -106,8 +106,8 @@ impl Jobs {
         self.ended.notify_one();
     }
 
-    /// Waits until it is the turn of a queued job; `None` if it is cancelled before.
-    async fn turn(&self, job: &Job) -> Result<Option<Start>, StoreError> {
+    /// Waits for the turn of a queued job and starts its run; `None` if it is cancelled before.
+    async fn turn(&self, job: &Job) -> Result<Option<StartedRun>, StoreError> {
         let permits = async {
             let outline = job.outline();
             let memory = self.share(outline).take(outline.memory).await?;
@@ -122,17 +122,17 @@ impl Jobs {
             return Ok(None);
         };
         let status = Status::running();
-        // Whether a job was running in a crash must be known after it.
+        // After a crash the store must tell which jobs were running.
         let started = self.store.start(job.id(), status.clone(), watch.is_some());
         started.await?;
         let problem = job.problem().await?;
         let run = job.begin(problem, None, memory);
         job.status.send_replace(status);
-        Ok(Some(Start { watch, run }))
+        Ok(Some(StartedRun { watch, run }))
     }
 
     /// Takes the run of a job to its end.
-    async fn run(&self, job: &Arc<Job>, start: Start) -> (Ending, Option<Arc<Frame>>) {
+    async fn run(&self, job: &Arc<Job>, start: StartedRun) -> (Ending, Option<Arc<Frame>>) {
         let run = &start.run;
         if self.suspended.load(Ordering::Acquire) {
             run.stop();
@@ -141,7 +141,7 @@ impl Jobs {
             None => run.complete().await,
             Some(watch) => self.complete_under_watch(job, run, watch).await,
         };
-        // What the levels were must outlive the run.
+        // The levels must outlive the run.
         job.status.send_if_modified(|status| {
             status.levels = run.levels();
             false
@@ -150,8 +150,9 @@ impl Jobs {
         end
     }
 
-    /// Takes a run to its end, for its first moments under watch: a job that brings the process down soon after
-    /// its start can be told from the others by that.
+    /// Takes a run to its end. Its first moments are under watch: if the process crashes then, the job
+    /// is more suspect than others.
+
     async fn complete_under_watch(
         &self,
         job: &Job,

@@ -28,16 +28,16 @@ use super::slots::Slots;
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
 
-/// How often, at least, jobs are looked for that have become too old.
+/// The longest time between two searches for jobs that have become too old.
 const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 
-/// How long the past may be beyond its limits.
+/// How long to wait after a job has ended before old ones are removed: others may end with it.
 const RETENTION_PAUSE: Duration = Duration::from_millis(50);
 
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Bytes of jobs that have just ended and are still at hand.
+pub struct JobLimits {
+    /// Bytes of jobs that have just ended and stay in memory.
     pub recent: usize,
     /// Jobs that have not ended.
     pub jobs: usize,
@@ -51,25 +51,25 @@ pub struct Limits {
 pub struct Jobs {
     store: Arc<dyn Store>,
     resources: Arc<Resources>,
-    limits: Limits,
-    /// Jobs that were running in a crash, which run again a few at a time.
+    limits: JobLimits,
+    /// Jobs that were running in a crash.
     suspects: Suspects,
     /// For jobs that have not ended.
     slots: Arc<Slots>,
-    /// The process is about to end: jobs go back to the queue.
+    /// The process is about to end: running jobs go back to the queue.
     suspended: AtomicBool,
     recent: Recent,
-    /// A job has ended.
+    /// Notified when a job has ended.
     ended: Arc<Notify>,
-    /// How many jobs were deleted.
+    /// How many times jobs were deleted.
     deletions: AtomicUsize,
-    /// Jobs that somebody holds: those that run and those that are read.
+    /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
 }
 
 impl Jobs {
-    /// No jobs but those in the store.
-    pub fn new(store: Arc<dyn Store>, resources: Arc<Resources>, limits: Limits) -> Self {
+    /// The jobs of a store.
+    pub fn new(store: Arc<dyn Store>, resources: Arc<Resources>, limits: JobLimits) -> Self {
         let cache = Arc::clone(&resources.memory.cache);
         Self {
             store,
@@ -96,11 +96,10 @@ impl Jobs {
         self.slots.taken().saturating_sub(running)
     }
 
-    /// Queues the jobs that had not ended when the process did, and keeps the past within limits
-    /// from now on.
+    /// Queues the jobs that had not ended when the process did, and removes old jobs from now on.
     pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
         let mut unfinished = self.store.unfinished().await?;
-        // The quickest first: they come to their ends soon.
+        // The quickest first, as they end soonest.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
         let crashes = unfinished.iter().map(|record| record.crashes);
         self.suspects.gather(crashes);
@@ -127,7 +126,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// Puts running jobs back into the queue, for the next start of the server.
+    /// Puts running jobs back into the queue for the next start of the server.
     pub async fn suspend(&self) {
         self.suspended.store(true, Ordering::Release);
         let live: Vec<_> = self
@@ -139,7 +138,7 @@ impl Jobs {
         for job in live {
             job.suspend();
         }
-        // Stopping takes a step, of at most a few seconds.
+        // Jobs stop after their current step, which takes a few seconds at most.
         while self.slots.taken() > 0 {
             sleep(Duration::from_millis(1)).await;
         }
@@ -162,7 +161,7 @@ impl Jobs {
                     // It may have been deleted before it came to life.
                     self.live.lock().remove(&id);
                 }
-                // It ended between the two look-ups: what the store has now is final.
+                // It ended between the two look-ups; the next look at the store finds it ended.
                 Some(_) => {}
             }
         }
@@ -184,7 +183,7 @@ impl Jobs {
         Ok(jobs)
     }
 
-    /// Forgets a job, and ends it first if it has not ended; says whether there was one.
+    /// Deletes a job, and cancels it first if it has not ended; returns whether there was one.
     pub async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
         if let Some(job) = self.live(id) {
             job.request_cancel();
@@ -195,7 +194,7 @@ impl Jobs {
         Ok(existed)
     }
 
-    /// Jobs are not in the store any more. Whoever holds them goes on with them; nobody finds them.
+    /// Drops jobs that are no longer in the store. Those who hold them can go on with them.
     fn forget(&self, ids: &[Uuid]) {
         self.deletions.fetch_add(1, Ordering::AcqRel);
         for id in ids {
@@ -208,7 +207,7 @@ impl Jobs {
         self.live.lock().get(&id).and_then(Weak::upgrade)
     }
 
-    /// The one [`Job`] of a record, which all who deal with it share.
+    /// The [`Job`] of a record. There is only one in memory, which all share.
     fn bring_to_life(&self, record: Record) -> Arc<Job> {
         let mut live = self.live.lock();
         let id = record.outline.id;
@@ -228,7 +227,7 @@ impl Jobs {
         Arc::new(Job::new(record, store, resources))
     }
 
-    /// The memory that a job takes some of.
+    /// The share of the memory that a job is run in.
     fn share(&self, outline: &Outline) -> &Share {
         let memory = &self.resources.memory;
         match Lane::of(outline.step_cost) {

@@ -7,10 +7,10 @@ use crate::fit::problem::Problem;
 use crate::job::slots::NoSlot;
 use crate::job::store::StoreError;
 
-/// Multiplications of an iteration: they take a second or two.
+/// The most multiplications of an iteration; they take a second or two.
 const MOST_OF_A_STEP: usize = 2_000_000_000;
 
-/// Multiplications before the first iteration, which have a lane of their own: they take some seconds.
+/// The most multiplications before the first iteration. They have the long lane and take some seconds.
 const MOST_OF_A_START: usize = 20_000_000_000;
 
 /// Why a job was not accepted.
@@ -22,7 +22,7 @@ pub enum Refused {
         /// The limit.
         limit: usize,
     },
-    /// The client has as many unfinished jobs as one may have.
+    /// The peer has as many unfinished jobs as one may have.
     #[error("{limit} jobs from your address are unfinished, the limit of this server for each")]
     PeerFull {
         /// The limit.
@@ -36,7 +36,7 @@ pub enum Refused {
         /// The limit in bytes.
         limit: usize,
     },
-    /// A piece of it that cannot be interrupted would take too long.
+    /// A step that cannot be interrupted would take too long.
     #[error(
         "{what} takes about {needed:.0e} multiplications, and this server computes at most {limit:.0e} \
          in one piece: choose a lower degree or fewer points"
@@ -49,10 +49,10 @@ pub enum Refused {
         /// The most that are done.
         limit: f64,
     },
-    /// The key belongs to another request.
+    /// The idempotency key was used for another request.
     #[error("the key was used for another request, which made job {0}")]
     KeyTaken(Uuid),
-    /// It could not be kept.
+    /// It could not be stored.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
@@ -66,7 +66,7 @@ impl From<NoSlot> for Refused {
     }
 }
 
-/// Refuses what would keep others, and those who cancel it, waiting for seconds.
+/// Refuses fits with steps so long that other jobs, and those who cancel this one, would wait for seconds.
 pub(super) fn check_work(problem: &Problem) -> Result<(), Refused> {
     let pieces = [
         ("an iteration", problem.step_cost(), MOST_OF_A_STEP),
