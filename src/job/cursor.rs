@@ -189,7 +189,6 @@ async fn time(until: Option<Instant>) {
 }
 
 /// Waits for a change of the job's status, or for ever if there can be none any more.
-
 async fn changed(status: &mut watch::Receiver<Status>) {
     if status.changed().await.is_err() {
         std::future::pending().await

@@ -14,7 +14,7 @@
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`suspects`]: jobs that may have crashed the process;
 //! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
-//! - [`counters`]: metrics.
+//! - [`counters`]: the metrics of the server.
 //!
 //! An iterate is a pure function of the problem and its level. So frames are never stored: those that
 //! are no longer in memory are computed again, by a run that starts over.

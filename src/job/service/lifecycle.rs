@@ -152,7 +152,6 @@ impl Jobs {
 
     /// Takes a run to its end. Its first moments are under watch: if the process crashes then, the job
     /// is more suspect than others.
-
     async fn complete_under_watch(
         &self,
         job: &Job,
