@@ -80,7 +80,7 @@ pub async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Probl
     let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = points.len() * points.dimension();
     let write = move || match form.is_protobuf() {
-        false => view::level::result(&owner, &problem, &status, &level, &points, &form),
+        false => view::result::result(&owner, &problem, &status, &level, &points, &form),
         true => proto::geometry::result(&owner, &problem, &status, &level, &points, form.view),
     };
     Ok(encode::off_network(job, numbers, write).await?)

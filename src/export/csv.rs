@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::error::{ExportError, Place};
+use super::error::{ExportError, NetIndex};
 use super::fitted::Fitted;
 use super::text::Text;
 use crate::fit::points::Grid;
@@ -118,7 +118,7 @@ fn check(samples: &Samples) -> Result<(), ExportError> {
         None => Ok(()),
         Some((index, coordinate, value)) => Err(ExportError::NotFinite {
             what: "sample",
-            place: Place::new(index, columns),
+            place: NetIndex::new(index, columns),
             coordinate,
             value,
         }),

@@ -25,7 +25,7 @@ pub enum ExportError {
     )]
     Weight {
         /// The control point, in the complete net.
-        place: Place,
+        place: NetIndex,
         /// Its weight.
         weight: f64,
     },
@@ -48,7 +48,7 @@ pub enum ExportError {
         /// What has the coordinate: a control point or a sample.
         what: &'static str,
         /// Which of them.
-        place: Place,
+        place: NetIndex,
         /// The coordinate, counted from 0.
         coordinate: usize,
         /// Its value.
@@ -82,14 +82,14 @@ pub enum ExportError {
 
 /// The place of a control point or sample: an index on curves, row and column on surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct NetIndex {
     /// The index on a curve; the row on a surface.
     pub row: usize,
     /// The column on a surface.
     pub column: Option<usize>,
 }
 
-impl Place {
+impl NetIndex {
     /// The place of number `index`, row by row, in a net with so many columns (`None`: a curve).
     pub fn new(index: usize, columns: Option<usize>) -> Self {
         Self {
@@ -99,7 +99,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for NetIndex {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.column {
             None => write!(f, "{}", self.row),

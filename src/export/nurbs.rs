@@ -1,7 +1,7 @@
 //! The curve or surface as CAD kernels store it: the model that all exact formats write.
 
 use super::ball::ToBezier;
-use super::error::{ExportError, Place};
+use super::error::{ExportError, NetIndex};
 use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
@@ -74,7 +74,7 @@ pub struct Nurbs {
 impl Nurbs {
     /// The B-spline form of a fit: exact, whatever its basis.
     pub fn new(problem: &Problem, control_points: &Points) -> Result<Self, ExportError> {
-        let mut net = Net::new(problem, control_points);
+        let mut net = ConvertedNet::new(problem, control_points);
         net.leave_ball_bases(problem);
         let nurbs = Self {
             u: KnotVector::new(problem.u()),
@@ -122,8 +122,8 @@ impl Nurbs {
         }
     }
 
-    fn place_of(&self, index: usize) -> Place {
-        Place::new(index, self.v.as_ref().map(KnotVector::count))
+    fn place_of(&self, index: usize) -> NetIndex {
+        NetIndex::new(index, self.v.as_ref().map(KnotVector::count))
     }
 
     fn check_weights(&self) -> Result<(), ExportError> {
@@ -153,7 +153,7 @@ impl Nurbs {
 }
 
 /// The complete control net on its way to places and weights.
-struct Net {
+struct ConvertedNet {
     rows: usize,
     columns: usize,
     /// Coordinates, multiplied by the weights if there are some.
@@ -163,7 +163,7 @@ struct Net {
     fixed: Option<Vec<f64>>,
 }
 
-impl Net {
+impl ConvertedNet {
     fn new(problem: &Problem, control_points: &Points) -> Self {
         let geometry = Geometry::new(problem, control_points);
         let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));

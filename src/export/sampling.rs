@@ -88,7 +88,7 @@ impl KnotVector {
     }
 
     /// The functions that can differ from zero at a site, with their derivatives.
-    fn functions(&self, site: Site) -> Local {
+    fn functions(&self, site: Site) -> BasisValues {
         let (p, knots, span) = (self.degree, &self.knots, site.span);
         let evaluate = |degree: usize, values: &mut [f64]| match self.count() == p + 1 {
             // A Bézier curve: the same functions, much faster at high degrees.
@@ -109,7 +109,7 @@ impl KnotVector {
             None => 0.0,
         };
         let derivatives = (0..=p).map(|r| p as f64 * (quotient(r) - quotient(r + 1)));
-        Local {
+        BasisValues {
             first,
             derivatives: derivatives.collect(),
             values,
@@ -119,7 +119,7 @@ impl KnotVector {
 
 /// The functions of one direction at one site.
 #[derive(Debug)]
-struct Local {
+struct BasisValues {
     first: usize,
     values: Vec<f64>,
     derivatives: Vec<f64>,
@@ -132,7 +132,7 @@ impl Nurbs {
     /// Points and derivatives on the grid `u × v`, row by row. A curve ignores `v`.
     pub(super) fn evaluate(&self, u: &[Site], v: &[Site]) -> Vec<Jet> {
         let Some(knots) = &self.v else {
-            let end = Local {
+            let end = BasisValues {
                 first: 0,
                 values: vec![1.0],
                 derivatives: vec![0.0],
@@ -142,12 +142,13 @@ impl Nurbs {
         // With a high degree there are thousands of functions at each site.
         let block = (MOST_VALUES / (knots.degree + 1)).max(1);
         if v.len() <= block {
-            let across: Vec<Local> = v.iter().map(|&site| knots.functions(site)).collect();
+            let across: Vec<BasisValues> = v.iter().map(|&site| knots.functions(site)).collect();
             return self.evaluate_block(u, &across);
         }
         let mut jets = vec![Jet::default(); u.len() * v.len()];
         for (index, sites) in v.chunks(block).enumerate() {
-            let across: Vec<Local> = sites.iter().map(|&site| knots.functions(site)).collect();
+            let across: Vec<BasisValues> =
+                sites.iter().map(|&site| knots.functions(site)).collect();
             let some = self.evaluate_block(u, &across);
             let rows = jets.chunks_exact_mut(v.len());
             for (row, some) in rows.zip(some.chunks_exact(across.len())) {
@@ -158,7 +159,7 @@ impl Nurbs {
     }
 
     /// Points and derivatives at the sites `u`, for these functions of the other direction.
-    fn evaluate_block(&self, u: &[Site], across: &[Local]) -> Vec<Jet> {
+    fn evaluate_block(&self, u: &[Site], across: &[BasisValues]) -> Vec<Jet> {
         let mut line = vec![Homogeneous::default(); self.columns()];
         let mut line_du = line.clone();
         let mut jets = Vec::with_capacity(u.len() * across.len());
@@ -178,7 +179,7 @@ impl Nurbs {
     }
 
     /// The control points of the curve `u = const`, and of its derivative by u.
-    fn contract(&self, along: &Local, line: &mut [Homogeneous], line_du: &mut [Homogeneous]) {
+    fn contract(&self, along: &BasisValues, line: &mut [Homogeneous], line_du: &mut [Homogeneous]) {
         let columns = line.len();
         line.fill(Homogeneous::default());
         line_du.fill(Homogeneous::default());

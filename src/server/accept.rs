@@ -14,7 +14,7 @@ use tokio::time::{Duration, sleep};
 use tracing::{error, warn};
 
 use super::activity::Times;
-use super::connection::{self, Origin};
+use super::connection::{self, Caller};
 use super::limits::{Admission, Connections};
 use super::rarely::Rarely;
 use crate::job::counters::Counters;
@@ -106,9 +106,9 @@ impl Doors {
         {
             warn!(%peer, times, "{crowded}: only /livez, /readyz and /metrics are answered");
         }
-        let origin = Origin { peer, crowded };
+        let caller = Caller { peer, crowded };
         let (router, stopping) = (self.router.clone(), self.stopping.clone());
-        let served = connection::serve(stream, origin, router, times, stopping);
+        let served = connection::serve(stream, caller, router, times, stopping);
         async move {
             let _open = open;
             match admission {

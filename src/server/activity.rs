@@ -20,10 +20,10 @@ pub(super) struct Times {
 
 /// What has happened on a connection.
 #[derive(Debug)]
-pub(super) struct Activity(Mutex<State>);
+pub(super) struct Activity(Mutex<ConnectionState>);
 
 #[derive(Debug)]
-struct State {
+struct ConnectionState {
     /// Requests whose answers are not complete.
     open: usize,
     /// Since when there are none.
@@ -53,7 +53,7 @@ impl Activity {
     /// Of a connection that is new.
     pub(super) fn new() -> Self {
         let now = Instant::now();
-        Self(Mutex::new(State {
+        Self(Mutex::new(ConnectionState {
             open: 0,
             idle: now,
             head: None,
@@ -118,7 +118,7 @@ impl Activity {
 
     /// Completes when no request is open and nothing has been written for a time.
     pub(super) async fn silence(&self, time: Duration) {
-        let of = |state: &State| (state.open == 0).then_some(state.written.1);
+        let of = |state: &ConnectionState| (state.open == 0).then_some(state.written.1);
         loop {
             let before = of(&self.0.lock());
             sleep(time).await;
@@ -129,7 +129,7 @@ impl Activity {
     }
 }
 
-impl State {
+impl ConnectionState {
     /// When the connection has stayed too long if nothing happens on it, and why.
     fn end(&self, times: Times) -> Option<(Instant, Overdue)> {
         if self.open > 0 {

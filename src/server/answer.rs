@@ -14,7 +14,7 @@ use super::stalled;
 const PIECE: usize = 64 * 1024;
 
 /// The body of an answer.
-pub(super) struct Answer {
+pub(super) struct AnswerBody {
     body: Body,
     /// What is still to be given of the last frame.
     rest: Bytes,
@@ -23,7 +23,7 @@ pub(super) struct Answer {
     _open: OpenRequest,
 }
 
-impl Answer {
+impl AnswerBody {
     pub(super) fn new(body: Body, open: OpenRequest, multiplexed: bool) -> Self {
         Self {
             body,
@@ -39,7 +39,7 @@ impl Answer {
     }
 }
 
-impl HttpBody for Answer {
+impl HttpBody for AnswerBody {
     type Data = Bytes;
     type Error = axum::Error;
 

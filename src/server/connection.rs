@@ -19,7 +19,7 @@ use tower::Service;
 use tracing::debug;
 
 use super::activity::{Activity, Overdue, Times};
-use super::answer::Answer;
+use super::answer::AnswerBody;
 use super::arriving::Arriving;
 use super::limits::Crowded;
 use super::stalled::unless_stalled;
@@ -31,7 +31,7 @@ const LINGER: Duration = Duration::from_secs(2);
 
 /// Where a connection comes from.
 #[derive(Clone, Copy)]
-pub(super) struct Origin {
+pub(super) struct Caller {
     pub(super) peer: Peer,
     /// It is beyond the limits.
     pub(super) crowded: Option<Crowded>,
@@ -40,20 +40,20 @@ pub(super) struct Origin {
 /// Serves a connection until it ends, is told to stop, or does nothing for too long.
 pub(super) async fn serve<S>(
     stream: S,
-    origin: Origin,
+    caller: Caller,
     router: Router,
     times: Times,
     stopping: watch::Receiver<bool>,
 ) where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
-    let served = converse(stream, origin, router, times, stopping);
-    Peer::scope(Some(origin.peer), served).await;
+    let served = converse(stream, caller, router, times, stopping);
+    Peer::scope(Some(caller.peer), served).await;
 }
 
 async fn converse<S>(
     stream: S,
-    origin: Origin,
+    caller: Caller,
     router: Router,
     times: Times,
     mut stopping: watch::Receiver<bool>,
@@ -64,12 +64,12 @@ async fn converse<S>(
     let io = Watched::new(stream, Arc::clone(&activity), times.write);
     let requests = Arc::clone(&activity);
     let service = service_fn(move |mut request: Request<Incoming>| {
-        if let Some(crowded) = origin.crowded {
+        if let Some(crowded) = caller.crowded {
             request.extensions_mut().insert(crowded);
         }
         answer(router.clone(), Arc::clone(&requests), request)
     });
-    let peer = origin.peer;
+    let peer = caller.peer;
     let mut builder = Builder::new(Streams {
         peer,
         write: times.write,
@@ -104,7 +104,7 @@ async fn answer(
     mut router: Router,
     activity: Arc<Activity>,
     request: Request<Incoming>,
-) -> Result<hyper::Response<Answer>, Infallible> {
+) -> Result<hyper::Response<AnswerBody>, Infallible> {
     let multiplexed = request.version() == Version::HTTP_2;
     let open = activity.open(multiplexed);
     let expects = request.headers().contains_key(header::EXPECT);
@@ -118,7 +118,7 @@ async fn answer(
         response.headers_mut().insert(header::CONNECTION, close);
         activity.cut_short();
     }
-    Ok(response.map(|body| Answer::new(body, open, multiplexed)))
+    Ok(response.map(|body| AnswerBody::new(body, open, multiplexed)))
 }
 
 /// Starts the tasks of streams of HTTP/2.

@@ -13,12 +13,12 @@ use tokio::time::{Duration, Instant, sleep};
 use tracing::debug;
 
 task_local! {
-    static STEP: Cell<Step>;
+    static STEP: Cell<BodyStep>;
 }
 
 /// What a task has done with the body of its answer when it was polled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
+enum BodyStep {
     /// Nothing: it works on the answer, or waits for room.
     Untouched,
     /// It has asked for more, and there was nothing yet.
@@ -29,15 +29,15 @@ enum Step {
 
 /// The body is asked for more.
 pub(super) fn asked() {
-    set(Step::Asked);
+    set(BodyStep::Asked);
 }
 
 /// The body has given something.
 pub(super) fn given() {
-    set(Step::Given);
+    set(BodyStep::Given);
 }
 
-fn set(step: Step) {
+fn set(step: BodyStep) {
     // Other tasks send without windows of streams.
     let _ = STEP.try_with(|current| current.set(step));
 }
@@ -48,16 +48,16 @@ pub(super) async fn unless_stalled(limit: Duration, task: impl Future<Output = (
     let mut timer = pin!(sleep(limit));
     let mut stalled = false;
     std::future::poll_fn(|context| {
-        let (polled, step) = STEP.sync_scope(Cell::new(Step::Untouched), || {
+        let (polled, step) = STEP.sync_scope(Cell::new(BodyStep::Untouched), || {
             (task.as_mut().poll(context), STEP.with(Cell::get))
         });
         if polled.is_ready() {
             return Poll::Ready(());
         }
         match step {
-            Step::Untouched => {}
-            Step::Asked => stalled = false,
-            Step::Given => {
+            BodyStep::Untouched => {}
+            BodyStep::Asked => stalled = false,
+            BodyStep::Given => {
                 stalled = true;
                 timer.as_mut().reset(Instant::now() + limit);
             }

@@ -35,7 +35,7 @@ pub struct Service(App);
 /// The events of a call.
 type Events = Pin<Box<dyn Stream<Item = Result<Encoded, Status>> + Send>>;
 
-type Answer<T> = Result<Response<T>, Status>;
+type Reply<T> = Result<Response<T>, Status>;
 
 impl Service {
     /// A service over these jobs.
@@ -178,7 +178,7 @@ impl FittingService for Service {
     async fn create_job(
         &self,
         request: Request<pb::CreateJobRequest>,
-    ) -> Answer<pb::CreateJobResponse> {
+    ) -> Reply<pb::CreateJobResponse> {
         let message = request.into_inner();
         let accepted = self.make(message.input, message.idempotency_key, None);
         let (job, replayed) = taken(accepted.await?);
@@ -188,7 +188,7 @@ impl FittingService for Service {
         }))
     }
 
-    async fn fit(&self, request: Request<pb::FitRequest>) -> Answer<Events> {
+    async fn fit(&self, request: Request<pb::FitRequest>) -> Reply<Events> {
         let message = request.into_inner();
         let spec = stream_of::of_call(message.stream).map_err(fields::wrong)?;
         let accepted = self.make(message.input, message.idempotency_key, Some(&spec));
@@ -204,7 +204,7 @@ impl FittingService for Service {
         Ok(Response::new(self.events(job, options, None, held)))
     }
 
-    async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Answer<pb::GetJobResponse> {
+    async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Reply<pb::GetJobResponse> {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
         let job = Some(view::job(&job));
         Ok(Response::new(pb::GetJobResponse { job }))
@@ -213,7 +213,7 @@ impl FittingService for Service {
     async fn list_jobs(
         &self,
         request: Request<pb::ListJobsRequest>,
-    ) -> Answer<pb::ListJobsResponse> {
+    ) -> Reply<pb::ListJobsResponse> {
         let message = request.into_inner();
         let limit = match message.page_size {
             0 => jobs::DEFAULT_PAGE,
@@ -235,7 +235,7 @@ impl FittingService for Service {
     async fn cancel_job(
         &self,
         request: Request<pb::CancelJobRequest>,
-    ) -> Answer<pb::CancelJobResponse> {
+    ) -> Reply<pb::CancelJobResponse> {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
         jobs::end(&job).await?;
         let job = Some(view::job(&job));
@@ -245,12 +245,12 @@ impl FittingService for Service {
     async fn delete_job(
         &self,
         request: Request<pb::DeleteJobRequest>,
-    ) -> Answer<pb::DeleteJobResponse> {
+    ) -> Reply<pb::DeleteJobResponse> {
         jobs::forget(&self.0, &request.get_ref().id).await?;
         Ok(Response::new(pb::DeleteJobResponse {}))
     }
 
-    async fn edit_job(&self, request: Request<pb::EditJobRequest>) -> Answer<pb::EditJobResponse> {
+    async fn edit_job(&self, request: Request<pb::EditJobRequest>) -> Reply<pb::EditJobResponse> {
         let message = request.into_inner();
         let parent = jobs::find(&self.0, &message.id).await?;
         let (job, replayed) = taken(self.make_edit(&parent, message).await?);
@@ -260,7 +260,7 @@ impl FittingService for Service {
         }))
     }
 
-    async fn get_iteration(&self, request: Request<pb::GetIterationRequest>) -> Answer<Encoded> {
+    async fn get_iteration(&self, request: Request<pb::GetIterationRequest>) -> Reply<Encoded> {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let form = form(&job, message.view, message.samples_u, message.samples_v)?;
@@ -269,7 +269,7 @@ impl FittingService for Service {
         Ok(Response::new(Encoded::response(bytes)))
     }
 
-    async fn get_result(&self, request: Request<pb::GetResultRequest>) -> Answer<Encoded> {
+    async fn get_result(&self, request: Request<pb::GetResultRequest>) -> Reply<Encoded> {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let form = form(&job, message.view, message.samples_u, message.samples_v)?;
@@ -277,13 +277,13 @@ impl FittingService for Service {
         Ok(Response::new(Encoded::response(bytes)))
     }
 
-    async fn get_input(&self, request: Request<pb::GetInputRequest>) -> Answer<Encoded> {
+    async fn get_input(&self, request: Request<pb::GetInputRequest>) -> Reply<Encoded> {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
         let bytes = levels::input_content(&job, Language::Protobuf).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
 
-    async fn watch_job(&self, request: Request<pb::WatchJobRequest>) -> Answer<Events> {
+    async fn watch_job(&self, request: Request<pb::WatchJobRequest>) -> Reply<Events> {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let spec = stream_of::of_call(message.stream).map_err(fields::wrong)?;

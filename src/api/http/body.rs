@@ -4,14 +4,14 @@ use axum::extract::Request;
 use axum::http::header;
 
 use super::intake;
-use super::intake::Taken;
+use super::intake::ReceivedBody;
 use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::api::{app::App, text};
 use crate::model::short::quoted;
 
 /// Reads the body of a request, which is JSON or a protobuf message.
-pub(super) async fn read(app: &App, request: Request) -> Result<(Language, Taken), Problem> {
+pub(super) async fn read(app: &App, request: Request) -> Result<(Language, ReceivedBody), Problem> {
     let language = language(&request)?;
     text::check_coding(request.headers())?;
     let (parts, body) = request.into_parts();

@@ -55,8 +55,8 @@ pub struct Capabilities {
     formats: Formats,
     /// The same service in gRPC.
     grpc: Grpc,
-    /// Limits of this server.
-    limits: Limits,
+    /// ServerLimits of this server.
+    limits: ServerLimits,
 }
 
 /// A basis.
@@ -155,10 +155,10 @@ struct Grpc {
     health: &'static str,
 }
 
-/// Limits of this server.
+/// ServerLimits of this server.
 #[derive(Serialize, JsonSchema)]
-#[schemars(example = limits_example())]
-struct Limits {
+#[schemars(rename = "Limits", example = limits_example())]
+struct ServerLimits {
     /// The largest request body.
     body_bytes: u64,
     /// The most data points of a job.
@@ -183,7 +183,7 @@ struct Limits {
     retained_seconds: u64,
 }
 
-impl Limits {
+impl ServerLimits {
     fn new(config: &Config) -> Self {
         Self {
             body_bytes: config.max_body.as_u64(),
@@ -232,7 +232,7 @@ pub(super) async fn get(State(app): State<App>) -> Json<Capabilities> {
             reflection: &["grpc.reflection.v1", "grpc.reflection.v1alpha"],
             health: "grpc.health.v1",
         },
-        limits: Limits::new(&app.config),
+        limits: ServerLimits::new(&app.config),
     })
 }
 

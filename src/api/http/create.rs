@@ -8,9 +8,9 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::time::Duration;
 
-use super::intake::Taken;
+use super::intake::ReceivedBody;
 use super::negotiate::{self, Answer};
-use super::path::Named;
+use super::path::InPath;
 use super::query::StreamQuery;
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
@@ -68,7 +68,7 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
 /// `POST /v1/jobs/{id}/edits`: a new job that starts from the control points of another one.
 pub(super) async fn edit(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     request: Request,
 ) -> Result<Response, Problem> {
     post_edit(app, id, request, negotiate::answer).await
@@ -77,7 +77,7 @@ pub(super) async fn edit(
 /// `POST /v1/jobs/{id}/edits/stream`: the same, answered with the events of the new job.
 pub(super) async fn edit_stream(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     request: Request,
 ) -> Result<Response, Problem> {
     post_edit(app, id, request, events_only).await
@@ -123,7 +123,7 @@ struct Posted {
     query: StreamQuery,
     key: Option<IdempotencyKey>,
     language: Language,
-    body: Taken,
+    body: ReceivedBody,
 }
 
 impl Posted {

@@ -20,7 +20,7 @@ use serde_json::json;
 use uuid::Uuid;
 
 use super::negotiate;
-use super::path::Named;
+use super::path::InPath;
 use super::query::StreamQuery;
 use crate::api::app::App;
 use crate::api::jobs;
@@ -43,7 +43,7 @@ const END: &str = "end";
 /// `GET /v1/jobs/{id}/events`
 pub(super) async fn get(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {

@@ -10,7 +10,7 @@ use super::answer::{self, answer};
 use super::export::{self, Representation};
 use super::file_name::named;
 use super::negotiate;
-use super::path::Named;
+use super::path::InPath;
 use super::query::IterationQuery;
 use crate::api::app::App;
 use crate::api::jobs;
@@ -34,7 +34,7 @@ use crate::model::stream::options;
 /// `GET /v1/jobs/{id}/iterations/{k}`
 pub async fn iteration(
     State(app): State<App>,
-    Named((id, k)): Named<(String, String)>,
+    InPath((id, k)): InPath<(String, String)>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
@@ -45,7 +45,7 @@ pub async fn iteration(
 /// `GET /v1/jobs/{id}/iterations/{k}/{format}`
 pub(super) async fn iteration_file(
     State(app): State<App>,
-    Named((id, k, format)): Named<(String, String, String)>,
+    InPath((id, k, format)): InPath<(String, String, String)>,
     uri: Uri,
 ) -> Result<Response, Problem> {
     let (job, file) = job_and_file(&app, &id, &format, &uri).await?;
@@ -74,7 +74,7 @@ async fn show_iteration(job: &Arc<Job>, k: &str, wanted: Wanted) -> Result<Respo
 /// `GET /v1/jobs/{id}/input`: the job as it was accepted.
 pub(super) async fn input(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
@@ -86,7 +86,7 @@ pub(super) async fn input(
 /// `GET /v1/jobs/{id}/result`
 pub(super) async fn result(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     uri: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
@@ -97,7 +97,7 @@ pub(super) async fn result(
 /// `GET /v1/jobs/{id}/result/{format}`
 pub(super) async fn result_file(
     State(app): State<App>,
-    Named((id, format)): Named<(String, String)>,
+    InPath((id, format)): InPath<(String, String)>,
     uri: Uri,
 ) -> Result<Response, Problem> {
     let (job, file) = job_and_file(&app, &id, &format, &uri).await?;
@@ -125,7 +125,7 @@ async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Response, Problem
 /// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
 pub(super) async fn limit(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     negotiate::json(&headers)?;

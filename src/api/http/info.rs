@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::path::Named;
+use super::path::InPath;
 use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
@@ -23,7 +23,7 @@ use crate::model::short::quoted;
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Service")]
 #[schemars(extend("examples" = [{"name": "piad", "version": "0.1.0", "description": "Curve and surface fitting", "links": {"jobs": "/v1/jobs"}}]))]
-pub struct Index {
+pub struct ServiceIndex {
     /// Its name.
     name: &'static str,
     /// Its version.
@@ -36,8 +36,8 @@ pub struct Index {
 }
 
 /// `GET /`
-pub(super) async fn index() -> Json<Index> {
-    Json(Index {
+pub(super) async fn index() -> Json<ServiceIndex> {
+    Json(ServiceIndex {
         name: "piad",
         version: env!("CARGO_PKG_VERSION"),
         description: env!("CARGO_PKG_DESCRIPTION"),
@@ -146,7 +146,7 @@ pub(super) async fn problems() -> Json<ProblemTypes> {
 }
 
 /// `GET /problems/{slug}`: what the `type` of a problem object stands for.
-pub async fn problem(Named(slug): Named<String>) -> Result<Json<ProblemType>, Problem> {
+pub async fn problem(InPath(slug): InPath<String>) -> Result<Json<ProblemType>, Problem> {
     let mut kinds = Kind::ALL.into_iter();
     let known = kinds.find(|kind| kind.entry().slug == slug);
     known.map(|kind| Json(kind.into())).ok_or_else(|| {

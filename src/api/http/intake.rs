@@ -23,7 +23,7 @@ const COPIES: usize = 2;
 const WAIT: Duration = Duration::from_secs(10);
 
 /// A body, and the memory that it takes.
-pub struct Taken {
+pub struct ReceivedBody {
     /// What was sent.
     pub bytes: Bytes,
     /// Held until the body has been read.
@@ -31,7 +31,7 @@ pub struct Taken {
 }
 
 /// Collects a body.
-pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<Taken, Problem> {
+pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<ReceivedBody, Problem> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let announced = headers
         .get(header::CONTENT_LENGTH)
@@ -48,7 +48,7 @@ pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<Taken
         room: Vec::new(),
     };
     intake.collect(body).await?;
-    Ok(Taken {
+    Ok(ReceivedBody {
         bytes: intake.bytes.into(),
         room: intake.room,
     })

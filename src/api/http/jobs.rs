@@ -10,7 +10,7 @@ use uuid::Uuid;
 
 use super::answer::{message, no_store};
 use super::negotiate;
-use super::path::Named;
+use super::path::InPath;
 use crate::api::app::App;
 use crate::api::json::view::job::{JobPage, JobView};
 use crate::api::language::Language;
@@ -72,7 +72,7 @@ pub(super) async fn list(
 /// `GET /v1/jobs/{id}`
 pub(super) async fn get(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
@@ -91,7 +91,7 @@ pub(super) fn show(job: &Job, language: Language) -> Response {
 /// `POST /v1/jobs/{id}/cancel`
 pub(super) async fn cancel(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
@@ -103,7 +103,7 @@ pub(super) async fn cancel(
 /// `DELETE /v1/jobs/{id}`
 pub(super) async fn delete(
     State(app): State<App>,
-    Named(id): Named<String>,
+    InPath(id): InPath<String>,
 ) -> Result<StatusCode, Problem> {
     jobs::forget(&app, &id).await?;
     Ok(StatusCode::NO_CONTENT)

@@ -9,9 +9,9 @@ use crate::model::short;
 
 /// The parts of a path. What is no text, such as `%FF`, names nothing.
 #[derive(Debug)]
-pub struct Named<T>(pub T);
+pub struct InPath<T>(pub T);
 
-impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for Named<T> {
+impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for InPath<T> {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {

@@ -24,7 +24,7 @@ use super::{
 };
 use crate::api::app::App;
 use crate::api::grpc;
-use crate::api::openapi::resources::Resources;
+use crate::api::openapi::resources::DescribedRoutes;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
 use crate::model::short;
@@ -67,12 +67,12 @@ pub fn router(app: App, hosts: Hosts) -> Router {
 }
 
 /// Every resource, with its description.
-fn resources() -> Resources {
+fn resources() -> DescribedRoutes {
     use crate::api::openapi::operations::{
         geometry as of_geometry, jobs as of_jobs, server as of_server,
     };
     use crate::api::openapi::page;
-    Resources::default()
+    DescribedRoutes::default()
         .get("/", about::index, of_server::index())
         .get("/livez", about::livez, of_server::livez())
         .get("/readyz", about::readyz, of_server::readyz())

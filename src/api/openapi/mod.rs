@@ -1,6 +1,6 @@
 //! The description of this API in OpenAPI 3.1, and its reference for people.
 //!
-//! Whoever adds a resource to the router describes it there: see [`resources::Resources`].
+//! Whoever adds a resource to the router describes it there: see [`resources::DescribedRoutes`].
 //!
 //! - [`resources`]: routes with their descriptions;
 //! - [`operation`]: what one method of a resource does; `operations`: all of them;
@@ -24,14 +24,14 @@ use schemars::generate::{Contract, SchemaSettings};
 use serde_json::{Map, Value, json};
 
 use crate::api::http::capabilities::Capabilities;
-use crate::api::http::info::{Health, Index, ProblemTypes};
+use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
 use crate::api::json::request::edit::EditRequest;
 use crate::api::json::request::job::JobRequest;
 use crate::api::json::schema::plain::simplify;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
-use crate::api::json::view::level::FitResult;
 use crate::api::json::view::limit::LimitView;
+use crate::api::json::view::result::FitResult;
 use crate::api::json::view::{examples, to_bytes};
 use crate::api::problem::{Kind, Problem, ProblemBody};
 use crate::model::stream::StreamSpec;
@@ -118,7 +118,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<LimitView>();
     answers.subschema_for::<ProblemBody>();
     answers.subschema_for::<ProblemTypes>();
-    answers.subschema_for::<Index>();
+    answers.subschema_for::<ServiceIndex>();
     answers.subschema_for::<Health>();
     answers.subschema_for::<Capabilities>();
     let mut schemas = requests.take_definitions(true);

@@ -5,7 +5,7 @@
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 
-use crate::api::http::path::Named;
+use crate::api::http::path::InPath;
 use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
 
@@ -50,7 +50,7 @@ pub async fn page() -> Response {
 }
 
 /// `GET /docs/{file}`
-pub async fn file(Named(name): Named<String>) -> Result<Response, Problem> {
+pub async fn file(InPath(name): InPath<String>) -> Result<Response, Problem> {
     let known = FILES.iter().find(|(file, ..)| *file == name);
     known
         .map(|(_, media_type, bytes)| answer(media_type, bytes))

@@ -12,12 +12,12 @@ use crate::api::app::App;
 
 /// The resources of the API.
 #[derive(Default)]
-pub struct Resources {
+pub struct DescribedRoutes {
     router: Router<App>,
     paths: Map<String, Value>,
 }
 
-impl Resources {
+impl DescribedRoutes {
     /// Serves GET.
     pub fn get<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
     where

@@ -8,8 +8,8 @@ use prost::encoding::{WireType, encode_key, encode_varint};
 
 use super::names;
 use super::view::{direction, distances};
-use crate::api::json::view::source::{Net, NetWeights, Source};
-use crate::api::json::view::writer::{Digits, Writer};
+use crate::api::json::view::source::{NetPoints, NetWeights, Source};
+use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::fit::geometry::Geometry;
 use crate::fit::iteration::Level;
 use crate::fit::points::Points;
@@ -104,7 +104,7 @@ pub fn result(
 
 /// A message, and the field of it that is large.
 fn written(message: &impl Message, large: Option<(u32, Large<'_>)>) -> Content {
-    let mut writer = Writer::with_capacity(message.encoded_len());
+    let mut writer = ArrayWriter::with_capacity(message.encoded_len());
     writer.text().put_slice(&message.encode_to_vec());
     match large {
         None => {}
@@ -118,7 +118,7 @@ fn written(message: &impl Message, large: Option<(u32, Large<'_>)>) -> Content {
 
 /// The complete control net, with the weights of homogeneous fits.
 fn write_net(
-    writer: &mut Writer,
+    writer: &mut ArrayWriter,
     field: u32,
     problem: &Arc<Problem>,
     control_points: &Arc<Points>,
@@ -126,7 +126,7 @@ fn write_net(
     let geometry = Geometry::new(problem, control_points);
     let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));
     let places = rows * columns;
-    let net = || Net {
+    let net = || NetPoints {
         problem: Arc::clone(problem),
         control_points: Arc::clone(control_points),
     };
@@ -148,7 +148,7 @@ fn write_net(
 }
 
 /// Points of the curve or surface at equal steps of the parameters.
-fn write_samples(writer: &mut Writer, field: u32, samples: &Samples) {
+fn write_samples(writer: &mut ArrayWriter, field: u32, samples: &Samples) {
     let head = pb::Samples {
         dimension: count(samples.dimension()),
         rows: count(samples.u.count()),
@@ -170,7 +170,7 @@ fn write_samples(writer: &mut Writer, field: u32, samples: &Samples) {
 
 /// Begins a field that is a message with these arrays behind its head.
 fn begin<'a>(
-    writer: &mut Writer,
+    writer: &mut ArrayWriter,
     field: u32,
     head: &impl Message,
     arrays: impl Iterator<Item = &'a Packed>,
@@ -203,7 +203,7 @@ impl Packed {
         self.key.len() + 8 * self.numbers
     }
 
-    fn write(&self, writer: &mut Writer, numbers: impl Source) {
+    fn write(&self, writer: &mut ArrayWriter, numbers: impl Source) {
         writer.text().put_slice(&self.key);
         writer.array([self.numbers].as_slice().into(), numbers, Digits::Raw);
     }

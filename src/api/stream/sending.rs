@@ -26,14 +26,14 @@ pub const ENOUGH: usize = 64 * 1024;
 /// Bytes in the order in which they are sent.
 pub struct Outgoing {
     job: Arc<Job>,
-    chunks: VecDeque<Chunk>,
-    /// Small things that will be sent together, after the chunks.
+    unsent: VecDeque<Unsent>,
+    /// Small things that will be sent together, after the unsent.
     together: BytesMut,
     /// The pieces after the one that was sent last, as far as they are being made.
     ahead: VecDeque<JoinHandle<Result<Bytes, Broken>>>,
 }
 
-enum Chunk {
+enum Unsent {
     Bytes(Bytes),
     /// The rest of something that takes memory until all of it is sent.
     Whole(Content),
@@ -46,7 +46,7 @@ impl Outgoing {
     pub fn new(job: Arc<Job>) -> Self {
         Self {
             job,
-            chunks: VecDeque::new(),
+            unsent: VecDeque::new(),
             together: BytesMut::new(),
             ahead: VecDeque::new(),
         }
@@ -54,12 +54,12 @@ impl Outgoing {
 
     /// Whether there is nothing to send.
     pub fn is_empty(&self) -> bool {
-        self.chunks.is_empty() && self.together.is_empty()
+        self.unsent.is_empty() && self.together.is_empty()
     }
 
     /// Whether so much is to be sent that nothing more should be gathered.
     pub fn is_enough(&self) -> bool {
-        !self.chunks.is_empty() || self.together.len() >= ENOUGH
+        !self.unsent.is_empty() || self.together.len() >= ENOUGH
     }
 
     /// Where something small can be written.
@@ -71,12 +71,12 @@ impl Outgoing {
     pub fn push(&mut self, content: Content) {
         if content.rest.is_none() && content.head.len() > ENOUGH {
             self.cut();
-            return self.chunks.push_back(Chunk::Whole(content));
+            return self.unsent.push_back(Unsent::Whole(content));
         }
         self.push_bytes(content.head);
         if let Some(rest) = content.rest {
             self.cut();
-            self.chunks.push_back(Chunk::Pieces(rest, 0));
+            self.unsent.push_back(Unsent::Pieces(rest, 0));
         }
     }
 
@@ -90,33 +90,33 @@ impl Outgoing {
             self.together.extend_from_slice(&bytes);
         } else {
             self.cut();
-            self.chunks.push_back(Chunk::Bytes(bytes));
+            self.unsent.push_back(Unsent::Bytes(bytes));
         }
     }
 
     fn cut(&mut self) {
         if !self.together.is_empty() {
             let together = self.together.split().freeze();
-            self.chunks.push_back(Chunk::Bytes(together));
+            self.unsent.push_back(Unsent::Bytes(together));
         }
     }
 
     /// The next bytes to send, if there are any.
     pub async fn next(&mut self) -> Option<Result<Bytes, Broken>> {
-        if self.chunks.is_empty() {
+        if self.unsent.is_empty() {
             self.cut();
         }
-        match self.chunks.pop_front()? {
-            Chunk::Bytes(bytes) => Some(Ok(bytes)),
-            Chunk::Whole(mut content) => {
+        match self.unsent.pop_front()? {
+            Unsent::Bytes(bytes) => Some(Ok(bytes)),
+            Unsent::Whole(mut content) => {
                 let length = content.head.len().min(ENOUGH);
                 let part = content.head.split_to(length);
                 if !content.head.is_empty() {
-                    self.chunks.push_front(Chunk::Whole(content));
+                    self.unsent.push_front(Unsent::Whole(content));
                 }
                 Some(Ok(part))
             }
-            Chunk::Pieces(pieces, index) => {
+            Unsent::Pieces(pieces, index) => {
                 let last = pieces.count().min(index + 1 + AHEAD);
                 for next in index + self.ahead.len()..last {
                     let made = self.make(&pieces, next);
@@ -124,7 +124,7 @@ impl Outgoing {
                 }
                 let piece = self.ahead.pop_front()?;
                 if index + 1 < pieces.count() {
-                    self.chunks.push_front(Chunk::Pieces(pieces, index + 1));
+                    self.unsent.push_front(Unsent::Pieces(pieces, index + 1));
                 }
                 Some(piece.await.unwrap_or(Err(Broken)))
             }

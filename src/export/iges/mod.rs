@@ -6,7 +6,7 @@ use super::error::ExportError;
 use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::{KnotVector, Nurbs};
 use super::text::Text;
-use sections::{MOST_LINES, Parameters, directory_entry, fixed_lines};
+use sections::{MOST_LINES, ParameterData, directory_entry, fixed_lines};
 
 /// The curve or surface as an IGES file.
 pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
@@ -14,7 +14,7 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
         None => (126, "CURVE"),
         Some(_) => (128, "SURFACE"),
     };
-    let mut data = Parameters::data();
+    let mut data = ParameterData::data();
     data.integer(entity);
     match &nurbs.v {
         None => curve(&mut data, nurbs),
@@ -47,10 +47,10 @@ fn start(fitted: &Fitted<'_>) -> String {
 
 /// The global section (section 2.2.4.3): 26 parameters, the delimiters first. Fitted points have no
 /// unit; IGES needs one, and millimetres are the usual one.
-fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Parameters {
+fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> ParameterData {
     let title = ascii(fitted.title());
     let time = fitted.created.strftime("%Y%m%d.%H%M%S").to_string();
-    let mut global = Parameters::global();
+    let mut global = ParameterData::global();
     global.text(",");
     global.text(";");
     for name in [&title, &format!("{title}.igs"), GENERATOR, GENERATOR] {
@@ -82,7 +82,7 @@ fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Parameters {
 }
 
 /// Entity 126 (section 4.23).
-fn curve(data: &mut Parameters, nurbs: &Nurbs) {
+fn curve(data: &mut ParameterData, nurbs: &Nurbs) {
     let u = &nurbs.u;
     let plane = plane(nurbs);
     data.integer(nurbs.rows() - 1);
@@ -98,7 +98,7 @@ fn curve(data: &mut Parameters, nurbs: &Nurbs) {
 }
 
 /// Entity 128 (section 4.24). Control points run fastest in the first direction.
-fn surface(data: &mut Parameters, nurbs: &Nurbs, v: &KnotVector) {
+fn surface(data: &mut ParameterData, nurbs: &Nurbs, v: &KnotVector) {
     let u = &nurbs.u;
     let (rows, columns) = (nurbs.rows(), nurbs.columns());
     data.integer(rows - 1);
@@ -119,7 +119,7 @@ fn surface(data: &mut Parameters, nurbs: &Nurbs, v: &KnotVector) {
 }
 
 /// All weights, then all control points. Polynomial ones have equal weights (section 4.23).
-fn net(data: &mut Parameters, nurbs: &Nurbs, order: impl Iterator<Item = usize> + Clone) {
+fn net(data: &mut ParameterData, nurbs: &Nurbs, order: impl Iterator<Item = usize> + Clone) {
     let factor = weight_factor(nurbs);
     for index in order.clone() {
         data.real(factor * nurbs.weight(index));
@@ -142,7 +142,7 @@ fn weight_factor(nurbs: &Nurbs) -> f64 {
 }
 
 /// Where the parameter starts and ends.
-fn domain(data: &mut Parameters, direction: &KnotVector) {
+fn domain(data: &mut ParameterData, direction: &KnotVector) {
     let (low, high) = direction.domain();
     data.reals(&[low, high]);
 }

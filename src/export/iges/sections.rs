@@ -15,9 +15,9 @@ const DATA_WIDTH: usize = 64;
 /// The directory entry of the only entity.
 const ENTRY: usize = 1;
 
-/// Parameters in free format, packed into lines.
+/// ParameterData in free format, packed into lines.
 #[derive(Debug)]
-pub(super) struct Parameters {
+pub(super) struct ParameterData {
     file: Text,
     line: Text,
     token: Text,
@@ -31,8 +31,8 @@ enum Section {
     Data,
 }
 
-impl Parameters {
-    /// Parameters of the global section.
+impl ParameterData {
+    /// ParameterData of the global section.
     pub(super) fn global() -> Self {
         Self::new(Section::Global)
     }
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn all_lines_have_80_columns() {
-        let mut data = Parameters::data();
+        let mut data = ParameterData::data();
         data.integer(126);
         for i in 0..100 {
             data.real(f64::from(i) / 7.0);
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn long_strings_are_broken_and_numbers_are_not() {
-        let mut global = Parameters::global();
+        let mut global = ParameterData::global();
         global.text(",");
         global.text(";");
         global.text(&"x".repeat(200));

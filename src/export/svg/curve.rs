@@ -1,8 +1,8 @@
 //! Drawing a curve.
 
-use super::layout::{Data, dot_radius, shows_net};
-use super::scene::{Piece, Scene};
-use super::view::{Canvas, Projected, View};
+use super::layout::{DrawnData, dot_radius, shows_net};
+use super::scene::{Cubic, Scene};
+use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::sampling::steps_between;
 use crate::export::text::Text;
@@ -13,7 +13,7 @@ const MOST_PIECES: usize = 4096;
 
 /// The curve through as many samples as are asked for, or as cubic pieces with the right end points
 /// and tangents: at their number not to be told from the curve at any magnification that makes sense.
-pub(super) fn scene(nurbs: &Nurbs, view: &View, samples: Option<Grid>) -> Scene {
+pub(super) fn scene(nurbs: &Nurbs, view: &Projection, samples: Option<Grid>) -> Scene {
     let spans = nurbs.u.spans();
     let steps = nurbs.u.steps(MOST_PIECES);
     let pieces = match (samples, steps / spans.len()) {
@@ -25,7 +25,7 @@ pub(super) fn scene(nurbs: &Nurbs, view: &View, samples: Option<Grid>) -> Scene 
 }
 
 /// Straight pieces: between samples, or where there are more spans than can be drawn.
-fn chords(nurbs: &Nurbs, view: &View, steps: usize) -> Vec<Piece> {
+fn chords(nurbs: &Nurbs, view: &Projection, steps: usize) -> Vec<Cubic> {
     let jets = nurbs.evaluate(&nurbs.u.sites(steps), &[]);
     let places: Vec<Projected> = jets.iter().map(|jet| view.project(jet.point)).collect();
     let pieces = places
@@ -37,11 +37,11 @@ fn chords(nurbs: &Nurbs, view: &View, steps: usize) -> Vec<Piece> {
 /// `parts` pieces in each span: inside a span the curve is smooth.
 fn tangent_pieces(
     nurbs: &Nurbs,
-    view: &View,
+    view: &Projection,
     knots: &KnotVector,
     spans: &[usize],
     parts: usize,
-) -> Vec<Piece> {
+) -> Vec<Cubic> {
     let ends = spans.iter().flat_map(|&span| {
         let site = move |part: usize| knots.site(span, part as f64 / parts as f64);
         (0..parts).flat_map(move |part| [site(part), site(part + 1)])
@@ -68,10 +68,10 @@ fn tangent_pieces(
 /// The control polygon, on it the curve, on it control points and data points.
 pub(super) fn draw(
     text: &mut Text,
-    pieces: &[Piece],
+    pieces: &[Cubic],
     nurbs: &Nurbs,
-    data: &Data,
-    view: &View,
+    data: &DrawnData,
+    view: &Projection,
     canvas: &Canvas,
 ) {
     let pixel = |place| canvas.pixel(view.project(place));
@@ -86,7 +86,7 @@ pub(super) fn draw(
     draw_circles(text, "data", &dots, dot_radius(dots.len()));
 }
 
-fn draw_pieces(text: &mut Text, pieces: &[Piece], canvas: &Canvas) {
+fn draw_pieces(text: &mut Text, pieces: &[Cubic], canvas: &Canvas) {
     text.push("<path class=\"curve\" d=\"");
     for (i, piece) in pieces.iter().enumerate() {
         let [start, one, two, end] = piece.map(|place| canvas.pixel(place));

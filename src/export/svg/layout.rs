@@ -24,13 +24,13 @@ pub(super) fn dot_radius(count: usize) -> f64 {
 }
 
 /// The data points that are drawn.
-pub(super) struct Data {
+pub(super) struct DrawnData {
     pub(super) places: Vec<[f64; 3]>,
     /// One point in so many is drawn.
     pub(super) stride: usize,
 }
 
-impl Data {
+impl DrawnData {
     pub(super) fn new(problem: &Problem) -> Self {
         let geometry = Geometry::new(problem, problem.data());
         let count = problem.grid().count();

@@ -15,9 +15,9 @@ use super::error::ExportError;
 use super::fitted::Fitted;
 use super::nurbs::Nurbs;
 use super::text::{Text, one_line};
-use layout::{Data, MARGIN, WIDTH, shows_net};
+use layout::{DrawnData, MARGIN, WIDTH, shows_net};
 use scene::Scene;
-use view::{Canvas, View};
+use view::{Canvas, Projection};
 
 /// The height of the caption.
 const CAPTION: f64 = 88.0;
@@ -36,8 +36,8 @@ text{font:12px system-ui,sans-serif;fill:#495057}\
 
 /// The drawing as an SVG file.
 pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
-    let data = Data::new(fitted.problem);
-    let view = View::of(nurbs);
+    let data = DrawnData::new(fitted.problem);
+    let view = Projection::of(nurbs);
     let scene = match &nurbs.v {
         None => curve::scene(nurbs, &view, fitted.samples),
         Some(v) => surface::scene(nurbs, v, fitted.samples, &data, &view),
@@ -91,7 +91,7 @@ fn open(text: &mut Text, fitted: &Fitted<'_>, height: f64) {
 }
 
 /// The name, what it is, what the colours mean and how large it is.
-fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &Data, top: f64) {
+fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &DrawnData, top: f64) {
     let mut title: String = fitted.title().chars().take(TITLE).collect();
     if title.len() < fitted.title().len() {
         title.push('…');

@@ -3,18 +3,18 @@
 use super::view::Projected;
 
 /// A cubic Bézier piece.
-pub(super) type Piece = [Projected; 4];
+pub(super) type Cubic = [Projected; 4];
 
 /// What is drawn.
 pub(super) enum Scene {
     /// A curve in cubic pieces.
-    Curve(Vec<Piece>),
+    Curve(Vec<Cubic>),
     /// Parts of a surface, the far ones first.
-    Surface(Vec<Part>),
+    Surface(Vec<SurfacePart>),
 }
 
 /// A part of the drawing of a surface.
-pub(super) enum Part {
+pub(super) enum SurfacePart {
     /// A cell of a grid on the surface, and the light on it.
     Face([Projected; 4], f64),
     /// An edge of the control net.
@@ -26,7 +26,7 @@ pub(super) enum Part {
 impl Scene {
     /// All places of the curve or of the faces.
     pub(super) fn places(&self) -> impl Iterator<Item = Projected> + '_ {
-        let pieces: &[Piece] = match self {
+        let pieces: &[Cubic] = match self {
             Self::Curve(pieces) => pieces,
             Self::Surface(_) => &[],
         };
@@ -35,12 +35,12 @@ impl Scene {
 
     /// Places that are on the page only if the whole scene is.
     pub(super) fn outline(&self) -> impl Iterator<Item = Projected> + '_ {
-        let (pieces, parts): (&[Piece], &[Part]) = match self {
+        let (pieces, parts): (&[Cubic], &[SurfacePart]) = match self {
             Self::Curve(pieces) => (pieces, &[]),
             Self::Surface(parts) => (&[], parts),
         };
         let faces = parts.iter().filter_map(|part| match part {
-            Part::Face(corners, _) => Some(corners),
+            SurfacePart::Face(corners, _) => Some(corners),
             _ => None,
         });
         let ends = pieces.iter().flat_map(|piece| [piece[0], piece[3]]);

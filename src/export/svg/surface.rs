@@ -1,8 +1,8 @@
 //! Drawing a surface: its faces, its control net and the data, the far ones first.
 
-use super::layout::{Data, dot_radius, shows_net};
-use super::scene::{Part, Scene};
-use super::view::{Canvas, Projected, View};
+use super::layout::{DrawnData, dot_radius, shows_net};
+use super::scene::{Scene, SurfacePart};
+use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::sampling::{cross, minus, steps_between, unit};
 use crate::export::text::Text;
@@ -19,8 +19,10 @@ const LEAST_LINED: f64 = 5.0;
 const COLOUR: [f64; 3] = [140.0, 186.0, 230.0];
 
 /// Draws the parts, each over those before it.
-pub(super) fn draw(text: &mut Text, parts: &[Part], canvas: &Canvas) {
-    let dots = parts.iter().filter(|part| matches!(part, Part::Dot(_)));
+pub(super) fn draw(text: &mut Text, parts: &[SurfacePart], canvas: &Canvas) {
+    let dots = parts
+        .iter()
+        .filter(|part| matches!(part, SurfacePart::Dot(_)));
     let radius = dot_radius(dots.count());
     let lined = mean_size(parts, canvas) >= LEAST_LINED;
     for part in parts {
@@ -29,9 +31,9 @@ pub(super) fn draw(text: &mut Text, parts: &[Part], canvas: &Canvas) {
 }
 
 /// How many pixels there are between opposite corners of a face, on average.
-fn mean_size(parts: &[Part], canvas: &Canvas) -> f64 {
+fn mean_size(parts: &[SurfacePart], canvas: &Canvas) -> f64 {
     let diagonals = parts.iter().filter_map(|part| match part {
-        Part::Face([a, _, c, _], _) => {
+        SurfacePart::Face([a, _, c, _], _) => {
             let (a, c) = (canvas.pixel(*a), canvas.pixel(*c));
             Some((a.0 - c.0).hypot(a.1 - c.1))
         }
@@ -47,8 +49,8 @@ pub(super) fn scene(
     nurbs: &Nurbs,
     v: &KnotVector,
     samples: Option<Grid>,
-    data: &Data,
-    view: &View,
+    data: &DrawnData,
+    view: &Projection,
 ) -> Scene {
     let mut parts = faces(nurbs, v, samples, view);
     if shows_net(nurbs) {
@@ -57,14 +59,19 @@ pub(super) fn scene(
     let dots = data
         .places
         .iter()
-        .map(|&place| Part::Dot(view.project(place)));
+        .map(|&place| SurfacePart::Dot(view.project(place)));
     parts.extend(dots);
     let lift = nurbs.points.bounding_diagonal() / 100.0;
     parts.sort_by(|a, b| a.depth(lift).total_cmp(&b.depth(lift)));
     Scene::Surface(parts)
 }
 
-fn faces(nurbs: &Nurbs, v: &KnotVector, samples: Option<Grid>, view: &View) -> Vec<Part> {
+fn faces(
+    nurbs: &Nurbs,
+    v: &KnotVector,
+    samples: Option<Grid>,
+    view: &Projection,
+) -> Vec<SurfacePart> {
     let along = |knots: &KnotVector, asked: Option<usize>| {
         let suits = || knots.steps(MOST_FACES).max(MOST_FACES / 2);
         knots.sites(asked.map_or_else(suits, steps_between))
@@ -84,31 +91,31 @@ fn faces(nurbs: &Nurbs, v: &KnotVector, samples: Option<Grid>, view: &View) -> V
             ];
             let normal = cross(minus(corners[2], corners[0]), minus(corners[3], corners[1]));
             let light = unit(normal).map_or(1.0, |normal| view.light(normal));
-            faces.push(Part::Face(corners.map(|it| view.project(it)), light));
+            faces.push(SurfacePart::Face(corners.map(|it| view.project(it)), light));
         }
     }
     faces
 }
 
 /// The edges of the control net in both directions.
-fn edges(nurbs: &Nurbs, view: &View) -> Vec<Part> {
+fn edges(nurbs: &Nurbs, view: &Projection) -> Vec<SurfacePart> {
     let (rows, columns) = (nurbs.rows(), nurbs.columns());
     let place = |i: usize, j: usize| view.project(nurbs.place(i * columns + j));
     let mut edges = Vec::with_capacity(2 * rows * columns);
     for i in 0..rows {
         for j in 0..columns {
             if i > 0 {
-                edges.push(Part::Edge([place(i - 1, j), place(i, j)]));
+                edges.push(SurfacePart::Edge([place(i - 1, j), place(i, j)]));
             }
             if j > 0 {
-                edges.push(Part::Edge([place(i, j - 1), place(i, j)]));
+                edges.push(SurfacePart::Edge([place(i, j - 1), place(i, j)]));
             }
         }
     }
     edges
 }
 
-impl Part {
+impl SurfacePart {
     fn depth(&self, lift: f64) -> f64 {
         match self {
             Self::Face(corners, _) => mean(corners),

@@ -19,7 +19,7 @@ const ELEVATION: f64 = 28.0;
 
 /// A parallel projection onto the page.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View {
+pub(super) struct Projection {
     right: [f64; 3],
     up: [f64; 3],
     toward: [f64; 3],
@@ -36,7 +36,7 @@ pub(super) struct Projected {
     pub(super) depth: f64,
 }
 
-impl View {
+impl Projection {
     /// From the top what is plane and horizontal, from aside and above everything else.
     pub(super) fn of(nurbs: &Nurbs) -> Self {
         let height = nurbs.place(0)[2];

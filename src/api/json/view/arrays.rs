@@ -10,9 +10,9 @@ use crate::api::json::schema::schema_of;
 
 /// The place of an array among the arrays of a document.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place(pub(super) u8);
+pub(super) struct ArraySlot(pub(super) u8);
 
-impl Serialize for Place {
+impl Serialize for ArraySlot {
     /// As bytes, which nothing else in an answer is: the document recognises them.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(&[self.0])
@@ -22,7 +22,7 @@ impl Serialize for Place {
 /// A list of numbers.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct NumberArray(pub(super) Place);
+pub struct NumberArray(pub(super) ArraySlot);
 
 /// The knots of a direction. Only B-splines have some.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -32,12 +32,12 @@ pub struct KnotArray(pub(super) Option<NumberArray>);
 /// Points of a curve, or rows of points of a surface.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct PointArray(pub(super) Place);
+pub struct PointArray(pub(super) ArraySlot);
 
 /// Weights of a curve, or rows of weights of a surface.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct WeightArray(pub(super) Place);
+pub struct WeightArray(pub(super) ArraySlot);
 
 fn number() -> Schema {
     json_schema!({"type": "number"})

@@ -10,9 +10,10 @@ use serde::Serialize;
 use serde_json::Serializer;
 use serde_json::ser::Formatter;
 
-use super::arrays::{NumberArray, Place, PointArray, WeightArray};
+use super::arrays::{ArraySlot, NumberArray, PointArray, WeightArray};
+use super::shape::NestedShape;
 use super::source::Source;
-use super::writer::{Digits, Shape, Writer, fits_32_bits};
+use super::writer::{ArrayWriter, Digits, fits_32_bits};
 use crate::job::content::Content;
 
 /// Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest.
@@ -32,7 +33,7 @@ pub struct Document {
 }
 
 struct Array {
-    shape: Shape,
+    shape: NestedShape,
     numbers: Box<dyn Source>,
     precision: Precision,
 }
@@ -77,7 +78,7 @@ impl Document {
         NumberArray(self.array(&[count], numbers, Precision::Exact))
     }
 
-    fn array(&mut self, shape: &[usize], numbers: impl Source, precision: Precision) -> Place {
+    fn array(&mut self, shape: &[usize], numbers: impl Source, precision: Precision) -> ArraySlot {
         // If a number is too large for 32 bits all of them get 64, so that none becomes infinite.
         if matches!(self.digits, Digits::Base64F32)
             && precision != Precision::Exact
@@ -90,7 +91,7 @@ impl Document {
             numbers: Box::new(numbers),
             precision,
         });
-        Place(self.arrays.len() as u8 - 1)
+        ArraySlot(self.arrays.len() as u8 - 1)
     }
 
     /// How the arrays so far are written, if they are binary.
@@ -111,7 +112,7 @@ impl Document {
         }
         let count: usize = self.arrays.iter().map(|array| array.shape.count()).sum();
         let bytes = text.len() + count.saturating_mul(self.digits.size());
-        let mut writer = Writer::with_capacity(bytes);
+        let mut writer = ArrayWriter::with_capacity(bytes);
         let mut arrays: Vec<Option<Array>> = self.arrays.into_iter().map(Some).collect();
         let mut parts = text.split(|byte| *byte == MARK);
         writer.text().extend(parts.next().unwrap_or_default());
@@ -142,7 +143,7 @@ impl Precision {
     }
 }
 
-/// JSON as usual, but that a [`Place`] is a mark with the number of its array, counted from 1.
+/// JSON as usual, but that a [`ArraySlot`] is a mark with the number of its array, counted from 1.
 struct Marks;
 
 /// JSON has no such byte: control characters are escaped in strings, and stand nowhere else.

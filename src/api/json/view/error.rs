@@ -42,8 +42,8 @@ impl From<&Outline> for Arrangement {
 /// Distances from the data points; of local fits from the adjusted ones. Null where a distance is infinite.
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
-#[schemars(example = examples::error())]
-pub struct FitError {
+#[schemars(rename = "FitError", example = examples::error())]
+pub struct ErrorView {
     /// The largest distance.
     max: Distance,
     /// The root mean square of the distances.
@@ -63,7 +63,7 @@ pub struct FitError {
     gradient: Option<f64>,
 }
 
-impl FitError {
+impl ErrorView {
     /// The distances of a level from the data.
     pub fn new(error: &norms::FitError, of: impl Into<Arrangement>) -> Self {
         let of = of.into();

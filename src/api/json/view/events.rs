@@ -10,10 +10,11 @@ use uuid::Uuid;
 
 use super::arrays::{KnotArray, NumberArray};
 use super::document::{BinaryEncoding, Document};
-use super::error::FitError;
-use super::job::{AppliedMethod, AppliedStop, Geometry, Links, Prediction, failure, path};
-use super::level::{IterationEvent, each, fixed_weights, knots, line, rational};
-use super::warning::Warning;
+use super::error::ErrorView;
+use super::job::{AppliedMethod, AppliedStop, GeometryKind, Links, Prediction, failure, path};
+use super::level::IterationEvent;
+use super::net::{each, fixed_weights, knots, line, rational};
+use super::warning::WarningView;
 use super::writer::Digits;
 use super::{examples, to_bytes};
 use crate::api::json::per_direction::PerDirection;
@@ -37,7 +38,7 @@ struct JobEvent<'a> {
     /// The client's name for it.
     name: Option<&'a str>,
     /// Curve or surface.
-    kind: Geometry,
+    kind: GeometryKind,
     /// The number of data points.
     points: usize,
     /// The number of coordinates.
@@ -66,7 +67,7 @@ struct JobEvent<'a> {
     /// The paths of the job.
     links: Links,
     /// What is doubtful about it; some of that is found out only when the job begins to run.
-    warnings: Vec<Warning>,
+    warnings: Vec<WarningView>,
     /// How weights, knots and parameters are written, if they are binary: always with 64 bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -93,7 +94,7 @@ pub fn description(
     let event = JobEvent {
         id: outline.id,
         name: outline.label.name.as_deref(),
-        kind: Geometry::of(outline),
+        kind: GeometryKind::of(outline),
         points: problem.grid().count(),
         dimension: problem.dimension(),
         control_points: each(problem, |_, direction| direction.basis.functions()),
@@ -105,7 +106,7 @@ pub fn description(
         predicted: Prediction::at_first(levels),
         stop: AppliedStop::new(outline),
         links: Links::new(job),
-        warnings: Warning::of(outline, levels.as_ref()),
+        warnings: WarningView::of(outline, levels.as_ref()),
         encoding: document.encoding(),
         weights: fixed_weights(&mut document, problem),
         knots: knots(&mut document, problem),
@@ -133,7 +134,7 @@ struct EndEvent {
     /// The number of the last iteration.
     iterations: usize,
     /// The distances at that iteration.
-    error: Option<FitError>,
+    error: Option<ErrorView>,
     /// Seconds from the beginning of the computation to the end.
     elapsed: Option<f64>,
     /// Where to go on.
@@ -165,7 +166,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
         reason: status.reason.map(Reason::name),
         detail: status.detail(job.outline().tolerance),
         iterations: level.map_or(0, |level| level.iteration),
-        error: level.map(|level| FitError::new(&level.error, job.outline())),
+        error: level.map(|level| ErrorView::new(&level.error, job.outline())),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         links: EndLinks {
             itself: path(job),

@@ -5,9 +5,9 @@ use schemars::{JsonSchema, json_schema};
 use serde::Serialize;
 use uuid::Uuid;
 
-use super::error::FitError;
+use super::error::ErrorView;
 use super::examples;
-use super::warning::Warning;
+use super::warning::WarningView;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
 use crate::api::json::request::method::{Kind, StartRequest, VariantRequest};
@@ -32,7 +32,7 @@ pub struct JobView<'a> {
     /// The client's name for it.
     name: Option<&'a str>,
     /// Curve or surface.
-    kind: Geometry,
+    kind: GeometryKind,
     /// Where it is in its life.
     #[schemars(with = "State")]
     state: &'static str,
@@ -42,7 +42,7 @@ pub struct JobView<'a> {
     /// The reason in words, with what is left.
     detail: Option<String>,
     /// What is doubtful about it; some of that is found out only when the job begins to run.
-    warnings: Vec<Warning>,
+    warnings: Vec<WarningView>,
     /// The number of data points.
     points: usize,
     /// The method.
@@ -56,7 +56,7 @@ pub struct JobView<'a> {
     /// How fast it converges, by what is known at that iteration.
     predicted: Prediction,
     /// The distances at that iteration.
-    error: Option<FitError>,
+    error: Option<ErrorView>,
     /// How far it is.
     #[schemars(range(min = 0, max = 1))]
     progress: f64,
@@ -70,7 +70,7 @@ pub struct JobView<'a> {
     links: Links,
     /// The job of which it is an edit.
     #[serde(skip_serializing_if = "Option::is_none")]
-    parent: Option<Parent>,
+    parent: Option<ParentView>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<ProblemBody>,
@@ -87,11 +87,11 @@ impl<'a> JobView<'a> {
         Self {
             id: outline.id,
             name: outline.label.name.as_deref(),
-            kind: Geometry::of(outline),
+            kind: GeometryKind::of(outline),
             state: status.state.name(),
             reason: status.reason.map(Reason::name),
             detail: status.detail(outline.tolerance),
-            warnings: Warning::of(outline, status.levels.as_ref()),
+            warnings: WarningView::of(outline, status.levels.as_ref()),
             points: outline.grid.count(),
             method: AppliedMethod::new(outline, forecast),
             stop: AppliedStop::new(outline),
@@ -101,13 +101,13 @@ impl<'a> JobView<'a> {
                 rate: forecast.and_then(|it| it.rate),
                 iterations: level.and_then(|level| level.predicted),
             },
-            error: level.map(|level| FitError::new(&level.error, outline)),
+            error: level.map(|level| ErrorView::new(&level.error, outline)),
             progress: status.progress(outline),
             created_at: outline.created,
             started_at: status.started,
             finished_at: status.finished,
             links: Links::new(job),
-            parent: parent.map(|it| Parent {
+            parent: parent.map(|it| ParentView {
                 id: it.id,
                 iteration: it.iteration,
             }),
@@ -135,13 +135,13 @@ pub struct JobPage<'a> {
 /// What is fitted.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-#[schemars(rename = "GeometryKind", example = Self::Curve)]
-pub(in crate::api) enum Geometry {
+#[schemars(example = Self::Curve)]
+pub(in crate::api) enum GeometryKind {
     Curve,
     Surface,
 }
 
-impl Geometry {
+impl GeometryKind {
     /// What a job fits.
     pub(super) fn of(outline: &Outline) -> Self {
         if outline.surface {
@@ -288,8 +288,8 @@ impl Prediction {
 
 /// The job of which another one is an edit.
 #[derive(Serialize, JsonSchema)]
-#[schemars(extend("examples" = [{"id": examples::ID, "iteration": 38}]))]
-struct Parent {
+#[schemars(rename = "Parent", extend("examples" = [{"id": examples::ID, "iteration": 38}]))]
+struct ParentView {
     /// Its id.
     id: Uuid,
     /// The iteration from whose control points the edit started.

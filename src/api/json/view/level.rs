@@ -1,38 +1,27 @@
 //! The JSON of a level: its errors, and its geometry in one of several forms.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use schemars::{JsonSchema, json_schema};
 use serde::Serialize;
-use uuid::Uuid;
 
-use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray, point};
+use super::arrays::{NumberArray, PointArray, WeightArray, point};
 use super::decimal::Rounding;
 use super::document::{BinaryEncoding, Document};
-use super::error::{FitError, PointIndex};
+use super::error::{ErrorView, PointIndex};
 use super::examples;
-use super::job::Geometry as Kind;
-use super::source::{Along, Net, NetWeights};
+use super::net::{ArrayShape, BadWeight, ControlNet};
 use super::writer::Digits;
-use crate::api::json::per_direction::{Pair, PerDirection};
-use crate::api::json::read::values::Count;
+use crate::api::json::per_direction::PerDirection;
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
-use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
-use crate::fit::invalid::Axis;
 use crate::fit::iteration::Level;
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::samples::{Samples, Uniform};
-use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
-use crate::job::state::{State, Status};
-use crate::model::shape::BasisKind;
 use crate::model::stream::form::{self, Encoding, Form, View};
-use crate::model::weights::Rational;
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
 #[derive(Serialize, JsonSchema)]
@@ -46,7 +35,7 @@ pub struct IterationEvent {
     /// Its number, from 0.
     iteration: usize,
     /// The distances from the data.
-    error: FitError,
+    error: ErrorView,
     /// The factor of the error in the last step.
     #[serde(skip_serializing_if = "Option::is_none")]
     rate: Option<f64>,
@@ -89,36 +78,6 @@ struct Shown {
     samples: Option<PointArray>,
 }
 
-/// The number of points in each direction, and of coordinates. Weights have the same without the last number.
-#[derive(Serialize, JsonSchema)]
-#[serde(transparent)]
-#[schemars(extend("minItems" = 2, "maxItems" = 3, "examples" = [[102, 3]]))]
-struct ArrayShape(Vec<usize>);
-
-/// A control point whose weight is not positive at this iteration.
-#[derive(Serialize, JsonSchema)]
-#[schemars(extend("examples" = [{"control_point": 4, "weight": -0.01, "detail": "a weight of a control point is not positive at this level"}]))]
-struct BadWeight {
-    /// The control point, by the index of its data point.
-    control_point: PointIndex,
-    /// Its weight.
-    weight: f64,
-    /// What is wrong with it.
-    detail: &'static str,
-}
-
-impl BadWeight {
-    /// What is wrong with a homogeneous level: no CAD kernel takes a weight that is not positive.
-    fn of(level: &Level, problem: &Problem) -> Option<Self> {
-        let (index, weight) = level.bad_weight?;
-        Some(Self {
-            control_point: PointIndex::new(index, problem),
-            weight,
-            detail: "a weight of a control point is not positive at this level",
-        })
-    }
-}
-
 /// The data of an `iteration` event.
 pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
     let level = &frame.level;
@@ -151,7 +110,7 @@ pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
     document.finish(&IterationEvent {
         milestone: None,
         iteration: level.iteration,
-        error: FitError::new(&level.error, &**problem),
+        error: ErrorView::new(&level.error, &**problem),
         rate: level.rate,
         predicted: level.predicted,
         moved: level.moved,
@@ -160,7 +119,8 @@ pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
     })
 }
 
-fn digits(form: &Form, level: &Level) -> Digits {
+/// How coordinates are written in this form.
+pub(super) fn digits(form: &Form, level: &Level) -> Digits {
     match (form.encoding, form.digits) {
         (Encoding::Base64, _) => Digits::Base64,
         (Encoding::Base64F32, _) => Digits::Base64F32,
@@ -209,44 +169,15 @@ impl Shown {
     }
 }
 
-/// The complete control net of a level.
-struct ControlNet {
-    shape: Vec<usize>,
-    points: PointArray,
-    /// Of homogeneous fits.
-    weights: Option<WeightArray>,
-}
-
-impl ControlNet {
-    fn new(document: &mut Document, problem: &Arc<Problem>, points: &Arc<Points>) -> Self {
-        let functions = problem.directions().map(|it| it.basis.functions());
-        let shape: Vec<usize> = functions.chain([problem.dimension()]).collect();
-        let net = || Net {
-            problem: Arc::clone(problem),
-            control_points: Arc::clone(points),
-        };
-        let points = document.points(&shape, net());
-        let places = &shape[..shape.len() - 1];
-        let weights = problem
-            .is_homogeneous()
-            .then(|| document.weights(places, NetWeights(net())));
-        Self {
-            shape,
-            points,
-            weights,
-        }
-    }
-}
-
 /// The places of the complete net at which control points have moved: `[place, point]`, with its
 /// weight in homogeneous fits.
 #[derive(Serialize)]
 #[serde(transparent)]
-struct Changes(Vec<Change>);
+struct Changes(Vec<MovedPoint>);
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Change {
+enum MovedPoint {
     Point(PointIndex, Vec<f64>),
     Weighted(PointIndex, Vec<f64>, f64),
 }
@@ -260,8 +191,8 @@ impl Changes {
             };
             let point = geometry.place(index).collect();
             match geometry.weight(index) {
-                None => Change::Point(place, point),
-                Some(weight) => Change::Weighted(place, point, weight),
+                None => MovedPoint::Point(place, point),
+                Some(weight) => MovedPoint::Weighted(place, point, weight),
             }
         };
         let changes = moved.iter().flat_map(|&index| {
@@ -287,166 +218,3 @@ schema_of!(Changes, "Changes", generator => json_schema!({
     },
     "examples": [[[5, [0.97, 0.21, 3.25]]]],
 }));
-
-/// One value for a curve, one for each direction of a surface.
-pub(super) fn each<T>(
-    problem: &Problem,
-    mut value: impl FnMut(Axis, &Direction) -> T,
-) -> PerDirection<T> {
-    match problem.v() {
-        None => PerDirection::Both(value(Axis::U, problem.u())),
-        Some(v) => PerDirection::Each {
-            u: value(Axis::U, problem.u()),
-            v: value(Axis::V, v),
-        },
-    }
-}
-
-/// Numbers of a direction.
-pub(super) fn line(
-    problem: &Arc<Problem>,
-    axis: Axis,
-    numbers: fn(&Direction) -> Cow<'_, [f64]>,
-) -> Along {
-    Along {
-        problem: Arc::clone(problem),
-        axis,
-        numbers,
-    }
-}
-
-/// The knots of each direction, in full.
-pub(super) fn knots(document: &mut Document, problem: &Arc<Problem>) -> PerDirection<KnotArray> {
-    each(problem, |axis, direction| {
-        let knots = direction.basis.knots().map(|_| {
-            let knots = line(problem, axis, |it| it.basis.knots().unwrap_or_default());
-            document.exact_numbers(knots.count(), knots)
-        });
-        KnotArray(knots)
-    })
-}
-
-/// The weights of rational bases, one for each control point of a direction, end copies included.
-pub(super) fn fixed_weights(
-    document: &mut Document,
-    problem: &Arc<Problem>,
-) -> Option<PerDirection<NumberArray>> {
-    let is_rational = problem.directions().any(Direction::is_rational);
-    is_rational.then(|| {
-        each(problem, |axis, _| {
-            let weights = line(problem, axis, |it| it.weights().unwrap_or_default().into());
-            document.numbers(weights.count(), weights)
-        })
-    })
-}
-
-/// How weights are used.
-pub(super) fn rational(problem: &Problem) -> Option<&'static str> {
-    if problem.is_homogeneous() {
-        Some("homogeneous")
-    } else if problem.directions().any(Direction::is_rational) {
-        Some("fixed")
-    } else {
-        None
-    }
-}
-
-/// The final curve or surface: geometry that can be read without anything else.
-#[derive(Serialize, JsonSchema)]
-#[schemars(transform = never_null)]
-#[schemars(example = examples::result())]
-pub struct FitResult<'a> {
-    /// The id of the job.
-    id: Uuid,
-    /// The client's name for it.
-    name: Option<&'a str>,
-    /// Curve or surface.
-    kind: Kind,
-    /// The final state.
-    #[schemars(with = "State")]
-    state: &'static str,
-    /// The number of the last iteration.
-    iteration: usize,
-    /// The distances from the data.
-    error: FitError,
-    /// The basis.
-    #[schemars(with = "PerDirection<BasisKind>")]
-    basis: PerDirection<&'static str>,
-    /// The degree.
-    #[schemars(with = "PerDirection<Count>")]
-    degree: PerDirection<usize>,
-    /// Whether it is periodic.
-    closed: PerDirection<bool>,
-    /// How weights are used, if there are any.
-    #[schemars(with = "Option<Rational>")]
-    rational: Option<&'static str>,
-    /// A weight that no CAD kernel takes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bad_weight: Option<BadWeight>,
-    /// The knots, in base64 always with 64 bits.
-    knots: PerDirection<KnotArray>,
-    /// How the arrays are written, if they are binary.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    encoding: Option<BinaryEncoding>,
-    /// The shape of `control_points`, if they are binary.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    shape: Option<ArrayShape>,
-    /// The complete control points, end copies included.
-    control_points: PointArray,
-    /// The weights of the control points; fixed ones of a surface are those of each direction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    weights: Option<ResultWeights>,
-}
-
-/// Weights of control points: of each of them, or fixed ones of each direction.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum ResultWeights {
-    Net(WeightArray),
-    Fixed(PerDirection<NumberArray>),
-}
-
-schema_of!(ResultWeights, "ResultWeights", generator => json_schema!({
-    "description": "Weights of control points: of each of them, or fixed ones of each direction of a surface.",
-    "anyOf": [
-        generator.subschema_for::<WeightArray>(),
-        generator.subschema_for::<Pair<NumberArray>>(),
-    ],
-    "examples": [[1, 1.5, 2, 1]],
-}));
-
-/// The result: geometry that can be read without anything else.
-pub fn result(
-    job: &Job,
-    problem: &Arc<Problem>,
-    status: &Status,
-    level: &Level,
-    control_points: &Arc<Points>,
-    form: &Form,
-) -> Content {
-    let mut document = Document::new(digits(form, level));
-    let knots = knots(&mut document, problem);
-    let net = ControlNet::new(&mut document, problem, control_points);
-    let fixed = fixed_weights(&mut document, problem).map(ResultWeights::Fixed);
-    let encoding = document.encoding();
-    let outline = job.outline();
-    let result = FitResult {
-        id: outline.id,
-        name: outline.label.name.as_deref(),
-        kind: Kind::of(outline),
-        state: status.state.name(),
-        iteration: level.iteration,
-        error: FitError::new(&level.error, &**problem),
-        basis: each(problem, |_, direction| direction.basis.name()),
-        degree: each(problem, |_, direction| direction.basis.degree()),
-        closed: each(problem, |_, direction| direction.is_closed()),
-        rational: rational(problem),
-        bad_weight: BadWeight::of(level, problem),
-        knots,
-        encoding,
-        shape: encoding.map(|_| ArrayShape(net.shape)),
-        control_points: net.points,
-        weights: net.weights.map(ResultWeights::Net).or(fixed),
-    };
-    document.finish(&result)
-}

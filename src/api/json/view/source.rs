@@ -72,14 +72,14 @@ impl Source for Uniform {
 }
 
 /// The complete control net of a level, end copies included: the coordinates of its points.
-pub struct Net {
+pub struct NetPoints {
     /// What was fitted.
     pub problem: Arc<Problem>,
     /// The free control points.
     pub control_points: Arc<Points>,
 }
 
-impl Net {
+impl NetPoints {
     /// Calls `visit` with each part of the net, from place `start` on, whose free control points follow
     /// one another: its first place after `start`, and these points.
     fn each(&self, start: usize, count: usize, mut visit: impl FnMut(usize, Range<usize>)) {
@@ -121,7 +121,7 @@ fn first_not(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-impl Source for Net {
+impl Source for NetPoints {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         let dimension = self.problem.dimension();
         let lanes = self.control_points.lanes();
@@ -157,7 +157,7 @@ fn interleave<const D: usize>(lanes: [&[f64]; D], places: &mut [f64]) {
 }
 
 /// The weights of the control net of a homogeneous fit.
-pub struct NetWeights(pub Net);
+pub struct NetWeights(pub NetPoints);
 
 impl Source for NetWeights {
     fn fill(&self, start: usize, numbers: &mut [f64]) {

@@ -14,8 +14,8 @@ use crate::model::mistakes::Place;
 
 /// What is doubtful about a fit that is computed even so.
 #[derive(Serialize, JsonSchema)]
-#[schemars(example = example())]
-pub struct Warning {
+#[schemars(rename = "Warning", example = example())]
+pub struct WarningView {
     /// What it is. `few_points`: with knots at the data the degree is no less than the number of
     /// points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
     /// the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
@@ -31,7 +31,7 @@ pub struct Warning {
     detail: String,
 }
 
-impl Warning {
+impl WarningView {
     /// What is doubtful about a job, as far as is known by now.
     pub fn of(outline: &Outline, levels: Option<&Levels>) -> Vec<Self> {
         let columns = outline.surface.then_some(outline.grid.columns);

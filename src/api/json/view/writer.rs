@@ -7,6 +7,7 @@ use base64_simd::STANDARD;
 use bytes::Bytes;
 
 use super::decimal::{self, LONGEST, Rounding};
+use super::shape::NestedShape;
 use super::source::Source;
 use crate::job::content::{Content, Piece, Pieces};
 
@@ -42,59 +43,16 @@ impl Digits {
     }
 }
 
-/// The shape of an array: up to three levels of nested lists; the last index runs fastest.
-#[derive(Clone, Copy, Debug)]
-pub struct Shape {
-    /// How many numbers a list of each level has, the innermost first.
-    sizes: [usize; 3],
-    depth: usize,
-}
-
-impl From<&[usize]> for Shape {
-    /// Of at most three numbers.
-    fn from(counts: &[usize]) -> Self {
-        let mut shape = Self {
-            sizes: [1; 3],
-            depth: counts.len().min(3),
-        };
-        let mut size = 1;
-        for (level, count) in counts.iter().rev().take(3).enumerate() {
-            size *= count;
-            shape.sizes[level] = size;
-        }
-        shape
-    }
-}
-
-impl Shape {
-    /// How many numbers there are.
-    pub(super) fn count(self) -> usize {
-        self.lists().last().copied().unwrap_or(1)
-    }
-
-    /// The sizes of the lists of each level, the innermost first.
-    fn lists(&self) -> &[usize] {
-        &self.sizes[..self.depth]
-    }
-
-    /// How many lists end before number `at`; as many begin there. Each size is a multiple of the
-    /// one before.
-    fn edges(&self, at: usize) -> usize {
-        let ends = |size: &&usize| at.is_multiple_of(**size);
-        self.lists().iter().take_while(ends).count()
-    }
-}
-
 /// Bytes that are being written, and arrays that will be.
 #[derive(Default)]
-pub struct Writer {
+pub struct ArrayWriter {
     text: Vec<u8>,
     pieces: Vec<Piece>,
     /// The bytes of all pieces, as long as they are known.
     length: Option<usize>,
 }
 
-impl Writer {
+impl ArrayWriter {
     /// With room for so many bytes.
     pub fn with_capacity(bytes: usize) -> Self {
         Self {
@@ -110,7 +68,7 @@ impl Writer {
     }
 
     /// Writes an array, now or later.
-    pub fn array(&mut self, shape: Shape, source: impl Source, digits: Digits) {
+    pub fn array(&mut self, shape: NestedShape, source: impl Source, digits: Digits) {
         let count = shape.count();
         if count <= PIECE {
             return write(shape, 0..count, &source, digits, &mut self.text);
@@ -172,7 +130,7 @@ pub(super) fn fits_32_bits(count: usize, source: &impl Source) -> bool {
 
 /// Writes a part of an array, which begins at a multiple of a chunk.
 fn write(
-    shape: Shape,
+    shape: NestedShape,
     range: Range<usize>,
     source: &impl Source,
     digits: Digits,
@@ -215,21 +173,21 @@ fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(u
 /// them and behind them: a part may begin and end anywhere in a list.
 #[inline(always)]
 fn lists(
-    shape: Shape,
+    shape: NestedShape,
     start: usize,
     numbers: &[f64],
     text: &mut Vec<u8>,
     write: impl Fn(f64, &mut [u8]) -> usize,
 ) {
-    let (total, innermost) = (shape.count(), shape.sizes[0]);
-    // Room for all of it at once: a number with its comma, and the brackets around innermost lists.
+    let (total, innermost) = (shape.count(), shape.innermost());
+    // FixedBuffer for all of it at once: a number with its comma, and the brackets around innermost lists.
     let length = text.len();
     let runs = numbers.len() / innermost + 2;
     text.resize(
-        length + numbers.len() * (LONGEST + 1) + runs * 2 * shape.depth,
+        length + numbers.len() * (LONGEST + 1) + runs * 2 * shape.depth(),
         0,
     );
-    let mut room = Room {
+    let mut room = FixedBuffer {
         bytes: &mut text[length..],
         used: 0,
     };
@@ -260,12 +218,12 @@ fn lists(
 }
 
 /// Bytes that are filled from the start on.
-struct Room<'a> {
+struct FixedBuffer<'a> {
     bytes: &'a mut [u8],
     used: usize,
 }
 
-impl Room<'_> {
+impl FixedBuffer<'_> {
     #[inline(always)]
     fn push(&mut self, byte: u8) {
         self.bytes[self.used] = byte;
@@ -294,7 +252,7 @@ mod tests {
     use super::*;
 
     fn written(shape: &[usize], numbers: &[f64], digits: Digits) -> Vec<u8> {
-        let mut writer = Writer::with_capacity(0);
+        let mut writer = ArrayWriter::with_capacity(0);
         writer.text().push(b'!');
         writer.array(shape.into(), numbers.to_vec(), digits);
         writer.text().push(b'.');

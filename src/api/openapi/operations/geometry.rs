@@ -1,8 +1,9 @@
 //! Single iterations, results, and the limits of local fits.
 
 use super::{Content, OF_A_JOB};
-use crate::api::json::view::level::{FitResult, IterationEvent};
+use crate::api::json::view::level::IterationEvent;
 use crate::api::json::view::limit::LimitView;
+use crate::api::json::view::result::FitResult;
 use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use crate::export::Format;

@@ -1,7 +1,7 @@
 //! The server itself.
 
 use crate::api::http::capabilities::Capabilities;
-use crate::api::http::info::{Health, Index, ProblemType, ProblemTypes};
+use crate::api::http::info::{Health, ProblemType, ProblemTypes, ServiceIndex};
 use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use serde_json::json;
@@ -17,7 +17,7 @@ pub fn index() -> Operation {
         "Show what this is",
         "The name of the service, and where to go on.",
     )
-    .json::<Index>(200, "What this is.")
+    .json::<ServiceIndex>(200, "What this is.")
 }
 
 /// `GET /v1/capabilities`

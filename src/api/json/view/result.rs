@@ -1,0 +1,128 @@
+//! The JSON of a result.
+
+use std::sync::Arc;
+
+use schemars::{JsonSchema, json_schema};
+use serde::Serialize;
+use uuid::Uuid;
+
+use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray};
+use super::document::{BinaryEncoding, Document};
+use super::error::ErrorView;
+use super::examples;
+use super::job::GeometryKind;
+use super::level::digits;
+use super::net::{ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, rational};
+use crate::api::json::per_direction::{Pair, PerDirection};
+use crate::api::json::read::values::Count;
+use crate::api::json::schema::plain::never_null;
+use crate::api::json::schema::schema_of;
+use crate::fit::iteration::Level;
+use crate::fit::points::Points;
+use crate::fit::problem::Problem;
+use crate::job::Job;
+use crate::job::content::Content;
+use crate::job::state::{State, Status};
+use crate::model::shape::BasisKind;
+use crate::model::stream::form::Form;
+use crate::model::weights::Rational;
+
+/// The final curve or surface: geometry that can be read without anything else.
+#[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
+#[schemars(example = examples::result())]
+pub struct FitResult<'a> {
+    /// The id of the job.
+    id: Uuid,
+    /// The client's name for it.
+    name: Option<&'a str>,
+    /// Curve or surface.
+    kind: GeometryKind,
+    /// The final state.
+    #[schemars(with = "State")]
+    state: &'static str,
+    /// The number of the last iteration.
+    iteration: usize,
+    /// The distances from the data.
+    error: ErrorView,
+    /// The basis.
+    #[schemars(with = "PerDirection<BasisKind>")]
+    basis: PerDirection<&'static str>,
+    /// The degree.
+    #[schemars(with = "PerDirection<Count>")]
+    degree: PerDirection<usize>,
+    /// Whether it is periodic.
+    closed: PerDirection<bool>,
+    /// How weights are used, if there are any.
+    #[schemars(with = "Option<Rational>")]
+    rational: Option<&'static str>,
+    /// A weight that no CAD kernel takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bad_weight: Option<BadWeight>,
+    /// The knots, in base64 always with 64 bits.
+    knots: PerDirection<KnotArray>,
+    /// How the arrays are written, if they are binary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    encoding: Option<BinaryEncoding>,
+    /// The shape of `control_points`, if they are binary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shape: Option<ArrayShape>,
+    /// The complete control points, end copies included.
+    control_points: PointArray,
+    /// The weights of the control points; fixed ones of a surface are those of each direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    weights: Option<ResultWeights>,
+}
+
+/// Weights of control points: of each of them, or fixed ones of each direction.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum ResultWeights {
+    Net(WeightArray),
+    Fixed(PerDirection<NumberArray>),
+}
+
+schema_of!(ResultWeights, "ResultWeights", generator => json_schema!({
+    "description": "Weights of control points: of each of them, or fixed ones of each direction of a surface.",
+    "anyOf": [
+        generator.subschema_for::<WeightArray>(),
+        generator.subschema_for::<Pair<NumberArray>>(),
+    ],
+    "examples": [[1, 1.5, 2, 1]],
+}));
+
+/// The result: geometry that can be read without anything else.
+pub fn result(
+    job: &Job,
+    problem: &Arc<Problem>,
+    status: &Status,
+    level: &Level,
+    control_points: &Arc<Points>,
+    form: &Form,
+) -> Content {
+    let mut document = Document::new(digits(form, level));
+    let knots = knots(&mut document, problem);
+    let net = ControlNet::new(&mut document, problem, control_points);
+    let fixed = fixed_weights(&mut document, problem).map(ResultWeights::Fixed);
+    let encoding = document.encoding();
+    let outline = job.outline();
+    let result = FitResult {
+        id: outline.id,
+        name: outline.label.name.as_deref(),
+        kind: GeometryKind::of(outline),
+        state: status.state.name(),
+        iteration: level.iteration,
+        error: ErrorView::new(&level.error, &**problem),
+        basis: each(problem, |_, direction| direction.basis.name()),
+        degree: each(problem, |_, direction| direction.basis.degree()),
+        closed: each(problem, |_, direction| direction.is_closed()),
+        rational: rational(problem),
+        bad_weight: BadWeight::of(level, problem),
+        knots,
+        encoding,
+        shape: encoding.map(|_| ArrayShape(net.shape)),
+        control_points: net.points,
+        weights: net.weights.map(ResultWeights::Net).or(fixed),
+    };
+    document.finish(&result)
+}
