@@ -1,4 +1,4 @@
-//! What the doors share.
+//! What HTTP and gRPC handlers share.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::http::measure::Requests;
 use crate::config::Config;
 use crate::job::service::Jobs;
 
-/// What handlers share.
+/// The state of all handlers.
 #[derive(Clone)]
 pub struct App {
     pub(in crate::api) jobs: Arc<Jobs>,

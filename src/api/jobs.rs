@@ -1,4 +1,4 @@
-//! Finding, listing, cancelling and deleting jobs, in whatever language.
+//! Finding, listing, cancelling and deleting jobs, for HTTP and gRPC.
 
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ use crate::job::Job;
 use crate::job::state::State;
 use crate::job::store::Selection;
 
-/// How many jobs a page has if nobody says it.
+/// The number of jobs on a page by default.
 pub const DEFAULT_PAGE: usize = 50;
 /// The most jobs of a page.
 pub(super) const LARGEST_PAGE: usize = 1000;
 
-/// Says how many jobs a page may have.
+/// Checks the number of jobs that a page may have.
 pub fn check_limit(limit: usize) -> Result<(), String> {
     match (1..=LARGEST_PAGE).contains(&limit) {
         true => Ok(()),
@@ -33,7 +33,7 @@ pub async fn page(
     let selection = Selection {
         state,
         before,
-        // One more tells whether there is a next page.
+        // One more, which tells whether there is a next page.
         limit: limit + 1,
     };
     let mut jobs = app.jobs.list(selection).await?;

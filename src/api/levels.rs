@@ -1,4 +1,4 @@
-//! The contents of inputs, iterations and results, in whatever language.
+//! The contents of inputs, iterations and results, in JSON and protobuf.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use crate::job::frame::Frame;
 use crate::job::state::{Levels, Status};
 use crate::model::stream::form::{Form, View};
 
-/// Bytes of a data point of an input with all that is given for it.
+/// Bytes of memory for each data point while an input is written.
 const BYTES_PER_POINT: usize = 160;
 
-/// The frame of a level; without a number that of the last level so far.
+/// The frame of a level, or without a number that of the last level so far.
 pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Problem> {
     let k = match k {
         None => last_level(job)?,
@@ -43,7 +43,7 @@ pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Probl
 
 /// The job as it was accepted, as JSON or as the bytes of a message.
 pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content, Problem> {
-    // It is made as a whole.
+    // An input is made as a whole, so it needs memory for files.
     let room = &job.resources().memory.files;
     let permit = room
         .take(job.outline().grid.count() * BYTES_PER_POINT)

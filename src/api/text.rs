@@ -1,11 +1,11 @@
-//! How the bytes of a body are to be read: as they are, as UTF-8, or not at all.
+//! Checks how the bytes of a body are encoded: compressed bodies are refused, and JSON must be UTF-8.
 
 use axum::http::{HeaderMap, header};
 
 use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
 
-/// What compressed bytes begin with, and what they are called.
+/// The first bytes of compression formats, with their names.
 const COMPRESSED: [(&[u8], &str); 6] = [
     (b"\x1f\x8b", "gzip"),
     (b"\x28\xb5\x2f\xfd", "zstd"),
@@ -15,7 +15,7 @@ const COMPRESSED: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "zip"),
 ];
 
-/// What texts in other encodings than UTF-8 begin with. The longer marks come first.
+/// Byte-order marks of other encodings than UTF-8. The longer marks come first.
 const MARKED: [(&[u8], &str); 4] = [
     (b"\xff\xfe\0\0", "UTF-32"),
     (b"\0\0\xfe\xff", "UTF-32"),
@@ -23,10 +23,10 @@ const MARKED: [(&[u8], &str); 4] = [
     (b"\xfe\xff", "UTF-16"),
 ];
 
-/// The mark that some writers put before UTF-8.
+/// The byte-order mark that some programs write before UTF-8.
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Refuses bodies that say that they are encoded.
+/// Refuses bodies with a Content-Encoding.
 pub(super) fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
     for value in headers.get_all(header::CONTENT_ENCODING) {
         let given = String::from_utf8_lossy(value.as_bytes());
@@ -43,8 +43,8 @@ pub(super) fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Refuses bodies that are compressed without saying so. Of messages only those are known that
-/// begin with gzip's two bytes, with which no message begins.
+/// Refuses compressed bodies without a Content-Encoding. For protobuf only gzip is recognised, as no
+/// message begins with its two bytes.
 pub(super) fn check_compression(body: &[u8], is_message: bool) -> Result<(), Problem> {
     let known = if is_message { 1 } else { COMPRESSED.len() };
     let found = COMPRESSED.iter().take(known);
@@ -58,7 +58,7 @@ pub(super) fn check_compression(body: &[u8], is_message: bool) -> Result<(), Pro
     }
 }
 
-/// The JSON of a body, which is UTF-8, without a byte-order mark.
+/// The JSON of a body without a byte-order mark; other encodings than UTF-8 are refused.
 pub(super) fn utf8(body: &[u8]) -> Result<&[u8], Problem> {
     check_compression(body, false)?;
     let marked = MARKED.iter().find(|(mark, _)| body.starts_with(mark));
@@ -69,8 +69,8 @@ pub(super) fn utf8(body: &[u8]) -> Result<&[u8], Problem> {
     Ok(body.strip_prefix(UTF8_MARK).unwrap_or(body))
 }
 
-/// The encoding of a text that has no mark. JSON begins with characters of ASCII, so the zeros
-/// beside them tell.
+/// The encoding of a text without a byte-order mark. As JSON begins with ASCII characters, the zero
+/// bytes beside them tell UTF-16 and UTF-32 from UTF-8.
 fn unmarked(body: &[u8]) -> Option<&'static str> {
     match *body {
         [0, 0, 0, x, ..] | [x, 0, 0, 0, ..] if x != 0 => Some("UTF-32"),

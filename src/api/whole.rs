@@ -1,9 +1,9 @@
 //! Whole numbers in paths, queries and headers.
 
-/// The largest whole number in a path or a query: up to it all languages have all whole numbers.
+/// The largest whole number in a path or a query: up to it, floating-point numbers are exact.
 pub(super) const LARGEST: u64 = (1 << 53) - 1;
 
-/// A number written as numbers are: digits, without signs or leading zeros.
+/// A whole number in decimal digits, without signs or leading zeros.
 pub fn plain_number(text: &str) -> Option<usize> {
     let number: usize = text.parse().ok()?;
     let small = number < usize::MAX / 4 && number as u64 <= LARGEST;

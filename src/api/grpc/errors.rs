@@ -10,10 +10,10 @@ use crate::api::problem::{Place, Problem};
 use crate::job::service::refused::Refused;
 use crate::job::store::StoreError;
 
-/// Who says what the reason of an error means.
+/// The domain in which reasons of errors are defined.
 const DOMAIN: &str = "piad";
 
-/// The most bytes of details: they travel in a header, of which clients take 8 kB.
+/// The most bytes of details: they are sent in a header, and clients accept 8 kB of headers.
 const MOST_DETAILS: usize = 3000;
 
 impl From<Problem> for Status {

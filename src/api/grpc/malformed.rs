@@ -1,12 +1,12 @@
-//! Messages that cannot be read are a mistake of the client, who is told so: the library that reads
-//! them takes it for one of the server.
+//! Messages that cannot be decoded are a mistake of the client. The gRPC library reports them as
+//! internal errors; here they become INVALID_ARGUMENT.
 
 use axum::response::Response;
 use tonic::{Code, Status};
 
 use crate::api::problem::{Kind, Problem};
 
-/// How the library says that there is no message in what has come.
+/// How the library's messages begin when it cannot decode what has come.
 const MALFORMED: [&str; 4] = [
     "failed to decode Protobuf message",
     "Unexpected EOF decoding stream",
@@ -14,7 +14,7 @@ const MALFORMED: [&str; 4] = [
     "protocol error: received message with",
 ];
 
-/// The answer to a call, with a status that says whose mistake it was.
+/// The answer to a call, with the right status if its message could not be decoded.
 pub(super) fn told(response: Response) -> Response {
     let Some(status) = Status::from_header_map(response.headers()) else {
         return response;

@@ -33,8 +33,8 @@ use crate::proto::messages::fitting_service_server::FittingServiceServer;
 
 const GRPC_STATUS: HeaderName = HeaderName::from_static("grpc-status");
 
-/// The routes of the services. Everything else at their paths is told by tonic that there is no such
-/// call; everything at other paths is REST.
+/// The routes of the gRPC services. Unknown calls at their paths are answered by tonic; all other paths
+/// belong to REST.
 pub fn routes(app: &App) -> Router<App> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let fitting = FittingServiceServer::new(service::Service::new(app.clone()))
@@ -45,8 +45,8 @@ pub fn routes(app: &App) -> Router<App> {
     services.layer(MapResponseLayer::new(malformed::told))
 }
 
-/// Takes in the one message of a call as a body of REST. A large one is decoded off the threads that
-/// serve the network.
+/// Receives the one message of a call like a body of REST. A large message is decoded off the threads
+/// that serve the network.
 async fn take_in(State(app): State<App>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
     let taken = match intake::take_in(&app, &parts.headers, body).await {
@@ -82,7 +82,7 @@ fn operations(app: &App) -> Router<App> {
         let name = FittingServiceServer::<service::Service>::NAME;
         use tonic_health::ServingStatus::{NotServing, Serving};
         health.set_service_status(name, Serving).await;
-        // The sender is gone only if the server is.
+        // An error means that the server itself is gone.
         let _ = stopping.wait_for(|stopping| *stopping).await;
         health.set_service_status(name, NotServing).await;
         health.set_service_status("", NotServing).await;
@@ -119,8 +119,8 @@ where
 
 /// A response that ends when the server stops, with a status that says so.
 fn until(stopping: watch::Receiver<bool>, response: Response) -> Response {
-    // What ends with its head must not get a body, not even an empty one: clients take that for a
-    // connection that has broken off.
+    // A response that consists of its head must not get a body, not even an empty one: clients take that
+    // for a broken connection.
     if response.headers().contains_key(GRPC_STATUS) {
         return response;
     }
@@ -139,7 +139,7 @@ fn until(stopping: watch::Receiver<bool>, response: Response) -> Response {
     })
 }
 
-/// The end of a response that could go on.
+/// The trailers of a response that is cut off because the server stops.
 fn unavailable() -> Frame<Bytes> {
     let code = i32::from(Code::Unavailable);
     Frame::trailers(HeaderMap::from_iter([(GRPC_STATUS, code.into())]))

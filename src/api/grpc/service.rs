@@ -1,4 +1,4 @@
-//! The calls of the service: each is the same as a REST resource, of which it uses the code.
+//! The calls of the service. Each does the same as a REST resource, with the same code.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -92,7 +92,7 @@ impl Service {
         order.map_err(within)?.make(app, key).await
     }
 
-    /// The key of a request, which is the same as that of REST with the same message.
+    /// The idempotency key of a request: the same as that of a REST request with the same message.
     async fn key(
         &self,
         name: String,
@@ -121,7 +121,7 @@ impl Service {
     }
 }
 
-/// The next message of a stream, which is made when the connection has taken the one before.
+/// The next message of a stream, made when the connection has taken the one before.
 async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Feed>)> {
     let mut feed = feed?;
     loop {
@@ -158,7 +158,7 @@ fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Pr
     form.map_err(|mistake| fields::wrong_choice(mistake, ""))
 }
 
-/// The number of an iteration; larger ones than any job has are as good as the largest.
+/// The number of an iteration; numbers beyond those of any job are cut.
 fn level(number: u64) -> usize {
     usize::try_from(number).map_or(usize::MAX / 4, |number| number.min(usize::MAX / 4))
 }
@@ -198,7 +198,7 @@ impl FittingService for Service {
         let options = StreamOptions::new(&spec, defaults, true, outline.surface);
         let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
         let mut options = options.map_err(wrong)?;
-        // A job that is known has a stream of its own, which may end it.
+        // A job that was made before has a stream of its own; only that one may cancel it.
         options.cancels &= !replayed;
         let held = job.held().await?;
         Ok(Response::new(self.events(job, options, None, held)))

@@ -13,7 +13,7 @@ use crate::api::stream::sending::{ENOUGH, Outgoing};
 use crate::job::Job;
 use crate::job::content::Content;
 
-/// A content as an answer.
+/// A content as an answer; large ones are streamed.
 pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
     let content_type = [(header::CONTENT_TYPE, HeaderValue::from_static(content_type))];
     if content.rest.is_none() && content.head.len() <= ENOUGH {
@@ -48,7 +48,7 @@ pub(super) fn json(json: Bytes) -> Response {
     no_store(([(header::CONTENT_TYPE, content_type)], json).into_response())
 }
 
-/// Answers of this API are never the same twice.
+/// Answers of this API change all the time, so nobody may store them.
 pub(super) fn no_store(mut response: Response) -> Response {
     let value = HeaderValue::from_static("no-store");
     response.headers_mut().insert(header::CACHE_CONTROL, value);

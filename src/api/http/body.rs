@@ -25,7 +25,7 @@ fn language(request: &Request) -> Result<Language, Problem> {
     let given = given.and_then(|value| value.to_str().ok()).unwrap_or("");
     let mut parts = given.split(';').map(str::trim);
     let essence = parts.next().unwrap_or("");
-    // JSON is UTF-8; another charset would be read wrongly.
+    // JSON is UTF-8: any other charset is refused.
     let utf8 = parts.all(|parameter| {
         let (name, value) = parameter.split_once('=').unwrap_or((parameter, ""));
         !name.trim().eq_ignore_ascii_case("charset")

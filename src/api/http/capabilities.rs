@@ -20,7 +20,7 @@ use crate::model::shape::{BasisKind, MAX_DIMENSION};
 use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
 use crate::proto::messages::fitting_service_server::FittingServiceServer;
 
-/// Names that are known when the program is compiled.
+/// A list of names that is fixed in the program.
 type Names = &'static [&'static str];
 
 /// What the server can do, and its limits.

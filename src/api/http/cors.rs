@@ -1,4 +1,4 @@
-//! Which pages of other origins may use the API from a browser.
+//! CORS: which pages of other origins may use the API from a browser.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,10 +9,10 @@ use tower_http::cors::{AllowOrigin, CorsLayer};
 
 use super::request_id::REQUEST_ID;
 
-/// How long a browser need not ask again what it may send.
+/// How long browsers cache the answer to a preflight request.
 const MAX_AGE: Duration = Duration::from_secs(7200);
 
-/// What the API reads of requests.
+/// The request headers that pages may send.
 const READ: [HeaderName; 7] = [
     header::ACCEPT,
     header::CONTENT_TYPE,
@@ -20,11 +20,11 @@ const READ: [HeaderName; 7] = [
     HeaderName::from_static("last-event-id"),
     HeaderName::from_static("prefer"),
     REQUEST_ID,
-    // Browsers set it for pages that ask for the newest.
+    // Browsers send it when a page bypasses the cache.
     header::CACHE_CONTROL,
 ];
 
-/// What answers have for clients, beyond what browsers show to every page.
+/// The answer headers that pages may read, beyond those that they always may.
 const SHOWN: [HeaderName; 8] = [
     header::ALLOW,
     header::CONTENT_DISPOSITION,
@@ -76,8 +76,8 @@ impl fmt::Display for Origin {
     }
 }
 
-/// Tells browsers what pages of these origins may do, which is everything; `None` tells them nothing,
-/// so that they let no page read an answer.
+/// Allows pages of these origins to use the whole API. Without origins there is no layer, and browsers
+/// let no page read an answer.
 pub(super) fn layer(origins: &[Origin]) -> Option<CorsLayer> {
     let mut listed = Vec::new();
     for origin in origins {

@@ -1,4 +1,4 @@
-//! New jobs: posted ones, and edits of others.
+//! Creating jobs: posted ones, and edits of others.
 
 use std::sync::Arc;
 
@@ -90,7 +90,7 @@ async fn post_edit(
     choice: Choice,
 ) -> Result<Response, Problem> {
     let mut posted = Posted::read(&app, request, choice).await?;
-    // Also when the parent is gone by now.
+    // Before the parent is looked for, which may have been deleted.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
@@ -135,7 +135,7 @@ impl Posted {
         let wait = negotiate::wait(headers)?;
         check_query(answer, &query)?;
         let name = idempotency_key(headers)?;
-        // A job is the same whether its events were asked for or not, and so is its key.
+        // A job and its events have the same idempotency key.
         let path = request.uri().path();
         let path = path.strip_suffix("/stream").unwrap_or(path).to_owned();
         let (language, body) = body::read(app, request).await?;
@@ -153,7 +153,7 @@ impl Posted {
         })
     }
 
-    /// The body, which is not needed any more once it is read, and the memory that it takes.
+    /// Takes out the body and the memory that it holds, so that both are freed once it is read.
     fn take_body(&mut self) -> (Language, Bytes, Vec<Permit>) {
         let bytes = std::mem::take(&mut self.body.bytes);
         (self.language, bytes, std::mem::take(&mut self.body.room))
@@ -180,9 +180,9 @@ impl Posted {
                 let spec = self.query.spec(surface)?;
                 let mut options =
                     StreamOptions::new(&spec, defaults, framing.is_protobuf(), surface)?;
-                // A job that is known has a stream of its own, which may end it.
+                // A job that was made before has a stream of its own; only that one may cancel it.
                 options.cancels &= !known;
-                // With a new job it was checked before there was one.
+                // For new jobs this was checked before they were made.
                 if known && options.form.encoding == Encoding::Base64F32 {
                     let problem = job.problem().await?;
                     options::check_range(&spec, defaults, &problem)?;
@@ -193,7 +193,7 @@ impl Posted {
             Answer::Job(language) => {
                 if let Some(wait) = self.wait {
                     let mut stopping = app.stopping.clone();
-                    // However the wait ends, the job is shown as it stands then.
+                    // Whichever comes first, the job is shown as it stands then.
                     tokio::select! {
                         _ = job.ended() => {}
                         () = tokio::time::sleep(wait) => {}
@@ -218,7 +218,7 @@ impl Posted {
     }
 }
 
-/// The key by which a client recognises its request.
+/// The idempotency key of a request, if it has one.
 fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     let Some(value) = headers.get(IDEMPOTENCY_KEY) else {
         return Ok(None);
@@ -228,7 +228,7 @@ fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     Ok(Some(key.to_owned()))
 }
 
-/// The parameters are about the stream, and about one that starts at the beginning.
+/// Refuses parameters of streams where no stream was asked for, and a resume point of a new stream.
 fn check_query(answer: Answer, query: &StreamQuery) -> Result<(), Problem> {
     let refused = match answer {
         Answer::Job(_) => query.given(),

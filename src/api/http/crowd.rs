@@ -1,4 +1,4 @@
-//! Requests on connections beyond the limits: how the server is can still be asked.
+//! Requests on connections beyond the limits: only health and metrics are answered.
 
 use axum::extract::Request;
 use axum::http::{HeaderValue, Version, header};
@@ -8,10 +8,10 @@ use axum::response::{IntoResponse, Response};
 use crate::api::problem::{Kind, Problem};
 use crate::server::limits::Crowded;
 
-/// Resources that are there for everybody.
+/// Resources that are always answered.
 const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
-/// Answers requests on such connections with 503, but for those about the state of the server.
+/// Answers requests on such connections with 503, except for those about the state of the server.
 pub(super) async fn hold_back(request: Request, next: Next) -> Response {
     let Some(&crowded) = request.extensions().get::<Crowded>() else {
         return next.run(request).await;

@@ -1,7 +1,7 @@
-//! The events of a job as the body of an answer: as server-sent events, a JSON object a line, or
-//! protobuf messages with their lengths in front.
+//! The events of a job as the body of an answer: as server-sent events, as one JSON object a line, or as
+//! length-delimited protobuf messages.
 //!
-//! The data of an event are shared by all streams; only what stands around them differs.
+//! The data of an event are encoded once and shared by all streams; only the framing differs.
 
 use std::fmt::Write;
 use std::future::poll_fn;
@@ -61,13 +61,13 @@ pub(super) async fn get(
     let held = job.held().await?;
     match last_event_id(&headers, query.last_event_id)? {
         None => Ok(stream(&app, job, framing, options, None, held)),
-        // Only this status keeps an EventSource from connecting again.
+        // 204 is the only status that keeps an EventSource from reconnecting.
         Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
         Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, options, Some(k), held)),
     }
 }
 
-/// The last event that a client has seen.
+/// The last event that a client has received.
 enum LastEvent {
     Iteration(usize),
     End,
@@ -87,7 +87,7 @@ fn last_event_id(
     Ok(in_header.or(in_query))
 }
 
-/// The event of an id; an empty one is none. Or what is wrong with it.
+/// The event with this id; an empty id is none. The error says what is wrong with the id.
 fn event_of(id: Option<&str>) -> Result<Option<LastEvent>, String> {
     match id {
         None | Some("") => Ok(None),
@@ -113,7 +113,7 @@ pub fn stream(
     held: Held,
 ) -> Response {
     let mut outgoing = Outgoing::new(Arc::clone(&job));
-    // Proxies hold the answer back until there is something to pass on.
+    // Some proxies pass on the head only with the first bytes of the body.
     if framing == Framing::Sse {
         outgoing.text().put_slice(b": piad\nretry: 2000\n\n");
     }
@@ -144,8 +144,8 @@ pub fn stream(
     response
 }
 
-/// Waits for an event, and takes those that have happened with it, unless they are large: many small
-/// ones go out in one write.
+/// Waits for an event and takes further ones that are ready, up to a size: many small events go out in
+/// one write.
 async fn gather(
     framing: Framing,
     events: &mut (impl Stream<Item = Event> + Unpin),
@@ -191,7 +191,7 @@ fn write_sse(event: Event, outgoing: &mut Outgoing) {
         }
         Event::Quiet => return text.put_slice(b": still here\n\n"),
         Event::Stopping => {
-            // Clients come back one after the other, to whoever serves them then.
+            // A random delay, so that clients do not all reconnect at the same time.
             let retry = 1000 + Uuid::new_v4().as_u128() % 3000;
             return put(
                 text,
@@ -204,7 +204,7 @@ fn write_sse(event: Event, outgoing: &mut Outgoing) {
     outgoing.text().put_slice(b"\n\n");
 }
 
-/// A JSON object a line; there are no comments.
+/// Writes an event as a line of JSON. This framing has no comments.
 fn write_line(event: Event, outgoing: &mut Outgoing) {
     let text = outgoing.text();
     let (data, milestone) = match event {
@@ -232,7 +232,7 @@ fn write_line(event: Event, outgoing: &mut Outgoing) {
     outgoing.text().put_slice(b"}\n");
 }
 
-/// A `WatchJobResponse` after its length; there are no comments.
+/// Writes an event as a length-delimited `WatchJobResponse`. This framing has no comments.
 fn write_message(event: Event, outgoing: &mut Outgoing) {
     if let Some(message) = Encoded::event(event) {
         encode_varint(message.encoded_len() as u64, outgoing.text());
@@ -242,7 +242,7 @@ fn write_message(event: Event, outgoing: &mut Outgoing) {
     }
 }
 
-/// Pushes the data, which all readers share, with a milestone as their first field.
+/// Pushes the shared data of an event, with a milestone of this stream as the first field.
 fn push_json(mut data: Content, milestone: Option<f64>, outgoing: &mut Outgoing) {
     if let Some(milestone) = milestone.filter(|_| data.head.starts_with(b"{")) {
         let milestone = json!(milestone);
@@ -255,7 +255,7 @@ fn push_json(mut data: Content, milestone: Option<f64>, outgoing: &mut Outgoing)
     outgoing.push(data);
 }
 
-/// Memory takes whatever is written to it.
+/// Appends formatted text; writing to memory cannot fail.
 fn put(text: &mut BytesMut, arguments: std::fmt::Arguments) {
     let _ = text.write_fmt(arguments);
 }

@@ -20,16 +20,16 @@ use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};
 use crate::job::scheduler::Lane;
 
-/// Multiplications up to which the levels before are computed for a drawing of their errors.
+/// The most multiplications for computing the earlier levels again, whose errors drawings show.
 const HISTORY: usize = 200_000_000;
 
-/// Bytes of a control point or sample while its file is made: itself, and its text or triangles.
+/// Bytes of memory for each control point or sample while a file is made.
 const BYTES_PER_POINT: usize = 300;
 
-/// So many lines of a table are made at a time.
+/// Lines of a table that are made at a time.
 const LINES: usize = 4096;
 
-/// Writing a number takes about as long as so many multiplications.
+/// Writing a number to a file takes about as long as this many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 100;
 
 /// How a level is answered.
@@ -43,7 +43,7 @@ pub(super) enum Representation {
     File(Format),
 }
 
-/// What the query says, or else the Accept header; JSON if neither does.
+/// The representation that the query names, or else the Accept header; JSON if neither does.
 pub(super) fn representation(
     headers: &HeaderMap,
     format: Option<&str>,
@@ -114,7 +114,7 @@ pub async fn file(
     ))
 }
 
-/// A table, of which a long one is written when it is sent.
+/// The content of a table; long ones are written in parts while they are sent.
 fn table(table: Table) -> Content {
     let lines = table.lines();
     let table = Arc::new(table);
@@ -132,7 +132,7 @@ fn table(table: Table) -> Content {
     Content::new(head.into(), rest)
 }
 
-/// The largest distances of the levels up to this one; none if they take too long to compute.
+/// The largest distance at each level up to this one; empty if that takes too long to compute.
 fn history(problem: &fit::Problem, level: usize, system: impl FnOnce() -> Arc<System>) -> Vec<f64> {
     if problem.step_cost().saturating_mul(level) > HISTORY {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! What a file is called that a browser or `curl -OJ` keeps: the name of its job, made safe for any
-//! system (RFC 6266).
+//! The name under which browsers and `curl -OJ` save a file: that of its job, made safe for any system
+//! (RFC 6266).
 
 use axum::http::{HeaderValue, header};
 use axum::response::Response;
@@ -8,18 +8,17 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use crate::export::Format;
 use crate::job::outline::Outline;
 
-/// The most bytes of a job's name: with what follows it, file systems take 255.
+/// The most bytes that are used of a job's name: file systems allow 255 for the whole file name.
 const MOST_BYTES: usize = 180;
 
-/// What is written as it is in `filename*` (`attr-char` of RFC 8187).
+/// The characters that `filename*` does not percent-encode (`attr-char` of RFC 8187).
 const ATTR_CHAR: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'-')
     .remove(b'.')
     .remove(b'_')
     .remove(b'~');
 
-/// The answer, with a name for the file that it is: of an iteration if it has a number, of the
-/// result otherwise.
+/// The answer with a file name: that of an iteration if there is a number, else that of the result.
 pub(super) fn named(
     mut response: Response,
     outline: &Outline,
@@ -27,7 +26,7 @@ pub(super) fn named(
     format: Format,
 ) -> Response {
     let name = file_name(outline, iteration, format.extension());
-    // Only visible ASCII characters are left, so that this never fails.
+    // The value consists of visible ASCII characters, so that this never fails.
     if let Ok(value) = HeaderValue::try_from(disposition(&name)) {
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_DISPOSITION, value);
@@ -35,9 +34,9 @@ pub(super) fn named(
     response
 }
 
-/// The name for clients that know ASCII only, and the name itself.
+/// The Content-Disposition with the name in ASCII, for old clients, and in UTF-8.
 fn disposition(name: &str) -> String {
-    // Some clients decode a percent sign even where it means itself.
+    // Some clients decode percent signs in the ASCII name, too.
     let plain = |c: char| matches!(c, ' '..='~') && c != '%';
     let ascii: String = name
         .chars()
@@ -47,7 +46,8 @@ fn disposition(name: &str) -> String {
     format!("inline; filename=\"{ascii}\"; filename*=UTF-8''{exact}")
 }
 
-/// `naca2412.step`, `naca2412-7.step` of an iteration; jobs without a name have their kind and id.
+/// The name of a file, such as `naca2412.step`, or `naca2412-7.step` of iteration 7. For jobs without a
+/// name it consists of kind and id.
 fn file_name(outline: &Outline, iteration: Option<usize>, extension: &str) -> String {
     let name = outline.label.name.as_deref().unwrap_or_default();
     let stem = stem(name, extension).unwrap_or_else(|| {
@@ -60,8 +60,8 @@ fn file_name(outline: &Outline, iteration: Option<usize>, extension: &str) -> St
     }
 }
 
-/// A name without what would make it a path, a hidden file, a second header or something else than
-/// it looks like; none if nothing is left of it.
+/// A job's name made safe: it cannot be a path or a hidden file, break out of the header, or display as
+/// something else. `None` if nothing meaningful is left.
 fn stem(name: &str, extension: &str) -> Option<String> {
     let safe = |c| if is_unsafe(c) { '_' } else { c };
     let mut length = 0;
@@ -71,7 +71,7 @@ fn stem(name: &str, extension: &str) -> Option<String> {
     };
     let stem: String = name.chars().map(safe).take_while(fits).collect();
     let stem = trimmed(&stem);
-    // What is called wing.step already does not become wing.step.step.
+    // A job that is called wing.step does not become wing.step.step.
     let stem = match stem.rsplit_once('.') {
         Some((before, end)) if end.eq_ignore_ascii_case(extension) => trimmed(before),
         _ => stem,
@@ -84,8 +84,8 @@ fn trimmed(name: &str) -> &str {
     name.trim_matches(|c: char| c == '.' || c.is_whitespace())
 }
 
-/// Separators of paths and what else some system does not allow in names; control characters, and
-/// those that are not seen but turn the direction of writing or begin a line.
+/// Whether a character is a path separator, is reserved on some system, or is an invisible control or
+/// formatting character, such as those that change the direction of writing.
 fn is_unsafe(c: char) -> bool {
     let reserved = matches!(c, '/' | '\\' | ':' | '*' | '?' | '"' | '<' | '>' | '|');
     let unseen = matches!(

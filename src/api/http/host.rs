@@ -1,8 +1,8 @@
-//! For whom a request is meant: its Host.
+//! Checks the Host of requests.
 //!
-//! A server on the loopback interface is there for programs of this machine. A page of the web is not
-//! one of them, but its browser is: the page gets a name of its own to stand for 127.0.0.1 ("DNS
-//! rebinding"), and the browser takes the server for the page's own. What gives it away is the name.
+//! A server on the loopback interface is meant for programs on this machine, but a web page can reach it
+//! through the browser: by DNS rebinding, the page's own host name comes to stand for 127.0.0.1, and the
+//! browser takes the server for part of the page's origin. The Host header then has the wrong name.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -15,15 +15,15 @@ use axum::response::{IntoResponse, Response};
 
 use crate::api::problem::{Kind, Problem};
 
-/// Whoever asks for these, as orchestrators do by all kinds of names, learns nothing else.
+/// Resources that are answered under any name, as orchestrators use all kinds of names.
 const ALWAYS: [&str; 2] = ["/livez", "/readyz"];
 
-/// The names of a server.
+/// The host names of a server.
 #[derive(Clone, Debug)]
 pub struct Hosts {
-    /// Besides those of the loopback interface, in lower case.
+    /// Names besides those of the loopback interface, in lower case.
     names: Arc<[String]>,
-    /// Requests for others are refused.
+    /// Whether requests for other hosts are refused.
     checked: bool,
 }
 
@@ -56,7 +56,7 @@ fn plain(name: &str) -> String {
     name.strip_suffix('.').unwrap_or(name).to_ascii_lowercase()
 }
 
-/// Refuses requests that do not say for whom they are, or are for somebody else.
+/// Refuses requests without a valid Host, and those for another host.
 pub(super) async fn check(State(hosts): State<Hosts>, request: Request, next: Next) -> Response {
     match refusal(&hosts, &request) {
         None => next.run(request).await,
@@ -82,7 +82,7 @@ fn refusal(hosts: &Hosts, request: &Request) -> Option<Problem> {
     Some(Problem::new(Kind::UnknownHost, detail))
 }
 
-/// The Host header, which there is once in HTTP/1.1; or what is wrong with it.
+/// The Host header, which HTTP/1.1 requires exactly once. The error says what is wrong with it.
 fn in_header(headers: &HeaderMap, version: Version) -> Result<Option<Authority>, &'static str> {
     let mut values = headers.get_all(header::HOST).iter();
     match (values.next(), values.next()) {

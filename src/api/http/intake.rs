@@ -1,5 +1,5 @@
-//! How the bodies of requests arrive: they grow with what comes, take memory from a share of it, and
-//! must keep coming.
+//! Receives the bodies of requests: within the limits of size, from a share of the memory, and with
+//! limits on pauses and rate.
 
 use std::time::{Duration, Instant};
 
@@ -13,13 +13,13 @@ use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
 use crate::job::memory::Permit;
 
-/// Bodies up to this size take nothing of the share: connections are few enough for them.
+/// Bodies up to this size take nothing from the share: the number of connections limits their memory.
 const SMALL: usize = 64 * 1024;
 
-/// A body takes memory twice: as it came, and as the numbers that are read from it.
+/// A body takes memory twice: as bytes, and as the numbers that are read from them.
 const COPIES: usize = 2;
 
-/// How long a body may wait for others to be read.
+/// How long a body may wait for memory.
 const WAIT: Duration = Duration::from_secs(10);
 
 /// A body, and the memory that it takes.
@@ -57,7 +57,7 @@ pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<Recei
 struct Intake<'a> {
     app: &'a App,
     limit: usize,
-    /// What will come, as far as it was told.
+    /// The Content-Length; the largest number if there is none.
     announced: usize,
     begun: Instant,
     bytes: Vec<u8>,
@@ -80,7 +80,7 @@ impl Intake<'_> {
                 let detail = format!("the body could not be read: {reason}");
                 Problem::new(Kind::InvalidRequest, detail)
             })?;
-            // Trailers carry nothing that is needed here.
+            // Trailers are ignored.
             if let Ok(data) = frame.into_data() {
                 if data.len() > self.limit - self.bytes.len() {
                     return Err(too_large(self.limit));
@@ -91,7 +91,7 @@ impl Intake<'_> {
         }
     }
 
-    /// Makes room for so many more bytes: at least as many as there are, so that little is copied.
+    /// Makes room for so many more bytes. The capacity at least doubles, so that little is copied.
     async fn grow(&mut self, more: usize) -> Result<(), Problem> {
         let needed = self.bytes.len() + more;
         let capacity = self.bytes.capacity();
@@ -101,7 +101,7 @@ impl Intake<'_> {
         if needed <= capacity {
             return Ok(());
         }
-        // Who has sent an eighth of it is likely to send the rest.
+        // A client that has sent an eighth of the body is likely to send the rest.
         let wanted = match self.announced / 8 <= needed {
             true => self.announced,
             false => 2 * capacity,
@@ -116,8 +116,8 @@ impl Intake<'_> {
             .map_err(|_| busy("the server has no memory for the body"))
     }
 
-    /// Takes memory of the share. A body that is larger than the whole share is taken in when no other
-    /// large one is.
+    /// Takes memory from the share. A body that is larger than the whole share waits until it gets all
+    /// of it.
     async fn take(&mut self, bytes: usize) -> Result<(), Problem> {
         let share = &self.app.jobs.resources().memory.bodies;
         let held: usize = self.room.iter().map(Permit::num_permits).sum();
@@ -132,7 +132,7 @@ impl Intake<'_> {
         Ok(())
     }
 
-    /// A large body must not keep others out by coming slowly.
+    /// Refuses large bodies that come so slowly that they keep memory from others.
     fn check_rate(&self) -> Result<(), Problem> {
         let (rate, pause) = (self.app.config.min_body_rate, self.app.config.body_timeout);
         let passed = self.begun.elapsed();

@@ -1,4 +1,4 @@
-//! How many requests there are, and how long they take: by method, route and status.
+//! Metrics of requests: how many there are and how long they take, by method, route and status.
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::{Registry, Unit};
 
-/// Bounds of the times that are told apart, in seconds.
+/// Upper bounds of the histogram's buckets, in seconds.
 const BOUNDS: [f64; 12] = [
     0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 5.0, 30.0,
 ];
@@ -24,7 +24,7 @@ pub struct Requests {
     answers: Family<Answered, Counter>,
 }
 
-/// What was asked for, out of a list that no client makes longer.
+/// The labels of a request: a finite set, which clients cannot grow.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct Route {
     method: &'static str,
@@ -48,7 +48,7 @@ impl Default for Requests {
 }
 
 impl Requests {
-    /// Makes the numbers known under their names.
+    /// Registers the metrics under their names.
     pub(super) fn register(&self, registry: &mut Registry) {
         registry.register_with_unit(
             "piad_http_request_duration",
@@ -88,7 +88,7 @@ pub(super) async fn measure(
     response
 }
 
-/// Clients may make methods up.
+/// The name of a method; invented ones share a label.
 fn name(method: &Method) -> &'static str {
     match *method {
         Method::GET => "GET",

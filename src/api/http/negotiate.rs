@@ -13,7 +13,7 @@ use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
 use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
 
-/// The longest that `Prefer: wait` may ask for.
+/// The longest time that `Prefer: wait` may ask for, in seconds.
 pub const LONGEST_WAIT: u64 = 300;
 
 /// How a job is answered.
@@ -25,9 +25,8 @@ pub enum Answer {
     Events(Framing),
 }
 
-/// The job or its events, whichever the client prefers; the job as JSON if it does not care. A client
-/// of messages that wants them as they come says so with `Prefer: stream`, for they have the same
-/// media type.
+/// The job or its events, whichever the client prefers; the job as JSON by default. A job and an event
+/// stream in protobuf have the same media type: `Prefer: stream` asks for the stream.
 pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
     let message = match prefers_stream(headers) {
         true => Answer::Events(Framing::Protobuf),
@@ -44,7 +43,7 @@ pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
     )
 }
 
-/// The framing of an event stream; server-sent events if the client does not care.
+/// The framing of an event stream; server-sent events by default.
 pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
     choose(
         headers,
@@ -56,7 +55,7 @@ pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
     )
 }
 
-/// JSON or a message; JSON if the client does not care.
+/// JSON or a protobuf message; JSON by default.
 pub fn language(headers: &HeaderMap) -> Result<Language, Problem> {
     choose(
         headers,
@@ -64,7 +63,7 @@ pub fn language(headers: &HeaderMap) -> Result<Language, Problem> {
     )
 }
 
-/// Refuses clients that do not take JSON.
+/// Refuses requests whose Accept header excludes JSON.
 pub(super) fn json(headers: &HeaderMap) -> Result<(), Problem> {
     choose(headers, &[(JSON, ())])
 }
@@ -115,7 +114,8 @@ pub(super) fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> R
         })
 }
 
-/// A media range with its quality alone: `text/event-stream; charset=utf-8` is an event stream.
+/// A media range without its parameters except the quality: `text/event-stream; charset=utf-8` is an
+/// event stream, too.
 fn without_parameters(range: &str) -> String {
     let mut parts = range.split(';').map(str::trim);
     let essence = parts.next().unwrap_or("");
@@ -161,7 +161,7 @@ pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
         .map_err(|rejection| explain(&rejection.body_text()))
 }
 
-/// What is wrong with a query, from the words of its reader.
+/// What is wrong with a query, taken from the message of its deserializer.
 fn explain(text: &str) -> Problem {
     let of_field = |words: &str| {
         let (_, rest) = text.split_once(words)?;
@@ -171,7 +171,7 @@ fn explain(text: &str) -> Problem {
         return Problem::at_parameter(name, "it is given twice");
     }
     if let Some((name, rest)) = of_field("unknown field `") {
-        // Between the other quotation marks are the names that are known.
+        // The known names stand between the other backticks.
         let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
         let detail = format!("there is no such parameter; there are {}", known.join(", "));
         return Problem::at_parameter(name, detail);

@@ -1,4 +1,4 @@
-//! The parts of a path that name something.
+//! The parameters in a path.
 
 use axum::extract::{FromRequestParts, Path};
 use axum::http::request::Parts;
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use crate::api::problem::{Kind, Problem};
 use crate::model::short;
 
-/// The parts of a path. What is no text, such as `%FF`, names nothing.
+/// The parameters in a path. Those that are not UTF-8, such as `%FF`, name nothing and give 404.
 #[derive(Debug)]
 pub struct InPath<T>(pub T);
 

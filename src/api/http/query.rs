@@ -42,7 +42,7 @@ pub struct StreamQuery {
 }
 
 impl IterationQuery {
-    /// What it says about a curve or a surface.
+    /// The choices of the query, checked for a curve or a surface.
     pub(super) fn spec(self, surface: bool) -> Result<StreamSpec, Problem> {
         let query = StreamQuery {
             view: self.view,
@@ -54,7 +54,7 @@ impl IterationQuery {
         query.spec(surface)
     }
 
-    /// How many samples a file should have; what is about JSON is refused.
+    /// How many samples a file should have; parameters that only JSON has are refused.
     pub fn samples_of_file(&self, surface: bool) -> Result<Option<Grid>, Problem> {
         let json = [
             (Choice::View, &self.view),
@@ -74,7 +74,7 @@ impl IterationQuery {
 }
 
 impl StreamQuery {
-    /// The name of a parameter that is given, if there is one.
+    /// The name of the first parameter that is given, if there is one.
     pub(super) fn given(&self) -> Option<&'static str> {
         let parameters = [
             ("last_event_id", &self.last_event_id),
@@ -92,7 +92,7 @@ impl StreamQuery {
         given.map(|(name, _)| name)
     }
 
-    /// What it says about a stream of a curve or a surface.
+    /// The choices of the query for a stream of a curve or a surface.
     pub fn spec(&self, surface: bool) -> Result<StreamSpec, Problem> {
         let samples = |text: &str| {
             let samples = Samples::of_text(text);
@@ -142,7 +142,7 @@ fn one_of<T: Named>(choice: Choice, text: &Option<String>) -> Result<Option<T>, 
     text.as_ref().map(value).transpose()
 }
 
-/// Numbers between commas; none at all if the text is empty.
+/// Numbers separated by commas; an empty text is an empty list.
 fn milestones(text: &str) -> Result<Vec<f64>, Problem> {
     let texts = text.split(',').filter(|_| !text.is_empty());
     if texts.clone().count() > MOST_MILESTONES {

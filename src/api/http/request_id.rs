@@ -1,4 +1,4 @@
-//! The id of a request: as the client says, if that is an id, or a new one.
+//! The id of a request: the client's own, if it is valid, or a new one.
 
 use axum::http::{HeaderName, HeaderValue, Request};
 use tower_http::request_id::{MakeRequestId, RequestId};
@@ -7,10 +7,10 @@ use uuid::Uuid;
 /// The header with the id, in requests and in answers.
 pub const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 
-/// The longest id of a client. It comes back in every answer and stands in the log.
+/// The longest id that is taken from a client: it is repeated in answers and in the log.
 const LONGEST: usize = 128;
 
-/// Ids that grow with time, as those of jobs do.
+/// Makes ids that grow with time, like those of jobs.
 #[derive(Clone, Copy)]
 pub(super) struct NewRequestId;
 
@@ -21,7 +21,7 @@ impl MakeRequestId for NewRequestId {
     }
 }
 
-/// A request without ids that are too long or not a word, and without several of them.
+/// Removes request ids that are too long or not visible ASCII, and several ids of one request.
 pub(super) fn plain<B>(mut request: Request<B>) -> Request<B> {
     let headers = request.headers_mut();
     let ids: Vec<_> = headers.get_all(REQUEST_ID).iter().collect();

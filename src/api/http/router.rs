@@ -29,7 +29,7 @@ use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
 use crate::model::short;
 
-/// All resources, under the names of the server.
+/// The router of all resources and gRPC services, with their middleware.
 pub fn router(app: App, hosts: Hosts) -> Router {
     let trace = TraceLayer::new_for_http().make_span_with(span);
     let layers = ServiceBuilder::new()
@@ -133,7 +133,7 @@ async fn not_found(request: Request) -> Problem {
     Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
 }
 
-/// Says which methods the resource understands, of all resources.
+/// The problem of a method that the resource does not understand; it names those that it does.
 fn method_not_allowed(methods: &HashMap<String, String>, request: &Request) -> Problem {
     let method = short::plain(request.method().as_str());
     let path = short::plain(request.uri().path());
@@ -156,7 +156,7 @@ fn span<B>(request: &http::Request<B>) -> tracing::Span {
     )
 }
 
-/// A server that takes no more for the moment does as it should.
+/// Logs failed requests. A server that answers 503 when it is full works as it should.
 fn tell_failure(failure: ServerErrorsFailureClass, latency: Duration, _span: &Span) {
     match failure {
         ServerErrorsFailureClass::StatusCode(StatusCode::SERVICE_UNAVAILABLE) => {

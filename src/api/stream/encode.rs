@@ -1,4 +1,4 @@
-//! Making the JSON or the messages of frames and descriptions: once for all readers, and off the
+//! Encodes frames and descriptions of jobs as JSON or messages: once for all readers, and off the
 //! network threads.
 
 use std::sync::Arc;
@@ -15,15 +15,15 @@ use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
 
-/// So many numbers are written where they are needed, more of them on the compute pool.
+/// Up to so many numbers are encoded at once, more of them on the compute pool.
 const SMALL: usize = 2000;
 
-/// Writing a number takes about as long as so many multiplications.
+/// Encoding a number takes about as long as this many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 50;
 
 /// The data of the `job` event, made once for each job and encoding.
 pub(super) async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
-    // Knots that are near each other would be the same in 32 bits.
+    // Always with 64 bits: knots that lie close together would coincide in 32 bits.
     let (name, encoding) = match form.encoding {
         Encoding::Json => ("json", Encoding::Json),
         Encoding::Base64 | Encoding::Base64F32 => ("base64", Encoding::Base64),
@@ -81,7 +81,7 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Co
     frame.encoded(&key, cache, encode).await
 }
 
-/// About how many numbers are written, or computed.
+/// About how many numbers are encoded, or multiplied for samples.
 fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
     let dimension = frame.control_points.dimension();
     match view {
@@ -96,7 +96,7 @@ fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
     }
 }
 
-/// Encodes on the compute pool, unless it is little.
+/// Encodes on the compute pool, unless there are few numbers.
 pub async fn off_network(
     job: &Job,
     numbers: usize,

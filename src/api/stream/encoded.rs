@@ -1,7 +1,7 @@
-//! Messages that are sent as the bytes that they are.
+//! Protobuf messages around geometry that is already encoded.
 //!
-//! Geometry is encoded once, however many clients read it, over gRPC or REST. What stands around it
-//! differs: the field of the response that it is in, and the milestone that it reaches for a client.
+//! Geometry is encoded once, however many clients read it over gRPC or REST. Only what is around it
+//! differs: the field of the response, and the milestone that it reaches for one client.
 
 use bytes::{Buf, BufMut, Bytes, BytesMut};
 use prost::encoding::{DecodeContext, WireType, double, encode_key, encode_varint, skip_field};
@@ -10,13 +10,13 @@ use prost::{DecodeError, Message};
 use super::feed::Event;
 use crate::job::content::Content;
 
-/// A message with one field that is a message, whose bytes are shared.
+/// A message with one field that is a message itself, whose bytes are shared.
 #[derive(Debug)]
 pub struct Encoded {
-    /// Everything that comes before the shared bytes.
+    /// The bytes before the shared ones.
     head: Bytes,
     body: Content,
-    /// The bytes of the body.
+    /// How many bytes the body has.
     length: usize,
 }
 
@@ -26,7 +26,7 @@ impl Encoded {
         Self::with_field(1, None, message)
     }
 
-    /// An event as `WatchJobResponse` or `FitResponse`; none if there is nothing to tell.
+    /// An event as `WatchJobResponse` or `FitResponse`; `None` for events that have no message.
     pub fn event(event: Event) -> Option<Self> {
         match event {
             Event::Job(data) => Some(Self::with_field(1, None, data)),
@@ -75,7 +75,7 @@ impl Message for Encoded {
         }
     }
 
-    /// The server does not read what it sends.
+    /// Skips all fields: the server never decodes these messages.
     fn merge_field(
         &mut self,
         tag: u32,

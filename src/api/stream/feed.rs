@@ -1,7 +1,7 @@
 //! A job as a sequence of events: the job, then every iteration from 0 on, then the end.
 //!
-//! Events are pulled: the next frame is asked for when the connection has taken the one before. The
-//! data of an iteration are made once for each form and shared by all feeds.
+//! Events are pulled: the next frame is requested when the connection has taken the one before. The data
+//! of an iteration are encoded once for each form and shared by all feeds.
 
 use std::collections::VecDeque;
 use std::pin::pin;
@@ -24,11 +24,11 @@ use crate::job::store::StoreError;
 use crate::job::{Held, Job};
 use crate::model::stream::options::StreamOptions;
 
-/// What happens in the life of a job, or of the connection. Data are JSON or a protobuf message, as
-/// the form of the feed says.
+/// An event of a job, or of the connection. Data are JSON or a protobuf message, depending on the form
+/// of the feed.
 #[derive(Clone, Debug)]
 pub enum Event {
-    /// What does not change from iteration to iteration.
+    /// The description of the job, which does not change from iteration to iteration.
     Job(Content),
     /// An iteration.
     Iteration {
@@ -49,7 +49,7 @@ pub enum Event {
 
 /// Where a feed is.
 enum Stage {
-    /// Before the `job` event, which tells numbers that are known when the job has begun.
+    /// Before the `job` event, which has numbers that are known only when the job has begun.
     Waiting,
     Iterations,
     Over,
@@ -70,17 +70,17 @@ pub struct Feed {
     milestones: Option<Milestones>,
     /// The last iteration that the client has.
     seen: Option<usize>,
-    /// The client has complete control points, to which changes can be applied.
+    /// The client has received complete control points, to which changes can be applied.
     complete: bool,
     stage: Stage,
-    /// Events that have happened: at most three at a time.
+    /// Events that are ready: at most three at a time.
     pending: VecDeque<Event>,
     heartbeat: Duration,
-    /// When the client hears that the stream is still there, if it hears nothing else.
+    /// When the next heartbeat is due if there is no other event.
     quiet_until: Instant,
     stopping: watch::Receiver<bool>,
     _open: Open,
-    /// So that it comes to its end, also if the job is deleted.
+    /// Held so that the feed can end properly even if the job is deleted.
     held: Held,
 }
 
@@ -99,7 +99,7 @@ impl Feed {
         }
         let first = match seen {
             None => 0,
-            // What the client has seen tells which milestones it has seen reached.
+            // The last iteration seen is read again, to find the milestones that were reached by then.
             Some(k) if !options.milestones.is_empty() => k,
             Some(k) => k + 1,
         };
@@ -123,7 +123,7 @@ impl Feed {
         }
     }
 
-    /// The next event. A feed that ends without `End` or `Stopping` has broken off.
+    /// The next event. A feed that ends without `End` or `Stopping` has failed.
     pub async fn next(&mut self) -> Option<Event> {
         self.quiet_until = Instant::now() + self.heartbeat;
         loop {
@@ -141,8 +141,8 @@ impl Feed {
     async fn advance(&mut self) {
         let happened = {
             let mut next = pin!(self.cursor.next());
-            // What is at hand is taken at once: timers and wake-ups are only for waiting. A feed that
-            // leaves out frames looks at its timer in between.
+            // A frame that is ready is taken without setting up timers and wake-ups. A feed that leaves
+            // out frames has to look at its timer in between.
             let waits = *self.stopping.borrow() || self.milestones.is_some();
             let at_hand = (!waits).then(|| next.as_mut().now_or_never());
             match at_hand.flatten() {
@@ -158,10 +158,10 @@ impl Feed {
             Happened::Next(next) => {
                 match self.push_next(next).await {
                     Ok(()) => {}
-                    // Deleted before its points were read: there is nothing to come back for.
+                    // The job was deleted before its points were read: reconnecting would be pointless.
                     Err(StoreError::Gone(_)) => self.push_end(&self.job.status()),
                     Err(reason) => {
-                        // Without an end the client comes back.
+                        // The client did not get the end, so it will reconnect.
                         error!(job = %self.job.id(), %reason, "a stream broke off");
                         self.stage = Stage::Over;
                     }
@@ -178,7 +178,7 @@ impl Feed {
         }
     }
 
-    /// The next frame or the end, and first of all the job.
+    /// Pushes the next frame or the end; before the first of these, the `job` event.
     async fn push_next(&mut self, next: Result<Next, StoreError>) -> Result<(), StoreError> {
         let next = next?;
         if matches!(self.stage, Stage::Waiting) {
@@ -195,7 +195,7 @@ impl Feed {
         }
     }
 
-    /// Sends a frame, if the client wants it.
+    /// Pushes a frame, unless milestones leave it out.
     async fn take(&mut self, frame: &Arc<Frame>) -> Result<(), StoreError> {
         let Some(milestones) = &mut self.milestones else {
             return self.push_frame(frame, None).await;
@@ -207,7 +207,7 @@ impl Feed {
         let new = Some(frame.level.iteration) > self.seen;
         match milestone.filter(|_| new) {
             Some(milestone) => self.push_frame(frame, Some(milestone)).await?,
-            // Others have their turn, however many frames are left out.
+            // Lets other tasks run, however many frames are left out.
             None => tokio::task::consume_budget().await,
         }
         Ok(())
@@ -234,7 +234,7 @@ impl Feed {
         Ok(())
     }
 
-    /// The last iteration, if it was left out so far, and the end.
+    /// Pushes the last iteration, if it was left out so far, and the end.
     async fn finish(&mut self, status: &Status) -> Result<(), StoreError> {
         let last = status.levels.map(|levels| levels.last.iteration);
         let leaves_out = self.options.every > 1 || self.milestones.is_some();

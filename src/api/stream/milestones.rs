@@ -1,6 +1,6 @@
-//! Distances of which a stream shows the first iteration that is within each.
+//! Milestones of a stream: for each of these distances it shows the first iteration within it.
 
-/// Milestones, of which some are reached.
+/// The milestones of a stream, and how many of them have been reached.
 #[derive(Clone, Debug)]
 pub(super) struct Milestones {
     /// Decreasing.
@@ -17,7 +17,8 @@ impl Milestones {
         }
     }
 
-    /// The smallest of those that an iteration is the first to reach, if there is one.
+    /// Marks the milestones that an iteration with this largest distance reaches; returns the smallest
+    /// one that it is the first to reach.
     pub(super) fn reach(&mut self, distance: f64) -> Option<f64> {
         let within = |milestone: &&f64| distance <= **milestone;
         let new = self.distances[self.reached..].iter().take_while(within);

@@ -1,5 +1,5 @@
-//! What goes out on a connection: small things together in one write, large ones piece by piece,
-//! the next of which are made while the one before is on its way.
+//! The bytes that are sent on a connection: small contents are joined into one write, large ones are
+//! sent piece by piece, while the next pieces are being made.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -11,38 +11,38 @@ use crate::job::Job;
 use crate::job::content::{Content, Pieces};
 use crate::job::scheduler::Broken;
 
-/// Contents up to this size are copied into one piece with what stands around them.
+/// Contents up to this size are copied together with what is around them.
 const SMALL: usize = 16 * 1024;
 
-/// So many pieces are made ahead of the one that is being sent.
+/// How many pieces are made ahead of the one that is being sent.
 const AHEAD: usize = 3;
 
-/// Contents above this size are likely to be followed by many of that size.
+/// After contents above this size many of the same size are expected.
 const FEW: usize = 1024;
 
-/// Pieces that are copied together are sent when they have this size.
+/// Contents that are copied together are sent when they reach this size.
 pub const ENOUGH: usize = 64 * 1024;
 
 /// Bytes in the order in which they are sent.
 pub struct Outgoing {
     job: Arc<Job>,
     unsent: VecDeque<Unsent>,
-    /// Small things that will be sent together, after the unsent.
+    /// Small contents that will be sent together, after `unsent`.
     together: BytesMut,
-    /// The pieces after the one that was sent last, as far as they are being made.
+    /// The pieces after the last one sent that are already being made.
     ahead: VecDeque<JoinHandle<Result<Bytes, Broken>>>,
 }
 
 enum Unsent {
     Bytes(Bytes),
-    /// The rest of something that takes memory until all of it is sent.
+    /// A content that is cut into parts but kept as a whole, as it holds memory until it is sent.
     Whole(Content),
-    /// All pieces from one on.
+    /// The pieces of a content from this index on.
     Pieces(Arc<Pieces>, usize),
 }
 
 impl Outgoing {
-    /// Nothing yet, of a job whose compute pool makes the pieces.
+    /// An empty queue; pieces are made on the compute pool of the job.
     pub fn new(job: Arc<Job>) -> Self {
         Self {
             job,
@@ -57,17 +57,17 @@ impl Outgoing {
         self.unsent.is_empty() && self.together.is_empty()
     }
 
-    /// Whether so much is to be sent that nothing more should be gathered.
+    /// Whether there is enough to send, so that nothing more should be gathered.
     pub fn is_enough(&self) -> bool {
         !self.unsent.is_empty() || self.together.len() >= ENOUGH
     }
 
-    /// Where something small can be written.
+    /// The buffer for small contents.
     pub fn text(&mut self) -> &mut BytesMut {
         &mut self.together
     }
 
-    /// Adds what may be large.
+    /// Adds a content of any size.
     pub fn push(&mut self, content: Content) {
         if content.rest.is_none() && content.head.len() > ENOUGH {
             self.cut();
@@ -82,7 +82,7 @@ impl Outgoing {
 
     fn push_bytes(&mut self, bytes: Bytes) {
         if bytes.len() <= SMALL {
-            // Of a few large ones all of them will find room.
+            // Room for this one, or for many of the same size.
             if self.together.capacity() < self.together.len() + bytes.len() {
                 let many = if bytes.len() > FEW { ENOUGH + SMALL } else { 0 };
                 self.together.reserve(bytes.len().max(many));
@@ -131,7 +131,7 @@ impl Outgoing {
         }
     }
 
-    /// Begins to make a piece.
+    /// Starts making a piece.
     fn make(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
         let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
         tokio::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
