@@ -11,6 +11,8 @@ use jiff::SignedDuration;
 use crate::api::http::cors::Origin;
 use crate::server::listen::Listen;
 
+use crate::model::job::Limits;
+
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
 #[derive(Debug, Parser)]
 #[command(name = "piad", version = env!("PIAD_VERSION"), about, args_conflicts_with_subcommands = true)]
@@ -209,6 +211,14 @@ impl Config {
         match Standard::try_parse_from(["piad"]) {
             Ok(standard) => standard.config,
             Err(error) => error.exit(),
+        }
+    }
+
+    /// The largest jobs that are accepted.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            points: self.max_points,
+            iterations: self.max_iterations,
         }
     }
 

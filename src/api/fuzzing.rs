@@ -21,8 +21,8 @@ use crate::job::outline::{Label, Outline};
 use crate::job::state::{Levels, State, Status};
 use crate::job::store::embedded::fuzzing as store;
 use crate::job::store::{Record, StoreError};
-use crate::model::edit::{EditSpec, Parent as Origin};
-use crate::model::job::{Limits, ValidJob};
+use crate::model::edit::{EditSpec, ParentFit};
+use crate::model::job::ValidJob;
 use crate::model::mistakes::MOST_MISTAKES;
 
 /// Jobs of more points are read and written, but not computed.
@@ -255,17 +255,13 @@ fn edit_of_message(parent: &Parent, bytes: &[u8]) -> Result<ValidJob, Refusal> {
 
 impl Parent {
     fn edited(&self, spec: EditSpec, words: &impl Words) -> Result<ValidJob, Refusal> {
-        let origin = Origin {
+        let origin = ParentFit {
             problem: &self.problem,
             control_points: &self.control_points,
             lambda_min: None,
             stream: None,
         };
-        let limits = Limits {
-            points: config().max_points,
-            iterations: config().max_iterations,
-        };
-        let edited = spec.apply(&origin, limits);
+        let edited = spec.apply(&origin, config().limits());
         edited.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
     }
 }

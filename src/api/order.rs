@@ -18,9 +18,9 @@ use crate::job::outline::{Label, Parent};
 use crate::job::scheduler::Lane;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
-use crate::model::edit::{EditSpec, Parent as Origin};
-use crate::model::job::{Limits, ValidJob};
-use crate::model::mistakes::{Mistake, Place};
+use crate::model::edit::{EditSpec, ParentFit};
+use crate::model::job::ValidJob;
+use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
@@ -72,21 +72,18 @@ impl Order {
         let wrong =
             |place, detail: String| Problem::of_mistakes(Mistake::at(place, detail).into(), words);
         let frame = start(parent, edit.iteration).await?;
-        let frame = frame.map_err(|detail| wrong(Place::Iteration, detail))?;
+        let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
         let iteration = frame.level.iteration;
         // Held until the end: points that nobody holds are read from the store again.
         let shared = parent.system().await?;
         let problem = Arc::clone(shared.problem());
-        let limits = Limits {
-            points: app.config.max_points,
-            iterations: app.config.max_iterations,
-        };
+        let limits = app.config.limits();
         let levels = parent.status().levels;
         let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
         let small = problem.grid().count() <= EDITED_AT_ONCE;
         let label = parent.outline().label.clone();
         let valid = compute(app, small, move || {
-            let origin = Origin {
+            let origin = ParentFit {
                 problem: &problem,
                 control_points: &frame.control_points,
                 lambda_min,

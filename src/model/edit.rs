@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::job::{Limits, MethodSpec, ValidJob, check_name};
-use super::mistakes::{ChangePart, Mistake, Mistakes, Place, Read};
+use super::mistakes::{ChangePart, Mistake, Mistakes, OrMistakes, SpecPart};
 use super::shape::MAX_DIMENSION;
 use super::stop::StopSpec;
 use super::stream::StreamSpec;
@@ -21,24 +21,24 @@ pub struct EditSpec {
     /// The level of the parent to start from; without one, its last.
     pub iteration: Option<usize>,
     /// Data points that go elsewhere or get another weight.
-    pub points: Vec<Change>,
+    pub points: Vec<PointChange>,
     /// New weights of all data points.
-    pub weights: Read<Option<WeightSpec>>,
+    pub weights: OrMistakes<Option<WeightSpec>>,
     /// How weights are used.
-    pub rational: Read<Option<Rational>>,
+    pub rational: OrMistakes<Option<Rational>>,
     /// Another method.
-    pub method: Read<Option<MethodSpec>>,
+    pub method: OrMistakes<Option<MethodSpec>>,
     /// Other rules when the iteration ends.
     pub stop: Option<StopSpec>,
     /// What the streams of the new job are like; without it as those of the parent.
-    pub stream: Read<Option<StreamSpec>>,
+    pub stream: OrMistakes<Option<StreamSpec>>,
 }
 
 /// A data point that goes elsewhere, gets another weight, or both.
 #[derive(Clone, Debug)]
-pub struct Change {
+pub struct PointChange {
     /// Which point; on surfaces `row · columns + column`.
-    pub index: Read<usize>,
+    pub index: OrMistakes<usize>,
     /// Where it goes.
     pub point: Option<Coordinates>,
     /// Its weight.
@@ -68,7 +68,7 @@ impl Coordinates {
 }
 
 /// What an edit starts from.
-pub struct Parent<'a> {
+pub struct ParentFit<'a> {
     /// The problem of the parent.
     pub problem: &'a Problem,
     /// Its control points at the level that the edit starts from.
@@ -81,7 +81,7 @@ pub struct Parent<'a> {
 
 impl EditSpec {
     /// The problem with the changes, starting from the parent's control points.
-    pub fn apply(self, parent: &Parent<'_>, limits: Limits) -> Read<ValidJob> {
+    pub fn apply(self, parent: &ParentFit<'_>, limits: Limits) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         mistakes.keep(check_name(self.name.as_deref()));
         mistakes.keep(self.check_some());
@@ -119,7 +119,7 @@ impl EditSpec {
     }
 
     /// Refuses an edit that changes nothing.
-    fn check_some(&self) -> Read<()> {
+    fn check_some(&self) -> OrMistakes<()> {
         let nothing = self.points.is_empty()
             && matches!(self.weights, Ok(None))
             && matches!(self.rational, Ok(None))
@@ -127,7 +127,7 @@ impl EditSpec {
             && self.stop.is_none();
         if nothing {
             let detail = "an edit changes something: points, weights, method or stop";
-            return Err(Mistake::at(Place::Whole, detail).into());
+            return Err(Mistake::at(SpecPart::Whole, detail).into());
         }
         Ok(())
     }
@@ -135,7 +135,7 @@ impl EditSpec {
 
 /// Changes single points; gives the entry of each that was changed.
 fn change_points(
-    changes: Vec<Change>,
+    changes: Vec<PointChange>,
     request: &mut Request,
     mistakes: &mut Mistakes,
 ) -> HashMap<usize, usize> {
@@ -151,7 +151,7 @@ fn change_points(
         };
         if changed.contains_key(&index) {
             let detail = "this point has been moved before, by the same edit";
-            mistakes.push(Mistake::at(Place::Change(k, ChangePart::Index), detail));
+            mistakes.push(Mistake::at(SpecPart::Change(k, ChangePart::Index), detail));
         }
         changed.entry(index).or_insert(k);
         if goes {
@@ -162,10 +162,11 @@ fn change_points(
     changed
 }
 
-impl Change {
+impl PointChange {
     /// Puts the point elsewhere; gives its index.
-    fn apply(self, k: usize, request: &mut Request) -> Read<usize> {
-        let wrong = |part, detail: String| Err(Mistake::at(Place::Change(k, part), detail).into());
+    fn apply(self, k: usize, request: &mut Request) -> OrMistakes<usize> {
+        let wrong =
+            |part, detail: String| Err(Mistake::at(SpecPart::Change(k, part), detail).into());
         let index = self.index?;
         let count = request.grid.count();
         if index >= count {
@@ -212,12 +213,12 @@ fn set_weights(
     request: &mut Request,
     weights: Option<WeightSpec>,
     rational: Option<Rational>,
-) -> Read<()> {
+) -> OrMistakes<()> {
     let before = Rational::of(request);
     let kind = rational.or(before);
     if before.is_some() && kind != before {
         let detail = "the weights of a fit stay homogeneous or fixed, as those of its parent";
-        return Err(Mistake::at(Place::Rational, detail).into());
+        return Err(Mistake::at(SpecPart::Rational, detail).into());
     }
     let Some(weights) = weights else {
         return check_unused(rational);
@@ -228,7 +229,7 @@ fn set_weights(
         let (given, expected) = (weights.len(), request.grid.count());
         if given != expected {
             let error = Invalid::WeightCount { given, expected };
-            return Err(Mistake::at(Place::Fit(fit::Place::Weights), error.to_string()).into());
+            return Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), error.to_string()).into());
         }
     }
     request.weights = resolved.weights;
@@ -241,8 +242,8 @@ fn set_weights(
 
 /// The parent's control points. Where data points get other weights, so do their control points,
 /// which stay where they are: the old weights would go through the data as well, and be kept.
-fn start(parent: &Parent<'_>, request: &Request) -> Read<Arc<Points>> {
-    let Parent {
+fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
+    let ParentFit {
         problem,
         control_points,
         ..
@@ -260,7 +261,7 @@ fn start(parent: &Parent<'_>, request: &Request) -> Read<Arc<Points>> {
     }
     if control_points.len() != old.len() {
         let detail = "the control points of a least-squares fit do not belong to single data points, so that its weights cannot be edited: post a new job";
-        return Err(Mistake::at(Place::Fit(fit::Place::Weights), detail).into());
+        return Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into());
     }
     let mut lanes = control_points.lanes().to_vec();
     if !problem.is_homogeneous() {
@@ -275,23 +276,23 @@ fn start(parent: &Parent<'_>, request: &Request) -> Read<Arc<Points>> {
 }
 
 /// Refuses a method with other bases.
-fn check_bases(problem: &Problem, parent: &Problem) -> Read<()> {
+fn check_bases(problem: &Problem, parent: &Problem) -> OrMistakes<()> {
     let bases = problem.directions().map(|direction| &direction.basis);
     if bases.eq(parent.directions().map(|direction| &direction.basis)) {
         return Ok(());
     }
     let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
-    Err(Mistake::at(Place::Fit(fit::Place::Method), detail).into())
+    Err(Mistake::at(SpecPart::Fit(fit::Place::Method), detail).into())
 }
 
 /// Where in an edit a part of the problem is, which has changed these points by these entries.
-fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> Place {
+fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> SpecPart {
     use fit::Place as P;
-    let entry = |index, part| changed.get(&index).map(|k| Place::Change(*k, part));
+    let entry = |index, part| changed.get(&index).map(|k| SpecPart::Change(*k, part));
     match place {
-        P::Point(index) => entry(index, ChangePart::Whole).unwrap_or(Place::Whole),
-        P::Weight(index) => entry(index, ChangePart::Weight).unwrap_or(Place::Fit(place)),
-        P::AxisWeights(_) | P::AxisWeight(..) => Place::Fit(P::Weights),
+        P::Point(index) => entry(index, ChangePart::Whole).unwrap_or(SpecPart::Whole),
+        P::Weight(index) => entry(index, ChangePart::Weight).unwrap_or(SpecPart::Fit(place)),
+        P::AxisWeights(_) | P::AxisWeight(..) => SpecPart::Fit(P::Weights),
         // What an edit leaves as it is was right in the parent.
         P::Line(..)
         | P::Degree(_)
@@ -300,7 +301,7 @@ fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> Place {
         | P::Knot(..)
         | P::Parameters(_)
         | P::Parameter(..)
-        | P::Closed(_) => Place::Whole,
-        place => Place::Fit(place),
+        | P::Closed(_) => SpecPart::Whole,
+        place => SpecPart::Fit(place),
     }
 }

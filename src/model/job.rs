@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::mistakes::{Mistake, Mistakes, Place, Read};
+use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::shape::ShapeSpec;
 use super::stop::StopSpec;
 use super::stream::StreamSpec;
@@ -25,15 +25,15 @@ pub struct JobSpec {
     /// Whether a surface is fitted.
     pub surface: bool,
     /// What is fitted.
-    pub shape: Read<ShapeSpec>,
+    pub shape: OrMistakes<ShapeSpec>,
     /// How weights are used.
-    pub rational: Read<Option<Rational>>,
+    pub rational: OrMistakes<Option<Rational>>,
     /// The method.
-    pub method: Read<MethodSpec>,
+    pub method: OrMistakes<MethodSpec>,
     /// When the iteration ends.
     pub stop: StopSpec,
     /// What its streams are like if they do not say it themselves.
-    pub stream: Read<Option<StreamSpec>>,
+    pub stream: OrMistakes<Option<StreamSpec>>,
 }
 
 /// A method as it is asked for.
@@ -74,7 +74,7 @@ pub struct Limits {
 
 impl JobSpec {
     /// Checks the job against the limits and the mathematics.
-    pub fn validate(self, limits: Limits) -> Read<ValidJob> {
+    pub fn validate(self, limits: Limits) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         mistakes.keep(check_name(self.name.as_deref()));
         let rational = self.rational.clone().ok().flatten();
@@ -94,7 +94,7 @@ impl JobSpec {
             return Err(mistakes);
         };
         // The points and the basis may be wrong beside what was found so far.
-        let problem = mistakes.fit(shape.request(method, rules), Place::Fit);
+        let problem = mistakes.fit(shape.request(method, rules), SpecPart::Fit);
         ValidJob::new(self.name, stream, problem, mistakes)
     }
 }
@@ -106,7 +106,7 @@ impl ValidJob {
         stream: Option<StreamSpec>,
         problem: Option<Problem>,
         mut mistakes: Mistakes,
-    ) -> Read<Self> {
+    ) -> OrMistakes<Self> {
         let Some(problem) = problem.filter(|_| mistakes.none()) else {
             return Err(mistakes);
         };
@@ -120,20 +120,20 @@ impl ValidJob {
     }
 }
 
-pub(super) fn check_name(name: Option<&str>) -> Read<()> {
+pub(super) fn check_name(name: Option<&str>) -> OrMistakes<()> {
     match name {
         Some(name) if name.chars().count() > LONGEST_NAME => {
             let detail = format!("the name is longer than {LONGEST_NAME} characters");
-            Err(Mistake::at(Place::Name, detail).into())
+            Err(Mistake::at(SpecPart::Name, detail).into())
         }
         _ => Ok(()),
     }
 }
 
-fn check_count(count: usize, limit: usize) -> Read<()> {
+fn check_count(count: usize, limit: usize) -> OrMistakes<()> {
     if count > limit {
         let detail = format!("{count} points are more than {limit}, the limit of this server");
-        return Err(Mistake::at(Place::Fit(fit::Place::Points), detail).into());
+        return Err(Mistake::at(SpecPart::Fit(fit::Place::Points), detail).into());
     }
     Ok(())
 }

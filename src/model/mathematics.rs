@@ -1,6 +1,6 @@
 //! What is wrong with a fitting problem, as far as one mistake does not follow from another.
 
-use super::mistakes::{Mistake, Mistakes, Place};
+use super::mistakes::{Mistake, Mistakes, SpecPart};
 use super::stop::DEFAULT_TOLERANCE;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -18,7 +18,7 @@ impl Mistakes {
     pub(super) fn fit(
         &mut self,
         request: Request,
-        place: impl Fn(fit::Place) -> Place,
+        place: impl Fn(fit::Place) -> SpecPart,
     ) -> Option<Problem> {
         let few = request.grid.count() <= MOST_COPIED;
         let mut copy = few.then(|| request.clone());

@@ -11,7 +11,7 @@ pub const MOST_MISTAKES: usize = 16;
 
 /// A part of a job or an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum SpecPart {
     /// All of it.
     Whole,
     /// The client's name for the job.
@@ -47,7 +47,7 @@ pub enum ChangePart {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Site {
     /// In a part of the model.
-    Part(Place),
+    Part(SpecPart),
     /// At a place in the language of the request that is no part of the model.
     Text(String),
 }
@@ -63,7 +63,7 @@ pub struct Mistake {
 
 impl Mistake {
     /// A mistake in a part of the model.
-    pub fn at(place: Place, detail: impl Into<String>) -> Self {
+    pub fn at(place: SpecPart, detail: impl Into<String>) -> Self {
         Self {
             site: Site::Part(place),
             detail: detail.into(),
@@ -80,7 +80,7 @@ impl Mistake {
 }
 
 /// What was read of a part of a request, or all that is wrong with it.
-pub type Read<T> = Result<T, Mistakes>;
+pub type OrMistakes<T> = Result<T, Mistakes>;
 
 /// All mistakes that were found, as far as one does not follow from another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -114,7 +114,7 @@ impl Mistakes {
     }
 
     /// The value if there are no mistakes.
-    pub fn or<T>(self, value: T) -> Read<T> {
+    pub fn or<T>(self, value: T) -> OrMistakes<T> {
         if self.none() { Ok(value) } else { Err(self) }
     }
 }

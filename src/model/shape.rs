@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 
 use super::job::MethodSpec;
-use super::mistakes::{Mistake, Mistakes, Place, Read};
+use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::stop::StopRules;
 use super::weights::{Rational, WeightSpec, check_unused};
 use crate::fit::basis::{Polynomial, knots::Knots};
@@ -47,7 +47,7 @@ pub struct BasisSpec {
 
 impl BasisSpec {
     /// The basis of a direction.
-    fn choice(self, axis: Axis) -> Read<BasisChoice> {
+    fn choice(self, axis: Axis) -> OrMistakes<BasisChoice> {
         let kind = match self.kind {
             BasisKind::Bspline => {
                 return Ok(BasisChoice::BSpline {
@@ -67,7 +67,7 @@ impl BasisSpec {
                 "a {} basis has no {field} to choose: its degree is control points − 1",
                 kind.name()
             );
-            mistakes.push(Mistake::at(Place::Fit(place), detail));
+            mistakes.push(Mistake::at(SpecPart::Fit(place), detail));
         }
         mistakes.or(BasisChoice::Polynomial(kind))
     }
@@ -77,7 +77,7 @@ impl BasisSpec {
 #[derive(Clone, Debug)]
 pub struct AxisSpec {
     /// The basis.
-    pub basis: Read<BasisSpec>,
+    pub basis: OrMistakes<BasisSpec>,
     /// The parameters of the data points.
     pub parameters: Parametrization,
     /// Whether it is periodic.
@@ -98,11 +98,11 @@ pub struct ShapeSpec {
     /// The direction v of a surface.
     pub v: Option<AxisSpec>,
     /// The weights.
-    pub weights: Read<Option<WeightSpec>>,
+    pub weights: OrMistakes<Option<WeightSpec>>,
 }
 
 /// The same with all that is usual where nothing is said.
-pub(super) struct Shape {
+pub(super) struct CheckedShape {
     points: Points,
     pub(super) grid: Grid,
     missing: Vec<usize>,
@@ -117,7 +117,7 @@ impl ShapeSpec {
         self,
         rational: Option<Rational>,
         mistakes: &mut Mistakes,
-    ) -> Option<Shape> {
+    ) -> Option<CheckedShape> {
         let weights = self.weights.and_then(|weights| match weights {
             None => check_unused(rational).map(|()| Weights::None.into()),
             Some(weights) => weights.resolve(rational, self.grid),
@@ -135,7 +135,7 @@ impl ShapeSpec {
         };
         let u = direction(self.u, Axis::U, weights.u);
         let v = self.v.map(|v| direction(v, Axis::V, weights.v));
-        Some(Shape {
+        Some(CheckedShape {
             points: self.points,
             grid: self.grid,
             missing: self.missing,
@@ -149,7 +149,7 @@ impl ShapeSpec {
     }
 }
 
-impl Shape {
+impl CheckedShape {
     /// The problem of fitting it.
     pub(super) fn request(self, method: MethodSpec, rules: StopRules) -> Request {
         Request {

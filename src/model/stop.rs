@@ -1,6 +1,6 @@
 //! When an iteration ends, as far as a client says it.
 
-use super::mistakes::{Mistake, Mistakes, Place, Read};
+use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use crate::fit::problem::Tolerance;
 
 /// What the largest distance is compared with if nobody says it.
@@ -13,7 +13,7 @@ pub const DEFAULT_ITERATIONS: usize = 1000;
 #[derive(Clone, Debug)]
 pub struct StopSpec {
     /// The largest allowed distance.
-    pub tolerance: Read<Option<Tolerance>>,
+    pub tolerance: OrMistakes<Option<Tolerance>>,
     /// The last iteration that is computed.
     pub max_iterations: Option<usize>,
 }
@@ -46,7 +46,7 @@ impl StopSpec {
             let detail = format!(
                 "{max_iterations} iterations are more than {most_iterations}, the limit of this server"
             );
-            mistakes.push(Mistake::at(Place::MaxIterations, detail));
+            mistakes.push(Mistake::at(SpecPart::MaxIterations, detail));
         }
         StopRules {
             tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE),

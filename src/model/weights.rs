@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 
-use super::mistakes::{Mistake, Place, Read};
+use super::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::fit::invalid::{self as fit, Axis, Invalid};
 use crate::fit::points::Grid;
 use crate::fit::problem::{Request, Weights};
@@ -70,7 +70,7 @@ impl From<Weights> for Resolved {
 
 impl WeightSpec {
     /// The weights of data points that stand in this grid.
-    pub fn resolve(self, rational: Option<Rational>, grid: Grid) -> Read<Resolved> {
+    pub fn resolve(self, rational: Option<Rational>, grid: Grid) -> OrMistakes<Resolved> {
         let fixed = rational == Some(Rational::Fixed);
         let of_directions = |u, v| Resolved {
             weights: Weights::None,
@@ -98,15 +98,15 @@ impl WeightSpec {
 }
 
 /// Refuses to use weights that there are not.
-pub fn check_unused(rational: Option<Rational>) -> Read<()> {
+pub fn check_unused(rational: Option<Rational>) -> OrMistakes<()> {
     let detail = "rational says how weights are used, but there are no weights";
     match rational {
         None => Ok(()),
-        Some(_) => Err(Mistake::at(Place::Rational, detail).into()),
+        Some(_) => Err(Mistake::at(SpecPart::Rational, detail).into()),
     }
 }
 
-fn check_grid(values: &[f64], columns: usize, grid: Grid) -> Read<()> {
+fn check_grid(values: &[f64], columns: usize, grid: Grid) -> OrMistakes<()> {
     let rows = values.len() / columns.max(1);
     if (rows, columns) == (grid.rows, grid.columns) {
         return Ok(());
@@ -115,13 +115,13 @@ fn check_grid(values: &[f64], columns: usize, grid: Grid) -> Read<()> {
         "{rows} rows of {columns} weights for {} rows of {} points",
         grid.rows, grid.columns
     );
-    Err(Mistake::at(Place::Fit(fit::Place::Weights), detail).into())
+    Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into())
 }
 
 /// Weights of both directions, one for each line of points.
-fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> Read<()> {
+fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> OrMistakes<()> {
     let axes = [(Axis::U, u, grid.rows), (Axis::V, v, grid.columns)];
-    let wrong = |place, detail: String| Err(Mistake::at(Place::Fit(place), detail).into());
+    let wrong = |place, detail: String| Err(Mistake::at(SpecPart::Fit(place), detail).into());
     for (axis, weights, expected) in axes {
         let given = weights.len();
         if given != expected {

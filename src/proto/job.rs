@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
-use super::method::{self, Scope};
+use super::method::{self, MethodTarget};
 use super::stream;
 use super::values::{check_count, count, known, some};
 use crate::fit::basis::{Polynomial, knots::Knots};
@@ -14,7 +14,7 @@ use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Tolerance, Weights};
 use crate::model::job::JobSpec;
-use crate::model::mistakes::{Mistake, Place, Read};
+use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::{AxisSpec, BasisKind, BasisSpec, MAX_DIMENSION, ShapeSpec};
 use crate::model::stop::StopSpec;
 use crate::model::stream::StreamSpec;
@@ -23,12 +23,12 @@ use crate::model::weights::{Rational, WeightSpec};
 /// The job that a message asks for, with at most so many points.
 pub fn spec(input: pb::JobInput, most_points: usize) -> JobSpec {
     let surface = matches!(input.geometry, Some(Geometry::Surface(_)));
-    let shape: Read<ShapeSpec> = match input.geometry {
-        None => Err(Mistake::at(Place::Whole, "a curve or a surface is needed").into()),
+    let shape: OrMistakes<ShapeSpec> = match input.geometry {
+        None => Err(Mistake::at(SpecPart::Whole, "a curve or a surface is needed").into()),
         Some(Geometry::Curve(it)) => curve(it, most_points).map_err(Into::into),
         Some(Geometry::Surface(it)) => self::surface(it, most_points).map_err(Into::into),
     };
-    let scope = Scope {
+    let scope = MethodTarget {
         points: shape
             .as_ref()
             .map_or(usize::MAX, |shape| shape.grid.count()),

@@ -8,11 +8,11 @@ use crate::fit::method::{
 };
 use crate::fit::system::Forecast;
 use crate::model::job::MethodSpec;
-use crate::model::mistakes::{self as model, Mistake, Read};
+use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug)]
-pub struct Scope {
+pub struct MethodTarget {
     /// The number of data points.
     pub points: usize,
     /// Whether they are those of a surface.
@@ -21,7 +21,7 @@ pub struct Scope {
     pub most: usize,
 }
 
-impl Scope {
+impl MethodTarget {
     /// Methods that were accepted before.
     pub const ANY: Self = Self {
         points: usize::MAX,
@@ -31,7 +31,7 @@ impl Scope {
 }
 
 /// The method that a message asks for.
-pub fn spec(method: Option<pb::Method>, scope: Scope) -> Read<Option<MethodSpec>> {
+pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Option<MethodSpec>> {
     let Some(method) = method else {
         return Ok(None);
     };
@@ -59,18 +59,18 @@ pub fn spec(method: Option<pb::Method>, scope: Scope) -> Read<Option<MethodSpec>
     Ok(Some(method.into()))
 }
 
-fn local(local: m::Local, scope: Scope) -> Read<MethodSpec> {
+fn local(local: m::Local, scope: MethodTarget) -> OrMistakes<MethodSpec> {
     let (field, points) = ("method.local.indices", scope.points);
     check_count(local.indices.len(), scope.most, "indices", field)?;
     let outside = |index: &u32| *index as usize >= points;
     if let Some(k) = local.indices.iter().position(outside) {
         let detail = format!("{} is not one of the {points} points", local.indices[k]);
-        return Err(Mistake::at(model::Place::Fit(Place::Index(k)), detail).into());
+        return Err(Mistake::at(model::SpecPart::Fit(Place::Index(k)), detail).into());
     }
     let row_by_row = local.row_by_row;
     let indices = some(local.indices);
     if indices.is_none() && !row_by_row {
-        let place = model::Place::Fit(Place::Method);
+        let place = model::SpecPart::Fit(Place::Method);
         let detail = "local needs the indices of the points to adjust, or row_by_row";
         return Err(Mistake::at(place, detail).into());
     }
@@ -82,14 +82,14 @@ fn local(local: m::Local, scope: Scope) -> Read<MethodSpec> {
 }
 
 /// Without a number for v both directions have that for u.
-fn least_squares(settings: m::LeastSquares, scope: Scope) -> Read<LeastSquares> {
+fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
     let variant = match known(settings.variant, "method.least_squares.variant")? {
         m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
         m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
         m::Variant::Cg => Variant::ConjugateGradients,
     };
     let wrong =
-        |setting: Place, detail| Err(Mistake::at(model::Place::Fit(setting), detail).into());
+        |setting: Place, detail| Err(Mistake::at(model::SpecPart::Fit(setting), detail).into());
     if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
         let detail = "mu is a setting of the variant \"lspia\"";
         return wrong(Place::Setting(Setting::Mu), detail);
@@ -108,7 +108,7 @@ fn least_squares(settings: m::LeastSquares, scope: Scope) -> Read<LeastSquares> 
 }
 
 /// The matrices of a transform.
-fn custom(custom: &m::Custom) -> Read<Custom> {
+fn custom(custom: &m::Custom) -> OrMistakes<Custom> {
     let u = matrix(&custom.transform_u, "method.custom.transform_u")?;
     let v = some(custom.transform_v.clone());
     let v = v.map(|entries| matrix(&entries, "method.custom.transform_v"));
@@ -129,14 +129,14 @@ fn matrix(entries: &[f64], field: &str) -> Result<Vec<Vec<f64>>, Mistake> {
 
 /// How the settings of a method are laid out.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Layout {
+pub struct SettingsLayout {
     /// The numbers of columns of the square matrices of a transform for u and v.
     columns: (usize, usize),
     /// The directions have numbers of control points each.
     each: bool,
 }
 
-impl Layout {
+impl SettingsLayout {
     /// The layout of a method.
     pub fn of(method: Option<&pb::Method>) -> Self {
         let mut layout = Self::default();
@@ -153,7 +153,7 @@ impl Layout {
 }
 
 /// The field of a setting, or of a part of it; everything else is the method.
-pub fn field(place: Place, layout: Layout) -> String {
+pub fn field(place: Place, layout: SettingsLayout) -> String {
     let columns = layout.columns;
     let transform = |axis, first: Option<(usize, usize)>| {
         let (name, columns) = match axis {

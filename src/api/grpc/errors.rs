@@ -6,7 +6,7 @@ use std::time::Duration;
 use tonic::Status;
 use tonic_types::{ErrorDetails, FieldViolation, StatusExt};
 
-use crate::api::problem::{Place, Problem};
+use crate::api::problem::{Location, Problem};
 use crate::job::service::refused::Refused;
 use crate::job::store::StoreError;
 
@@ -27,7 +27,7 @@ impl From<Problem> for Status {
             .errors()
             .iter()
             .filter_map(|error| match &error.place {
-                Place::Field(field) => Some(FieldViolation::new(field, &error.detail)),
+                Location::Field(field) => Some(FieldViolation::new(field, &error.detail)),
                 _ => None,
             })
             .take_while(|violation| {

@@ -9,7 +9,7 @@ use tonic::server::NamedService;
 
 use crate::api::app::App;
 use crate::api::grpc::service::Service;
-use crate::api::json::request::method::{Kind as MethodKind, settings};
+use crate::api::json::request::method::{MethodKind, settings};
 use crate::api::json::schema::plain::never_null;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::config::Config;

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use serde::de::{MapAccess, SeqAccess};
 
-use super::read::{Anything, Limits, Members, Most, Numeral, Of, Read, Reader, Reading};
+use super::read::{Anything, ListLimits, Members, Most, Numeral, Of, Read, Reader, Reading};
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::points::Points;
 use crate::model::edit::Coordinates;
@@ -40,7 +40,7 @@ impl Reader for Of<PointList> {
         at: &mut Reading,
     ) -> Result<Option<PointList>, A::Error> {
         let gathered = RefCell::new(Gathered::default());
-        let row = RowReader(&gathered, Under::Curve);
+        let row = PointRowReader(&gathered, Under::Curve);
         let whole = row.list(list, at)?;
         Ok(whole.map(|_| PointList(gathered.into_inner().points())))
     }
@@ -61,7 +61,7 @@ impl Reader for Of<PointGrid> {
         let gathered = RefCell::new(Gathered::default());
         let (mut count, mut columns) = (0, None);
         let most = Most::of(at.limits().points, "rows");
-        let row = || RowReader(&gathered, Under::Surface);
+        let row = || PointRowReader(&gathered, Under::Surface);
         let whole = at.elements(rows, most, row, |length, at| {
             count += 1;
             let columns = *columns.get_or_insert(length);
@@ -135,9 +135,9 @@ impl Gathered {
 
 /// Appends a list of points; gives their number.
 #[derive(Clone, Copy)]
-struct RowReader<'a>(&'a RefCell<Gathered>, Under);
+struct PointRowReader<'a>(&'a RefCell<Gathered>, Under);
 
-impl Reader for RowReader<'_> {
+impl Reader for PointRowReader<'_> {
     type Value = usize;
 
     fn expected(&self) -> String {
@@ -330,7 +330,7 @@ where
 }
 
 /// The most numbers that belong to data points: of knots there are the most.
-fn most_numbers(limits: Limits) -> Most<'static> {
+fn most_numbers(limits: ListLimits) -> Most<'static> {
     let ends = 2 * (MAX_DEGREE + 1);
     Most::of(limits.points.saturating_add(ends), "numbers")
 }

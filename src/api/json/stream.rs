@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::read::values::Element;
 use super::read::values::LONGEST_TEXT;
-use super::read::{Limits, Numeral, Of, Reader, Reading, choices, object};
+use super::read::{ListLimits, Numeral, Of, Reader, Reading, choices, object};
 use super::schema::{names, schema_of};
 use crate::model::named::Named;
 use crate::model::short::{cut, quoted};
@@ -69,7 +69,7 @@ impl Reader for Of<Samples> {
 impl Element for f64 {
     const MANY: &'static str = "milestones";
 
-    fn most(_: Limits) -> usize {
+    fn most(_: ListLimits) -> usize {
         MOST_MILESTONES
     }
 }

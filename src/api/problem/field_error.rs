@@ -16,9 +16,9 @@ const LONGEST_PLACE: usize = 300;
 /// One thing that is wrong.
 #[derive(Clone, Debug, Serialize)]
 pub struct FieldError {
-    /// Where it is wrong: one of the names of [`Place`] with its value.
+    /// Where it is wrong: one of the names of [`Location`] with its value.
     #[serde(flatten)]
-    pub place: Place,
+    pub place: Location,
     /// Why it is wrong.
     pub detail: String,
 }
@@ -26,7 +26,7 @@ pub struct FieldError {
 /// Where something is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Place {
+pub enum Location {
     /// At a JSON pointer (RFC 6901) into the body; the empty one is the whole of it.
     Pointer(String),
     /// In a query parameter.
@@ -39,12 +39,12 @@ pub enum Place {
 
 impl FieldError {
     /// What is wrong at a place; long texts are cut.
-    pub(super) fn new(place: Place, detail: &str) -> Self {
+    pub(super) fn new(place: Location, detail: &str) -> Self {
         let cut = |text: String| short::cut(&text, LONGEST_PLACE).into_owned();
         Self {
             place: match place {
-                Place::Pointer(pointer) => Place::Pointer(cut(pointer)),
-                Place::Parameter(name) => Place::Parameter(cut(name)),
+                Location::Pointer(pointer) => Location::Pointer(cut(pointer)),
+                Location::Parameter(name) => Location::Parameter(cut(name)),
                 place => place,
             },
             detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
@@ -55,12 +55,12 @@ impl FieldError {
     pub(super) fn told(&self) -> String {
         let detail = &self.detail;
         match &self.place {
-            Place::Pointer(pointer) if pointer.is_empty() => format!("/: {detail}"),
-            Place::Pointer(pointer) => format!("{pointer}: {detail}"),
-            Place::Parameter(name) => format!("query parameter {name}: {detail}"),
-            Place::Header(name) => format!("header {name}: {detail}"),
-            Place::Field(field) if field.is_empty() => detail.clone(),
-            Place::Field(field) => format!("{field}: {detail}"),
+            Location::Pointer(pointer) if pointer.is_empty() => format!("/: {detail}"),
+            Location::Pointer(pointer) => format!("{pointer}: {detail}"),
+            Location::Parameter(name) => format!("query parameter {name}: {detail}"),
+            Location::Header(name) => format!("header {name}: {detail}"),
+            Location::Field(field) if field.is_empty() => detail.clone(),
+            Location::Field(field) => format!("{field}: {detail}"),
         }
     }
 }

@@ -16,16 +16,16 @@ use crate::api::json::schema::plain::never_null;
 use crate::model::mistakes::{self as model, Mistakes, Site};
 use crate::model::short;
 use field_error::LONGEST_DETAIL;
-pub use field_error::{FieldError, Place};
+pub use field_error::{FieldError, Location};
 pub use kind::Kind;
 
 /// How a language says where the parts of a request stand.
 pub trait Words {
     /// Where a part stands, as a text.
-    fn of(&self, place: model::Place) -> String;
+    fn of(&self, place: model::SpecPart) -> String;
 
     /// What kind of place the text names.
-    fn place(&self, text: String) -> Place;
+    fn place(&self, text: String) -> Location;
 }
 
 /// A problem object.
@@ -73,7 +73,7 @@ impl Problem {
     }
 
     /// A problem with what stands at a place.
-    fn at(kind: Kind, place: Place, detail: &str) -> Self {
+    fn at(kind: Kind, place: Location, detail: &str) -> Self {
         let error = FieldError::new(place, detail);
         let mut problem = Self::new(kind, error.told());
         problem.errors.push(error);
@@ -82,7 +82,7 @@ impl Problem {
 
     /// A problem with a value in the body.
     pub fn at_pointer(kind: Kind, pointer: String, detail: impl Into<String>) -> Self {
-        Self::at(kind, Place::Pointer(pointer), &detail.into())
+        Self::at(kind, Location::Pointer(pointer), &detail.into())
     }
 
     /// One problem of several, of which the first says what kind it is; none of none.
@@ -100,13 +100,17 @@ impl Problem {
 
     /// A problem with a query parameter.
     pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
-        let place = Place::Parameter(name.into());
+        let place = Location::Parameter(name.into());
         Self::at(Kind::InvalidRequest, place, &detail.into())
     }
 
     /// A problem with a field of a message, of which the path is told.
     pub fn at_field(field: impl Into<String>, detail: impl Into<String>) -> Self {
-        Self::at(Kind::InvalidFit, Place::Field(field.into()), &detail.into())
+        Self::at(
+            Kind::InvalidFit,
+            Location::Field(field.into()),
+            &detail.into(),
+        )
     }
 
     /// All mistakes of a job or an edit, at their places in the language of the request.
@@ -126,7 +130,7 @@ impl Problem {
     pub fn within(mut self, parent: &str) -> Self {
         let mut named = false;
         for error in &mut self.errors {
-            if let Place::Field(field) = &mut error.place {
+            if let Location::Field(field) = &mut error.place {
                 let dot = if field.is_empty() { "" } else { "." };
                 *field = format!("{parent}{dot}{field}");
                 named = true;
@@ -162,7 +166,7 @@ impl Problem {
 
     /// A problem with a header.
     pub fn at_header(name: &'static str, detail: impl Into<String>) -> Self {
-        Self::at(Kind::InvalidRequest, Place::Header(name), &detail.into())
+        Self::at(Kind::InvalidRequest, Location::Header(name), &detail.into())
     }
 
     /// The job does not exist.

@@ -2,34 +2,34 @@
 
 use std::collections::HashMap;
 
-use super::fields::Layout;
+use super::fields::MessageLayout;
 use crate::api::problem::Problem;
 use crate::job::outline::Outline;
-use crate::model::edit::{Change, Coordinates, EditSpec};
+use crate::model::edit::{Coordinates, EditSpec, PointChange};
 use crate::model::mistakes::Mistake;
 use crate::model::weights::WeightSpec;
 use crate::proto::job::{rational, stop, surface_weights};
 use crate::proto::messages as pb;
-use crate::proto::method::{self, Scope};
+use crate::proto::method::{self, MethodTarget};
 use crate::proto::stream;
 use crate::proto::values::check_count;
 
 /// The edit of a job with this outline, and where its parts are in the message.
-pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditSpec, Layout), Problem> {
-    let mut layout = Layout::of_edit(edit.method.as_ref());
+pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditSpec, MessageLayout), Problem> {
+    let mut layout = MessageLayout::of_edit(edit.method.as_ref());
     match spec(edit, parent, &mut layout) {
         Ok(spec) => Ok((spec, layout)),
         Err(mistake) => Err(Problem::of_mistakes(mistake.into(), &layout)),
     }
 }
 
-fn spec(edit: pb::Edit, parent: &Outline, layout: &mut Layout) -> Result<EditSpec, Mistake> {
+fn spec(edit: pb::Edit, parent: &Outline, layout: &mut MessageLayout) -> Result<EditSpec, Mistake> {
     let points = parent.grid.count();
     check_count(edit.moved.len(), points, "moved points", "moved")?;
     check_count(edit.weighted.len(), points, "weighted points", "weighted")?;
     layout.dimension = dimension(&edit)?;
     let changes = changes(&edit, layout)?;
-    let scope = Scope {
+    let scope = MethodTarget {
         points,
         surface: parent.surface,
         most: points,
@@ -66,19 +66,19 @@ fn dimension(edit: &pb::Edit) -> Result<usize, Mistake> {
 }
 
 /// All points that change: those that are moved, and those that get another weight.
-fn changes(edit: &pb::Edit, layout: &mut Layout) -> Result<Vec<Change>, Mistake> {
+fn changes(edit: &pb::Edit, layout: &mut MessageLayout) -> Result<Vec<PointChange>, Mistake> {
     if edit.weighted.len() != edit.point_weights.len() {
         let (given, needed) = (edit.point_weights.len(), edit.weighted.len());
         let detail = format!("{given} weights for {needed} points");
         return Err(Mistake::at_text("point_weights", detail));
     }
     let places = edit.points.chunks_exact(layout.dimension);
-    let mut changes: Vec<Change> = Vec::with_capacity(edit.moved.len() + edit.weighted.len());
+    let mut changes: Vec<PointChange> = Vec::with_capacity(edit.moved.len() + edit.weighted.len());
     let mut entries = HashMap::with_capacity(edit.moved.len());
     for (k, (&index, place)) in edit.moved.iter().zip(places).enumerate() {
         entries.insert(index, k);
         layout.changes.push((Some(k), None));
-        changes.push(Change {
+        changes.push(PointChange {
             index: Ok(index as usize),
             point: Coordinates::of(place),
             weight: None,
@@ -92,7 +92,7 @@ fn changes(edit: &pb::Edit, layout: &mut Layout) -> Result<Vec<Change>, Mistake>
             continue;
         }
         layout.changes.push((None, Some(k)));
-        changes.push(Change {
+        changes.push(PointChange {
             index: Ok(*index as usize),
             point: None,
             weight: Some(weight),

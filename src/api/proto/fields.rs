@@ -2,14 +2,14 @@
 
 use crate::api::problem::{self, Problem, Words};
 use crate::fit::invalid::{Axis, Place as P};
-use crate::model::mistakes::{ChangePart, Mistake, Place};
+use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
 use crate::model::stream::choices::ChoiceMistake;
 use crate::proto::messages::{self as pb, job_input::Geometry};
 use crate::proto::{method, stream};
 
 /// How the arrays of a message are laid out.
 #[derive(Clone, Debug, Default)]
-pub struct Layout {
+pub struct MessageLayout {
     /// What the parts of the curve or surface are fields of; of edits, of nothing.
     root: &'static str,
     /// The number of coordinates of a point.
@@ -18,10 +18,10 @@ pub struct Layout {
     columns: usize,
     /// Edits: for each point that changes, its entry in `moved` and in `weighted`.
     pub(super) changes: Vec<(Option<usize>, Option<usize>)>,
-    method: method::Layout,
+    method: method::SettingsLayout,
 }
 
-impl Layout {
+impl MessageLayout {
     /// The layout of a job.
     pub fn of(input: &pb::JobInput) -> Self {
         let (root, dimension, columns) = match &input.geometry {
@@ -33,7 +33,7 @@ impl Layout {
             root,
             dimension: dimension as usize,
             columns: columns as usize,
-            method: method::Layout::of(input.method.as_ref()),
+            method: method::SettingsLayout::of(input.method.as_ref()),
             ..Self::default()
         }
     }
@@ -49,7 +49,7 @@ impl Layout {
     /// The layout of an edit.
     pub(super) fn of_edit(method: Option<&pb::Method>) -> Self {
         Self {
-            method: method::Layout::of(method),
+            method: method::SettingsLayout::of(method),
             ..Self::default()
         }
     }
@@ -114,31 +114,31 @@ impl Layout {
     }
 }
 
-impl Words for Layout {
-    fn of(&self, place: Place) -> String {
+impl Words for MessageLayout {
+    fn of(&self, place: SpecPart) -> String {
         match place {
-            Place::Whole => String::new(),
-            Place::Name => "name".to_owned(),
-            Place::Fit(place) => self.field(place),
-            Place::Rational => "rational".to_owned(),
-            Place::MaxIterations => "stop.max_iterations".to_owned(),
-            Place::Stream(choice, None) => format!("stream.{}", stream::field(choice)),
-            Place::Stream(choice, Some(index)) => {
+            SpecPart::Whole => String::new(),
+            SpecPart::Name => "name".to_owned(),
+            SpecPart::Fit(place) => self.field(place),
+            SpecPart::Rational => "rational".to_owned(),
+            SpecPart::MaxIterations => "stop.max_iterations".to_owned(),
+            SpecPart::Stream(choice, None) => format!("stream.{}", stream::field(choice)),
+            SpecPart::Stream(choice, Some(index)) => {
                 format!("stream.{}[{index}]", stream::field(choice))
             }
-            Place::Iteration => "iteration".to_owned(),
-            Place::Change(k, part) => self.change(k, part),
+            SpecPart::Iteration => "iteration".to_owned(),
+            SpecPart::Change(k, part) => self.change(k, part),
         }
     }
 
-    fn place(&self, text: String) -> problem::Place {
-        problem::Place::Field(text)
+    fn place(&self, text: String) -> problem::Location {
+        problem::Location::Field(text)
     }
 }
 
 /// What is wrong with a request.
 pub fn wrong(mistake: Mistake) -> Problem {
-    Problem::of_mistakes(mistake.into(), &Layout::default())
+    Problem::of_mistakes(mistake.into(), &MessageLayout::default())
 }
 
 /// What is wrong with a choice, which is a field of the message `within`.

@@ -4,11 +4,11 @@ use bytes::Bytes;
 use prost::DecodeError;
 
 use super::bounds::{self, Bounded};
-use super::fields::Layout;
+use super::fields::MessageLayout;
 use crate::api::problem::{Kind, Problem};
 use crate::api::text;
 use crate::config::Config;
-use crate::model::job::{Limits, ValidJob};
+use crate::model::job::ValidJob;
 use crate::proto::job;
 use crate::proto::messages as pb;
 
@@ -58,11 +58,8 @@ pub fn read(body: Bytes, config: &Config) -> Result<ValidJob, Problem> {
 
 /// The job, if it can be computed. Fields of errors are relative to the message.
 pub fn validate(input: pb::JobInput, config: &Config) -> Result<ValidJob, Problem> {
-    let layout = Layout::of(&input);
-    let limits = Limits {
-        points: config.max_points,
-        iterations: config.max_iterations,
-    };
+    let layout = MessageLayout::of(&input);
+    let limits = config.limits();
     let valid = job::spec(input, limits.points).validate(limits);
     valid.map_err(|mistakes| Problem::of_mistakes(mistakes, &layout))
 }

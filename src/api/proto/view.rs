@@ -6,7 +6,7 @@ use bytes::Bytes;
 use jiff::Timestamp;
 use prost::Message;
 
-use super::fields::Layout;
+use super::fields::MessageLayout;
 use super::names;
 use crate::api::problem::{self as api, Words};
 use crate::fit::direction::Direction;
@@ -20,7 +20,7 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
-use crate::model::mistakes::Place;
+use crate::model::mistakes::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
 use crate::proto::{job, method, stream};
@@ -68,10 +68,10 @@ pub fn job(job: &Job) -> pb::Job {
 
 /// What is doubtful about a job, as far as is known by now.
 fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<pb::Warning> {
-    let layout = Layout::of_shape(outline.surface);
+    let layout = MessageLayout::of_shape(outline.surface);
     let view = |warning: Warning| pb::Warning {
         code: names::warning(&warning).into(),
-        field: layout.of(Place::Fit(warning.place())),
+        field: layout.of(SpecPart::Fit(warning.place())),
         detail: warning.detail(),
     };
     outline.warnings(levels).map(view).collect()

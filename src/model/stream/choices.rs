@@ -2,7 +2,7 @@
 //! which choices do not go together.
 
 use super::{Choice, StreamSpec};
-use crate::model::mistakes::{Mistake, Place};
+use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::named::Named;
 use crate::model::short::plain;
 
@@ -45,7 +45,7 @@ impl ChoiceMistake {
 /// A mistake of the job.
 impl From<ChoiceMistake> for Mistake {
     fn from(mistake: ChoiceMistake) -> Self {
-        let place = Place::Stream(mistake.choice, mistake.index);
+        let place = SpecPart::Stream(mistake.choice, mistake.index);
         Self::at(place, mistake.detail)
     }
 }

@@ -32,7 +32,7 @@ const MOST_OF_LIST: usize = 3;
 
 /// How long the lists of a request may be.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct ListLimits {
     /// The most data points.
     pub points: usize,
 }
@@ -67,34 +67,34 @@ impl<'a> Most<'a> {
 /// What was found so far while a body is read.
 #[derive(Debug)]
 pub struct Reading {
-    limits: Limits,
+    limits: ListLimits,
     /// Where the value is that is read.
-    path: Vec<Step>,
+    path: Vec<PathStep>,
     /// In how many lists and objects it stands.
     depth: usize,
-    mistakes: Vec<Mistake>,
+    mistakes: Vec<Noted>,
     /// There is no use in reading on.
     stopped: bool,
 }
 
 /// A step from a value to one within it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
+enum PathStep {
     Field(&'static str),
     Element(usize),
 }
 
 /// What is wrong, and where.
 #[derive(Debug)]
-struct Mistake {
+struct Noted {
     /// The same without places in lists.
-    field: Vec<Step>,
+    field: Vec<PathStep>,
     pointer: String,
     detail: String,
 }
 
 /// Reads a body.
-pub fn parse<T>(body: &[u8], limits: Limits) -> Result<T, Problem>
+pub fn parse<T>(body: &[u8], limits: ListLimits) -> Result<T, Problem>
 where
     T: Read,
 {
@@ -118,7 +118,7 @@ where
 
 impl Reading {
     /// How long lists may be.
-    pub fn limits(&self) -> Limits {
+    pub fn limits(&self) -> ListLimits {
         self.limits
     }
 
@@ -144,17 +144,17 @@ impl Reading {
         let last_field = self
             .path
             .iter()
-            .rposition(|step| matches!(step, Step::Field(_)));
+            .rposition(|step| matches!(step, PathStep::Field(_)));
         let field = self.path.iter().take(last_field.map_or(0, |last| last + 1));
-        let field: Vec<Step> = field.copied().collect();
+        let field: Vec<PathStep> = field.copied().collect();
         // The same mistake in another element of a list is told once.
-        let in_list = matches!(self.path.last(), Some(Step::Element(_)));
+        let in_list = matches!(self.path.last(), Some(PathStep::Element(_)));
         let known = self
             .mistakes
             .iter()
             .any(|it| it.detail == detail && it.field == field);
         if !(in_list && known) {
-            self.mistakes.push(Mistake {
+            self.mistakes.push(Noted {
                 field,
                 pointer,
                 detail,
@@ -179,7 +179,7 @@ impl Reading {
     /// Reads a value within the one that is read.
     fn within<T, E>(
         &mut self,
-        step: Step,
+        step: PathStep,
         read: impl FnOnce(&mut Self) -> Result<T, E>,
     ) -> Result<T, E> {
         self.path.push(step);
@@ -217,10 +217,10 @@ impl Reading {
         mut take: impl FnMut(R::Value, &mut Self) -> Option<()>,
     ) -> Result<bool, A::Error> {
         let mut wrong = 0;
-        self.path.push(Step::Element(0));
+        self.path.push(PathStep::Element(0));
         for index in 0.. {
             if let Some(last) = self.path.last_mut() {
-                *last = Step::Element(index);
+                *last = PathStep::Element(index);
             }
             if index == most.left {
                 if list.next_element_seed(Seed(Anything, self))?.is_some() {
@@ -249,8 +249,8 @@ impl Reading {
     /// The JSON pointer (RFC 6901) to the value that is read.
     fn pointer(&self) -> String {
         let steps = self.path.iter().map(|step| match step {
-            Step::Field(name) => format!("/{name}"),
-            Step::Element(index) => format!("/{index}"),
+            PathStep::Field(name) => format!("/{name}"),
+            PathStep::Element(index) => format!("/{index}"),
         });
         steps.collect()
     }
@@ -268,7 +268,7 @@ impl Reading {
     fn problem(self) -> Problem {
         let mistakes = self.mistakes.into_iter();
         let problems = mistakes.map(
-            |Mistake {
+            |Noted {
                  pointer, detail, ..
              }| { Problem::at_pointer(Kind::InvalidFit, pointer, detail) },
         );
@@ -281,7 +281,7 @@ impl Reading {
 mod tests {
     use super::values::LONGEST_TEXT;
     use super::*;
-    use crate::api::problem::Place;
+    use crate::api::problem::Location;
 
     #[derive(Debug, PartialEq)]
     struct Thing {
@@ -295,16 +295,16 @@ mod tests {
     impl values::Element for usize {
         const MANY: &'static str = "counts";
 
-        fn most(limits: Limits) -> usize {
+        fn most(limits: ListLimits) -> usize {
             limits.points
         }
     }
 
     fn read(body: &str) -> Result<Thing, Vec<(String, String)>> {
-        parse(body.as_bytes(), Limits { points: 3 }).map_err(|problem| {
+        parse(body.as_bytes(), ListLimits { points: 3 }).map_err(|problem| {
             let errors = problem.errors().iter();
-            let pointer = |place: &Place| match place {
-                Place::Pointer(pointer) => pointer.clone(),
+            let pointer = |place: &Location| match place {
+                Location::Pointer(pointer) => pointer.clone(),
                 _ => String::new(),
             };
             errors

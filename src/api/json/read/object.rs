@@ -5,7 +5,7 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 
 use super::reader::Seed;
-use super::{Anything, Read, Reader, Reading, Step};
+use super::{Anything, PathStep, Read, Reader, Reading};
 use crate::model::short::{cut, quoted};
 
 /// The most characters of a name that are kept. No field has a longer one.
@@ -91,7 +91,7 @@ impl<'de, A: MapAccess<'de>> Members<A> {
             self.value(Anything, at)?;
             return at.check();
         }
-        let value = at.within(Step::Field(name), |at| self.value(T::reader(), at))?;
+        let value = at.within(PathStep::Field(name), |at| self.value(T::reader(), at))?;
         *place = value.map_or(Field::Wrong, Field::Given);
         at.check()
     }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::SeqAccess;
 
-use super::{Limits, Most, Numeral, Of, Read, Reader, Reading};
+use super::{ListLimits, Most, Numeral, Of, Read, Reader, Reading};
 
 /// The most characters of a text. Whatever is longer is no name of anything.
 pub const LONGEST_TEXT: usize = 200;
@@ -96,7 +96,7 @@ pub trait Element {
     const MANY: &'static str;
 
     /// How many of them a list has at most.
-    fn most(limits: Limits) -> usize;
+    fn most(limits: ListLimits) -> usize;
 }
 
 impl<T: Element> Reader for Of<Vec<T>>

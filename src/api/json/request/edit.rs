@@ -13,14 +13,14 @@ use super::stop::StopRequest;
 use crate::api::json::numbers::WeightList;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Element;
-use crate::api::json::read::{Limits, object, parse};
+use crate::api::json::read::{ListLimits, object, parse};
 use crate::api::json::schema::numbers::{NewWeights, Point};
 use crate::api::problem::Problem;
 use crate::fit::points::Grid;
 use crate::job::outline::Outline;
-use crate::model::edit::{Change, Coordinates, EditSpec};
+use crate::model::edit::{Coordinates, EditSpec, PointChange};
 use crate::model::job::LONGEST_NAME;
-use crate::model::mistakes::{ChangePart, Mistake, Place};
+use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
 use crate::model::stop::StopSpec;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
@@ -82,7 +82,7 @@ object!(
 impl Element for Move {
     const MANY: &'static str = "points";
 
-    fn most(limits: Limits) -> usize {
+    fn most(limits: ListLimits) -> usize {
         limits.points
     }
 }
@@ -90,7 +90,7 @@ impl Element for Move {
 /// The edit of a job that a body asks for, and where its parts stand.
 pub fn read(body: Bytes, parent: &Outline) -> Result<(EditSpec, Places), Problem> {
     let points = parent.grid.count();
-    let request: EditRequest = parse(&body, Limits { points })?;
+    let request: EditRequest = parse(&body, ListLimits { points })?;
     drop(body);
     Ok(request.spec(parent.grid, parent.surface))
 }
@@ -104,11 +104,10 @@ impl EditRequest {
             ..Places::default()
         };
         let points = self.points.unwrap_or_default().into_iter().enumerate();
-        let change = |(k, change): (usize, Move)| Change {
-            index: change
-                .index
-                .of_point(grid, surface)
-                .map_err(|detail| Mistake::at(Place::Change(k, ChangePart::Index), detail).into()),
+        let change = |(k, change): (usize, Move)| PointChange {
+            index: change.index.of_point(grid, surface).map_err(|detail| {
+                Mistake::at(SpecPart::Change(k, ChangePart::Index), detail).into()
+            }),
             point: change.point,
             weight: change.weight,
         };

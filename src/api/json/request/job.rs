@@ -8,12 +8,12 @@ use super::places::Places;
 use super::schema;
 use super::shape::{CurveRequest, SurfaceRequest};
 use super::stop::StopRequest;
-use crate::api::json::read::{self, object, parse};
+use crate::api::json::read::{ListLimits, object, parse};
 use crate::api::problem::Problem;
 use crate::config::Config;
 use crate::fit::method::Method;
-use crate::model::job::{JobSpec, LONGEST_NAME, Limits, ValidJob};
-use crate::model::mistakes::{Mistake, Place, Read};
+use crate::model::job::{JobSpec, LONGEST_NAME, ValidJob};
+use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::ShapeSpec;
 use crate::model::stop::StopSpec;
 use crate::model::stream::StreamSpec;
@@ -50,16 +50,9 @@ object!(
 
 /// The job that a body asks for, if it can be computed.
 pub fn read(body: Bytes, config: &Config) -> Result<ValidJob, Problem> {
-    let limits = Limits {
-        points: config.max_points,
-        iterations: config.max_iterations,
-    };
-    let request: JobRequest = parse(
-        &body,
-        read::Limits {
-            points: limits.points,
-        },
-    )?;
+    let limits = config.limits();
+    let points = limits.points;
+    let request: JobRequest = parse(&body, ListLimits { points })?;
     drop(body);
     let (spec, places) = request.spec();
     let valid = spec.validate(limits);
@@ -74,7 +67,7 @@ impl JobRequest {
             (Some(curve), None) => given(curve.spec()),
             (None, Some(surface)) => given(surface.spec()),
             (None, None) => {
-                let mistake = Mistake::at(Place::Whole, "a curve or a surface is needed");
+                let mistake = Mistake::at(SpecPart::Whole, "a curve or a surface is needed");
                 (Err(mistake.into()), Places::default())
             }
             (Some(_), Some(_)) => {
@@ -103,6 +96,6 @@ impl JobRequest {
     }
 }
 
-fn given((shape, places): (ShapeSpec, Places)) -> (Read<ShapeSpec>, Places) {
+fn given((shape, places): (ShapeSpec, Places)) -> (OrMistakes<ShapeSpec>, Places) {
     (Ok(shape), places)
 }

@@ -18,7 +18,7 @@ use crate::fit::method::{
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::model::job::MethodSpec;
-use crate::model::mistakes::{Mistake, Mistakes, Place, Read};
+use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 
 /// The settings of the methods that have some.
 const SETTINGS: [(&str, &[&str]); 6] = [
@@ -53,7 +53,7 @@ fn explain(schema: &mut Schema) {
 #[schemars(rename = "Method", transform = explain, example = schema::example_method())]
 pub(in crate::api) struct MethodRequest {
     /// The kind of the method.
-    pub(in crate::api) kind: Kind,
+    pub(in crate::api) kind: MethodKind,
     /// The relaxation. The best one is computed if it is `auto`.
     pub(in crate::api) omega: Option<Omega>,
     /// The data points whose control points may move.
@@ -83,7 +83,7 @@ pub(in crate::api) struct MethodRequest {
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(rename = "MethodKind", example = &"global")]
-pub(in crate::api) enum Kind {
+pub(in crate::api) enum MethodKind {
     Global,
     Weighted,
     Local,
@@ -132,9 +132,9 @@ object!(
         mu,
         transform,
     ],
-    of_name: |name, at| Kind::reader().text(name, at).map(MethodRequest::of)
+    of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of)
 );
-names!(Kind, "kind of method", [
+names!(MethodKind, "kind of method", [
     "global" => Global,
     "weighted" => Weighted,
     "local" => Local,
@@ -159,7 +159,7 @@ names!(VariantRequest, "variant of the method least_squares", [
 
 impl MethodRequest {
     /// A method without settings.
-    pub(in crate::api) fn of(kind: Kind) -> Self {
+    pub(in crate::api) fn of(kind: MethodKind) -> Self {
         Self {
             kind,
             omega: None,
@@ -182,34 +182,34 @@ impl MethodRequest {
     }
 
     /// The method for data points arranged in `grid`, and the points that it selects.
-    pub(super) fn spec(self, grid: Grid, surface: bool) -> Read<MethodSpec> {
+    pub(super) fn spec(self, grid: Grid, surface: bool) -> OrMistakes<MethodSpec> {
         self.check_settings()?;
         let selected = self.selected(grid, surface)?;
         let method = match self.kind {
-            Kind::Global => Method::Global,
-            Kind::Weighted => Method::Weighted(Weighted {
+            MethodKind::Global => Method::Global,
+            MethodKind::Weighted => Method::Weighted(Weighted {
                 omega: match self.omega {
                     None | Some(Omega::Auto) => None,
                     Some(Omega::Given(omega)) => Some(omega),
                 },
             }),
-            Kind::Local => self.local(selected.is_some())?,
-            Kind::Adaptive => match self.threshold {
+            MethodKind::Local => self.local(selected.is_some())?,
+            MethodKind::Adaptive => match self.threshold {
                 Some(threshold) => Method::Adaptive(Adaptive { threshold }),
                 None => return incomplete("adaptive needs a threshold, in data units"),
             },
-            Kind::Extended => Method::Extended(Extended {
+            MethodKind::Extended => Method::Extended(Extended {
                 start: match self.start {
                     None | Some(StartRequest::Transformed) => Start::Transformed,
                     Some(StartRequest::Data) => Start::Data,
                 },
             }),
-            Kind::Transpose => Method::Transpose,
-            Kind::Convex => Method::Convex,
-            Kind::Chebyshev => Method::Chebyshev,
-            Kind::Direct => Method::Direct,
-            Kind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
-            Kind::Custom => Method::Custom(match self.transform {
+            MethodKind::Transpose => Method::Transpose,
+            MethodKind::Convex => Method::Convex,
+            MethodKind::Chebyshev => Method::Chebyshev,
+            MethodKind::Direct => Method::Direct,
+            MethodKind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
+            MethodKind::Custom => Method::Custom(match self.transform {
                 Some(PerDirection::Both(Matrix(u))) => Custom::new(u, None),
                 Some(PerDirection::Each { u, v }) => Custom::new(u.0, Some(v.0)),
                 None => {
@@ -223,7 +223,7 @@ impl MethodRequest {
     }
 
     /// Refuses settings of other methods.
-    pub(super) fn check_settings(&self) -> Read<()> {
+    pub(super) fn check_settings(&self) -> OrMistakes<()> {
         let given = [
             ("omega", self.omega.is_some()),
             ("indices", self.indices.is_some()),
@@ -239,7 +239,7 @@ impl MethodRequest {
         let mut mistakes = Mistakes::default();
         for (name, given) in given {
             if given && !own.contains(&name) {
-                let mut kinds = Kind::NAMES.iter();
+                let mut kinds = MethodKind::NAMES.iter();
                 let method = kinds.find(|kind| settings(kind).contains(&name));
                 let method = method.unwrap_or(&"");
                 let detail = format!("{name} is a setting of the method {method:?}");
@@ -247,14 +247,14 @@ impl MethodRequest {
             }
         }
         let lspia = self.variant == Some(VariantRequest::Lspia);
-        if self.kind == Kind::LeastSquares && self.mu.is_some() && !lspia {
+        if self.kind == MethodKind::LeastSquares && self.mu.is_some() && !lspia {
             let detail = "mu is a setting of the variant \"lspia\"";
             mistakes.push(Mistake::at_text("/method/mu", detail));
         }
         mistakes.or(())
     }
 
-    fn local(&self, selects: bool) -> Read<Method> {
+    fn local(&self, selects: bool) -> OrMistakes<Method> {
         let row_by_row = self.row_by_row.unwrap_or(false);
         if !selects && !row_by_row {
             return incomplete("local needs the indices of the points to adjust, or row_by_row");
@@ -262,20 +262,20 @@ impl MethodRequest {
         Ok(Method::Local(Local { row_by_row }))
     }
 
-    fn selected(&self, grid: Grid, surface: bool) -> Read<Option<Arc<[usize]>>> {
+    fn selected(&self, grid: Grid, surface: bool) -> OrMistakes<Option<Arc<[usize]>>> {
         let Some(given) = &self.indices else {
             return Ok(None);
         };
         let mut indices = Vec::with_capacity(given.len());
         for (k, index) in given.iter().enumerate() {
             let index = index.of_point(grid, surface);
-            let wrong = |detail| Mistake::at(Place::Fit(P::Index(k)), detail);
+            let wrong = |detail| Mistake::at(SpecPart::Fit(P::Index(k)), detail);
             indices.push(index.map_err(wrong)?);
         }
         Ok(Some(indices.into()))
     }
 
-    fn least_squares(&self, surface: bool) -> Read<LeastSquares> {
+    fn least_squares(&self, surface: bool) -> OrMistakes<LeastSquares> {
         let Some(control_points) = self.control_points else {
             return incomplete(
                 "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}",
@@ -296,8 +296,8 @@ impl MethodRequest {
 }
 
 /// A setting is missing.
-fn incomplete<T>(detail: &str) -> Read<T> {
-    Err(Mistake::at(Place::Fit(P::Method), detail).into())
+fn incomplete<T>(detail: &str) -> OrMistakes<T> {
+    Err(Mistake::at(SpecPart::Fit(P::Method), detail).into())
 }
 
 /// The JSON pointer to a setting, or a part of it; everything else is the method. `each` tells whether

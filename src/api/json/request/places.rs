@@ -3,7 +3,7 @@
 use super::method;
 use crate::api::problem::{self, Words};
 use crate::fit::invalid::{Axis, Place as P};
-use crate::model::mistakes::{ChangePart, Place};
+use crate::model::mistakes::{ChangePart, SpecPart};
 use crate::model::named::Named;
 
 /// Which parts of the request have a value for each direction.
@@ -102,17 +102,17 @@ impl Places {
 }
 
 impl Words for Places {
-    fn of(&self, place: Place) -> String {
+    fn of(&self, place: SpecPart) -> String {
         match place {
-            Place::Whole => String::new(),
-            Place::Name => "/name".to_owned(),
-            Place::Fit(place) => self.pointer(place),
-            Place::Rational => "/rational".to_owned(),
-            Place::MaxIterations => "/stop/max_iterations".to_owned(),
-            Place::Stream(choice, None) => format!("/stream/{}", choice.name()),
-            Place::Stream(choice, Some(index)) => format!("/stream/{}/{index}", choice.name()),
-            Place::Iteration => "/iteration".to_owned(),
-            Place::Change(k, part) => {
+            SpecPart::Whole => String::new(),
+            SpecPart::Name => "/name".to_owned(),
+            SpecPart::Fit(place) => self.pointer(place),
+            SpecPart::Rational => "/rational".to_owned(),
+            SpecPart::MaxIterations => "/stop/max_iterations".to_owned(),
+            SpecPart::Stream(choice, None) => format!("/stream/{}", choice.name()),
+            SpecPart::Stream(choice, Some(index)) => format!("/stream/{}/{index}", choice.name()),
+            SpecPart::Iteration => "/iteration".to_owned(),
+            SpecPart::Change(k, part) => {
                 let part = match part {
                     ChangePart::Whole => "",
                     ChangePart::Index => "/index",
@@ -124,8 +124,8 @@ impl Words for Places {
         }
     }
 
-    fn place(&self, text: String) -> problem::Place {
-        problem::Place::Pointer(text)
+    fn place(&self, text: String) -> problem::Location {
+        problem::Location::Pointer(text)
     }
 }
 

@@ -6,7 +6,7 @@ use serde::de::SeqAccess;
 
 use crate::api::json::per_direction::Pair;
 use crate::api::json::read::values::{Count, Element};
-use crate::api::json::read::{Limits, Most, Numeral, Of, Read, Reader, Reading};
+use crate::api::json::read::{ListLimits, Most, Numeral, Of, Read, Reader, Reading};
 use crate::api::json::schema::schema_of;
 use crate::fit::method::LARGEST;
 use crate::fit::points::Grid;
@@ -60,7 +60,7 @@ impl Reader for Of<Matrix> {
         let whole = at.elements(
             list,
             most,
-            || RowReader,
+            || MatrixRowReader,
             |row, _| {
                 rows.push(row);
                 Some(())
@@ -71,9 +71,9 @@ impl Reader for Of<Matrix> {
 }
 
 /// Reads a row of a matrix.
-struct RowReader;
+struct MatrixRowReader;
 
-impl Reader for RowReader {
+impl Reader for MatrixRowReader {
     type Value = Vec<f64>;
 
     fn expected(&self) -> String {
@@ -128,7 +128,7 @@ impl Index {
 impl Element for Index {
     const MANY: &'static str = "indices";
 
-    fn most(limits: Limits) -> usize {
+    fn most(limits: ListLimits) -> usize {
         limits.points
     }
 }

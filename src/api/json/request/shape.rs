@@ -12,7 +12,7 @@ use crate::api::json::schema::numbers::{SurfaceWeights, Weights as CurveWeights}
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::invalid as fit;
 use crate::fit::points::Grid;
-use crate::model::mistakes::{Mistake, Place, Read};
+use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::{AxisSpec, BasisSpec, ShapeSpec};
 use crate::model::weights::WeightSpec;
 
@@ -146,7 +146,7 @@ impl SurfaceRequest {
 }
 
 /// The basis of a direction. A degree that stands instead of a basis does not stand beside one.
-fn basis(request: Option<BasisRequest>, doubled: bool, places: &Places) -> Read<BasisSpec> {
+fn basis(request: Option<BasisRequest>, doubled: bool, places: &Places) -> OrMistakes<BasisSpec> {
     if doubled {
         let detail = "a basis is given, which has its degree itself";
         return Err(Mistake::at_text(format!("{}/degree", places.root), detail).into());
@@ -158,7 +158,7 @@ fn basis(request: Option<BasisRequest>, doubled: bool, places: &Places) -> Read<
 pub(super) fn weights(
     weights: Option<PerDirection<WeightList>>,
     surface: bool,
-) -> Read<Option<WeightSpec>> {
+) -> OrMistakes<Option<WeightSpec>> {
     let Some(weights) = weights else {
         return Ok(None);
     };
@@ -179,5 +179,5 @@ pub(super) fn weights(
         (_, false) => "the weights of a curve are a list of numbers",
         (_, true) => "the weights of a surface are rows of numbers, or {\"u\": […], \"v\": […]}",
     };
-    Err(Mistake::at(Place::Fit(fit::Place::Weights), detail).into())
+    Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into())
 }

@@ -6,7 +6,7 @@ use super::schema;
 use crate::api::json::read::object;
 use crate::fit::invalid as fit;
 use crate::fit::problem::Tolerance;
-use crate::model::mistakes::{Mistake, Place};
+use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::stop::{DEFAULT_ITERATIONS, StopSpec};
 
 /// When the iteration ends. There is one of the tolerances, or none.
@@ -38,7 +38,7 @@ impl From<StopRequest> for StopSpec {
             (Some(value), None) => Ok(Some(Tolerance::Absolute(value))),
             (None, Some(value)) => Ok(Some(Tolerance::Relative(value))),
             (Some(_), Some(_)) => {
-                let place = Place::Fit(fit::Place::RelativeTolerance);
+                let place = SpecPart::Fit(fit::Place::RelativeTolerance);
                 let detail = "tolerance is given, so relative_tolerance cannot be";
                 Err(Mistake::at(place, detail).into())
             }

@@ -119,14 +119,14 @@ impl Serialize for DataLine<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let places = self.missing.iter().enumerate();
         serializer.collect_seq(
-            places.map(|(k, missing)| (!missing).then(|| Coordinates(self.points, self.start + k))),
+            places.map(|(k, missing)| (!missing).then(|| DataPoint(self.points, self.start + k))),
         )
     }
 }
 
-struct Coordinates<'a>(&'a Points, usize);
+struct DataPoint<'a>(&'a Points, usize);
 
-impl Serialize for Coordinates<'_> {
+impl Serialize for DataPoint<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.0.point(self.1))
     }

@@ -10,7 +10,7 @@ use super::examples;
 use super::warning::WarningView;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
-use crate::api::json::request::method::{Kind, StartRequest, VariantRequest};
+use crate::api::json::request::method::{MethodKind, StartRequest, VariantRequest};
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
@@ -157,7 +157,7 @@ impl GeometryKind {
 #[schemars(extend("examples" = [{"kind": "weighted", "omega": 1.37, "lambda_min": 0.46}]))]
 pub(super) struct AppliedMethod {
     /// The kind.
-    #[schemars(with = "Kind")]
+    #[schemars(with = "MethodKind")]
     kind: &'static str,
     /// Weighted: the relaxation; null until it is computed.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -10,7 +10,7 @@ use crate::fit::invalid::Axis;
 use crate::fit::warning as fit;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
-use crate::model::mistakes::Place;
+use crate::model::mistakes::SpecPart;
 
 /// What is doubtful about a fit that is computed even so.
 #[derive(Serialize, JsonSchema)]
@@ -38,7 +38,7 @@ impl WarningView {
         let places = Places::of_input(columns, outline.bases_differ);
         let view = |warning: fit::Warning| Self {
             code: warning.code(),
-            pointer: places.of(Place::Fit(warning.place())),
+            pointer: places.of(SpecPart::Fit(warning.place())),
             detail: warning.detail(),
         };
         outline.warnings(levels).map(view).collect()
