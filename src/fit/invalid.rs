@@ -140,7 +140,7 @@ pub enum Invalid {
     },
     /// A grid of fixed weights is not a product of weights of both directions (LBW05 (3.8)).
     #[error(
-        "the grid of fixed weights is not a product of weights of the rows and of the columns, as the rational basis of a surface needs: use \"homogeneous\", or {{\"u\": […], \"v\": […]}}"
+        "the grid of fixed weights is not a product of weights of the rows and of the columns, as the rational basis of a surface needs: use homogeneous weights, or give those of both directions"
     )]
     NotSeparable,
     /// The relaxation ω does not lie between 0 and 2 (Deng13, Corollary 2.3).
