@@ -1,4 +1,4 @@
-.PHONY: run test bench lint tools fmt openapi files interop contract python browser
+.PHONY: run test bench fuzz lint tools fmt openapi files interop contract python browser
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -54,6 +54,18 @@ $(VENV)/benches: benches/requirements.txt
 	python3 -m venv $(VENV)
 	$(PYTHON) -m pip install --quiet -r benches/requirements.txt
 	touch $@
+
+# Each decoder with bytes that nobody would send, for ten minutes; needs a nightly toolchain and
+# `cargo install cargo-fuzz`. What a target finds is in fuzz/artifacts.
+FUZZ_SECONDS := 600
+fuzz: $(patsubst %,fuzz-%,job edit message edit_message record made)
+
+fuzz-%:
+	mkdir -p fuzz/corpus/$*
+	PIAD_WRITE_SEEDS=1 cargo test --locked --lib fuzzing
+	cargo +nightly fuzz run $* fuzz/corpus/$* $(wildcard fuzz/seeds/$*) -- \
+	  $(if $(wildcard fuzz/seeds/$*),-dict=fuzz/json.dict) -max_total_time=$(FUZZ_SECONDS) \
+	  -max_len=4096 -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=64 -print_final_stats=1
 
 lint: tools
 	cargo fmt --check

@@ -4,6 +4,10 @@
 //! A job that is accepted is written again, in JSON, as a message and as it is kept in the store, and each
 //! is read again: the problem is the same to the last bit. Then its first levels are computed.
 
+mod made;
+#[cfg(test)]
+mod tests;
+
 use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
@@ -24,6 +28,7 @@ use crate::job::store::{Record, StoreError};
 use crate::model::edit::{EditSpec, ParentFit};
 use crate::model::job::ValidJob;
 use crate::model::mistakes::MOST_MISTAKES;
+use made::Choices;
 
 /// Jobs of more points are read and written, but not computed.
 const MOST_POINTS: usize = 50;
@@ -63,6 +68,20 @@ pub fn edit_message(bytes: &[u8]) {
     parents()
         .iter()
         .for_each(|parent| check_edit(edit_of_message(parent, bytes)));
+}
+
+/// A job that is made up of the bytes, and an edit of it.
+pub fn made(bytes: &[u8]) {
+    let mut choices = Choices::of(bytes);
+    let asked = choices.job();
+    let Some(job) = accepted(job_of_json(&view::to_bytes(&asked))) else {
+        return;
+    };
+    check(&job);
+    if let Some(parent) = Parent::of(job) {
+        let edit = choices.edit(&asked);
+        check_edit(edit_of_json(&parent, &view::to_bytes(&edit)));
+    }
 }
 
 /// A record of the store. The first byte says of which kind.
@@ -229,14 +248,7 @@ const PARENTS: [&str; 5] = [
 fn parents() -> &'static [Parent] {
     static JOBS: OnceLock<Vec<Parent>> = OnceLock::new();
     JOBS.get_or_init(|| {
-        let parent = |text: &&str| {
-            let job = job_of_json(text.as_bytes()).ok()?;
-            Some(Parent {
-                outline: outline(&job),
-                control_points: compute(&job.problem)?.shared_control_points(),
-                problem: job.problem,
-            })
-        };
+        let parent = |text: &&str| Parent::of(job_of_json(text.as_bytes()).ok()?);
         PARENTS.iter().filter_map(parent).collect()
     })
 }
@@ -254,6 +266,15 @@ fn edit_of_message(parent: &Parent, bytes: &[u8]) -> Result<ValidJob, Refusal> {
 }
 
 impl Parent {
+    /// A job at one of its first levels.
+    fn of(job: ValidJob) -> Option<Self> {
+        Some(Self {
+            outline: outline(&job),
+            control_points: compute(&job.problem)?.shared_control_points(),
+            problem: job.problem,
+        })
+    }
+
     fn edited(&self, spec: EditSpec, words: &impl Words) -> Result<ValidJob, Refusal> {
         let origin = ParentFit {
             problem: &self.problem,
@@ -281,126 +302,4 @@ fn check_edit(edited: Result<ValidJob, Refusal>) {
         assert_eq!(again, json);
     }
     check_run(outline, &job.problem);
-}
-
-#[cfg(test)]
-mod tests {
-    use std::fs;
-    use std::path::Path;
-
-    use jiff::Timestamp;
-    use prost::Message;
-    use uuid::Uuid;
-
-    use super::*;
-    use crate::job::store::IdempotencyEntry;
-    use crate::proto::messages as pb;
-
-    /// Each seed of a target, which says itself what it is.
-    fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
-        let files = fs::read_dir(Path::new("fuzz/seeds").join(target)).unwrap();
-        files
-            .map(|file| {
-                let path = file.unwrap().path();
-                let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-                (name, fs::read(path).unwrap())
-            })
-            .collect()
-    }
-
-    /// Calls a target with a seed that was made of one of the jobs, and keeps it for the fuzzer where
-    /// that is asked for.
-    fn sow(target: &str, name: &str, bytes: &[u8]) {
-        match target {
-            "message" => message(bytes),
-            "edit_message" => edit_message(bytes),
-            _ => record(bytes),
-        }
-        if std::env::var_os("PIAD_WRITE_SEEDS").is_some() {
-            let corpus = Path::new("fuzz/corpus").join(target);
-            fs::create_dir_all(&corpus).unwrap();
-            fs::write(corpus.join(name), bytes).unwrap();
-        }
-    }
-
-    #[test]
-    fn seeds_are_jobs_and_pass_through_every_decoder() {
-        for (name, seed) in seeds("job") {
-            job(&seed);
-            let job = job_of_json(&seed).unwrap();
-            let outline = outline(&job);
-            sow(
-                "message",
-                &name,
-                &proto::view::input(&outline, &job.problem),
-            );
-            let iteration = compute(&job.problem).unwrap();
-            let entry = IdempotencyEntry {
-                id: Uuid::from_u128(1),
-                digest: [7; 32],
-                created: Timestamp::UNIX_EPOCH,
-            };
-            let records = [
-                store::kept_record(&record_of(outline, Some(&iteration))),
-                store::kept_points(iteration.control_points()),
-                store::kept_entry(&entry),
-                store::kept(&job.problem),
-            ];
-            for (kind, bytes) in (0..).zip(records) {
-                let bytes = [&[kind], bytes.as_slice()].concat();
-                sow("record", &format!("{name}-{kind}"), &bytes);
-            }
-        }
-    }
-
-    #[test]
-    fn seeds_are_edits_of_a_parent() {
-        assert_eq!(parents().len(), PARENTS.len());
-        for (name, seed) in seeds("edit") {
-            edit(&seed);
-            let fits = |parent| edit_of_json(parent, &seed).is_ok();
-            assert!(parents().iter().any(fits), "{name}");
-        }
-        for (name, edit) in messages() {
-            let bytes = edit.encode_to_vec();
-            sow("edit_message", name, &bytes);
-            let fits = |parent| edit_of_message(parent, &bytes).is_ok();
-            assert!(parents().iter().any(fits), "{name}");
-        }
-    }
-
-    /// Edits as messages.
-    fn messages() -> [(&'static str, pb::Edit); 3] {
-        let moved = pb::Edit {
-            name: Some("moved".to_owned()),
-            moved: vec![1, 2],
-            points: vec![0.9, 0.03, 0.8, 0.02],
-            ..pb::Edit::default()
-        };
-        let weighted = pb::Edit {
-            iteration: Some(2),
-            weighted: vec![1],
-            point_weights: vec![3.0],
-            method: Some(pb::Method {
-                kind: Some(pb::method::Kind::Global(pb::method::Global {})),
-            }),
-            ..pb::Edit::default()
-        };
-        let reweighted = pb::Edit {
-            weights: Some(pb::Weights {
-                values: vec![1.0, 2.0, 3.0, 4.0],
-                ..pb::Weights::default()
-            }),
-            stop: Some(pb::StopRules {
-                max_iterations: Some(7),
-                ..pb::StopRules::default()
-            }),
-            ..pb::Edit::default()
-        };
-        [
-            ("moved", moved),
-            ("weighted", weighted),
-            ("reweighted", reweighted),
-        ]
-    }
 }

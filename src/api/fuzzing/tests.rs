@@ -1,0 +1,145 @@
+//! The seeds of the fuzz targets, and what they are given besides.
+
+use std::fs;
+use std::path::Path;
+
+use jiff::Timestamp;
+use prost::Message;
+use uuid::Uuid;
+
+use super::*;
+use crate::job::store::IdempotencyEntry;
+use crate::proto::messages as pb;
+
+/// Each seed of a target, which says itself what it is.
+fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
+    let files = fs::read_dir(Path::new("fuzz/seeds").join(target)).unwrap();
+    files
+        .map(|file| {
+            let path = file.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            (name, fs::read(path).unwrap())
+        })
+        .collect()
+}
+
+/// Calls a target with a seed that was made of one of the jobs, and keeps it for the fuzzer where
+/// that is asked for.
+fn sow(target: &str, name: &str, bytes: &[u8]) {
+    match target {
+        "message" => message(bytes),
+        "edit_message" => edit_message(bytes),
+        _ => record(bytes),
+    }
+    if std::env::var_os("PIAD_WRITE_SEEDS").is_some() {
+        let corpus = Path::new("fuzz/corpus").join(target);
+        fs::create_dir_all(&corpus).unwrap();
+        fs::write(corpus.join(name), bytes).unwrap();
+    }
+}
+
+#[test]
+fn seeds_are_jobs_and_pass_through_every_decoder() {
+    for (name, seed) in seeds("job") {
+        job(&seed);
+        let job = job_of_json(&seed).unwrap();
+        let outline = outline(&job);
+        sow(
+            "message",
+            &name,
+            &proto::view::input(&outline, &job.problem),
+        );
+        let iteration = compute(&job.problem).unwrap();
+        let entry = IdempotencyEntry {
+            id: Uuid::from_u128(1),
+            digest: [7; 32],
+            created: Timestamp::UNIX_EPOCH,
+        };
+        let records = [
+            store::kept_record(&record_of(outline, Some(&iteration))),
+            store::kept_points(iteration.control_points()),
+            store::kept_entry(&entry),
+            store::kept(&job.problem),
+        ];
+        for (kind, bytes) in (0..).zip(records) {
+            let bytes = [&[kind], bytes.as_slice()].concat();
+            sow("record", &format!("{name}-{kind}"), &bytes);
+        }
+    }
+}
+
+#[test]
+fn seeds_are_edits_of_a_parent() {
+    assert_eq!(parents().len(), PARENTS.len());
+    for (name, seed) in seeds("edit") {
+        edit(&seed);
+        let fits = |parent| edit_of_json(parent, &seed).is_ok();
+        assert!(parents().iter().any(fits), "{name}");
+    }
+    for (name, edit) in messages() {
+        let bytes = edit.encode_to_vec();
+        sow("edit_message", name, &bytes);
+        let fits = |parent| edit_of_message(parent, &bytes).is_ok();
+        assert!(parents().iter().any(fits), "{name}");
+    }
+}
+
+/// Bytes by chance make jobs of which a good part can be computed, and so can edits of them.
+#[test]
+fn what_is_made_up_is_often_accepted() {
+    let (mut jobs, mut edits) = (0, 0);
+    for seed in 0..300_u64 {
+        let bytes = (0..16_u64).flat_map(|k| {
+            let mixed = (16 * seed + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            (mixed ^ (mixed >> 29))
+                .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+                .to_be_bytes()
+        });
+        let bytes: Vec<u8> = bytes.collect();
+        made(&bytes);
+        let mut choices = Choices::of(&bytes);
+        let asked = choices.job();
+        if let Ok(job) = job_of_json(&view::to_bytes(&asked)) {
+            jobs += 1;
+            let edit = view::to_bytes(&choices.edit(&asked));
+            let edited = |parent| edit_of_json(&parent, &edit).is_ok();
+            edits += usize::from(Parent::of(job).is_some_and(edited));
+        }
+    }
+    assert!(jobs > 100 && edits > 50, "{jobs} jobs, {edits} edits");
+}
+
+/// Edits as messages.
+fn messages() -> [(&'static str, pb::Edit); 3] {
+    let moved = pb::Edit {
+        name: Some("moved".to_owned()),
+        moved: vec![1, 2],
+        points: vec![0.9, 0.03, 0.8, 0.02],
+        ..pb::Edit::default()
+    };
+    let weighted = pb::Edit {
+        iteration: Some(2),
+        weighted: vec![1],
+        point_weights: vec![3.0],
+        method: Some(pb::Method {
+            kind: Some(pb::method::Kind::Global(pb::method::Global {})),
+        }),
+        ..pb::Edit::default()
+    };
+    let reweighted = pb::Edit {
+        weights: Some(pb::Weights {
+            values: vec![1.0, 2.0, 3.0, 4.0],
+            ..pb::Weights::default()
+        }),
+        stop: Some(pb::StopRules {
+            max_iterations: Some(7),
+            ..pb::StopRules::default()
+        }),
+        ..pb::Edit::default()
+    };
+    [
+        ("moved", moved),
+        ("weighted", weighted),
+        ("reweighted", reweighted),
+    ]
+}
