@@ -89,16 +89,21 @@ pub fn record(bytes: &[u8]) {
     let Some((kind, bytes)) = bytes.split_first() else {
         return;
     };
-    match kind % 4 {
+    match kind % 5 {
         0 => check_kept(store::record(bytes), store::kept_record, store::record),
         1 => check_kept(store::points(bytes), store::kept_points, store::points),
         2 => check_kept(store::entry(bytes), store::kept_entry, store::entry),
-        _ => {
+        3 => {
             let problem = store::problem(bytes);
             if let Ok(problem) = &problem {
                 compute(problem);
             }
             check_kept(problem, store::kept, store::problem);
+        }
+        _ => {
+            if let Ok(problem) = store::earlier_problem(bytes) {
+                compute(&problem);
+            }
         }
     }
 }

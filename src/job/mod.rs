@@ -1,7 +1,8 @@
 //! A fit as a thing that lives: with an id, a state, readers, and an end.
 //!
 //! - [`outline`]: a job without its points;
-//! - [`state`]: the state machine of a job; [`levels`]: how far it has come;
+//! - [`state`]: the state machine of a job; [`names`]: what states are called in messages; [`levels`]: how
+//!   far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
 //! - [`forms`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
@@ -27,6 +28,7 @@ pub(crate) mod forms;
 pub(crate) mod frame;
 pub(crate) mod levels;
 pub(crate) mod memory;
+pub(crate) mod names;
 pub(crate) mod outline;
 pub(crate) mod patience;
 pub(crate) mod peer;

@@ -12,7 +12,7 @@ use super::stream::StreamSpec;
 use super::weights::Rational;
 use crate::fit::invalid as fit;
 use crate::fit::method::Method;
-use crate::fit::problem::Problem;
+use crate::fit::problem::{Problem, Request};
 
 /// The most characters of a name.
 pub const LONGEST_NAME: usize = 200;
@@ -96,6 +96,22 @@ impl JobSpec {
         // The points and the basis may be wrong beside what was found so far.
         let problem = mistakes.fit(shape.request(method, rules), SpecPart::Fit);
         ValidJob::new(self.name, stream, problem, mistakes)
+    }
+}
+
+impl JobSpec {
+    /// The problem of a job that was accepted before: no limit is looked at.
+    pub fn request(self) -> OrMistakes<Request> {
+        let mut mistakes = Mistakes::default();
+        let rational = mistakes.keep(self.rational).flatten();
+        let shape = mistakes.keep(self.shape);
+        let shape = shape.and_then(|shape| shape.shape(rational, &mut mistakes));
+        let method = mistakes.keep(self.method);
+        let rules = self.stop.rules(usize::MAX, &mut mistakes);
+        match shape.zip(method) {
+            Some((shape, method)) => mistakes.or(shape.request(method, rules)),
+            None => Err(mistakes),
+        }
     }
 }
 

@@ -21,15 +21,6 @@ pub struct MethodTarget {
     pub most: usize,
 }
 
-impl MethodTarget {
-    /// Methods that were accepted before.
-    pub const ANY: Self = Self {
-        points: usize::MAX,
-        surface: true,
-        most: usize::MAX,
-    };
-}
-
 /// The method that a message asks for.
 pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Option<MethodSpec>> {
     let Some(method) = method else {
@@ -105,6 +96,26 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
         v: v as usize,
         variant,
     })
+}
+
+/// The method as outlines of jobs have it, of its message without the indices of points and the entries
+/// of matrices.
+pub fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
+    match method.as_ref().and_then(|method| method.kind.as_ref()) {
+        Some(Kind::Local(local)) => Ok(Method::Local(Local {
+            row_by_row: local.row_by_row,
+        })),
+        Some(Kind::Custom(_)) => Ok(Method::Custom(Custom::new(Vec::new(), None))),
+        _ => {
+            let target = MethodTarget {
+                points: usize::MAX,
+                surface,
+                most: usize::MAX,
+            };
+            let spec = spec(method, target)?;
+            Ok(spec.map_or(Method::Global, |spec| spec.method))
+        }
+    }
 }
 
 /// The matrices of a transform.
@@ -185,36 +196,30 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
     }
 }
 
-/// The method as it was asked for, of a surface or of a curve.
+/// The method as it was asked for, with the indices of the points that it selects.
 pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
-    match method {
-        Method::Custom(custom) => {
-            let custom = m::Custom {
-                transform_u: custom.u().concat(),
-                transform_v: custom.v().map(<[Vec<f64>]>::concat).unwrap_or_default(),
-            };
-            pb::Method {
-                kind: Some(Kind::Custom(custom)),
-            }
+    let mut message = message(method, surface, None);
+    match (&mut message.kind, method) {
+        (Some(Kind::Local(local)), _) => local.indices = indices,
+        (Some(Kind::Custom(message)), Method::Custom(custom)) => {
+            message.transform_u = custom.u().concat();
+            message.transform_v = custom.v().map(<[Vec<f64>]>::concat).unwrap_or_default();
         }
-        method => message(method, surface, indices, None),
+        _ => {}
     }
+    message
 }
 
-/// The method with its settings, and the ω that was computed for it.
-pub fn message(
-    method: &Method,
-    surface: bool,
-    indices: Vec<u32>,
-    forecast: Option<Forecast>,
-) -> pb::Method {
+/// The method with its settings, and the ω that was computed for it; without the indices of points and
+/// the entries of matrices.
+pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb::Method {
     let kind = match *method {
         Method::Global => Kind::Global(m::Global {}),
         Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {
             omega: forecast.and_then(|it| it.omega).or(omega),
         }),
         Method::Local(Local { row_by_row }) => Kind::Local(m::Local {
-            indices,
+            indices: Vec::new(),
             row_by_row,
         }),
         Method::Adaptive(Adaptive { threshold }) => Kind::Adaptive(m::Adaptive { threshold }),

@@ -2,46 +2,21 @@
 
 use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
-use crate::fit::outcome::Stall;
 use crate::fit::problem as fit;
 use crate::fit::warning::Warning;
+use crate::job::names::state_of;
 use crate::job::outline::Outline;
-use crate::job::state::{Reason, State};
+use crate::job::state::State;
 use crate::model::mistakes::Mistake;
 use crate::proto::messages as pb;
 use crate::proto::values::known;
 
-/// The state of a job.
-pub fn state(state: State) -> pb::JobState {
-    match state {
-        State::Queued => pb::JobState::Queued,
-        State::Running => pb::JobState::Running,
-        State::Converged => pb::JobState::Converged,
-        State::Exhausted => pb::JobState::Exhausted,
-        State::Stalled => pb::JobState::Stalled,
-        State::Failed => pb::JobState::Failed,
-        State::Cancelled => pb::JobState::Cancelled,
-    }
-}
+pub use crate::job::names::{reason, state};
 
 /// Which jobs to list.
 pub fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
     let wanted: pb::JobState = known(value, "state")?;
-    Ok(State::ALL.into_iter().find(|it| state(*it) == wanted))
-}
-
-/// Why a job has ended.
-pub fn reason(reason: Option<Reason>) -> pb::EndReason {
-    match reason {
-        None => pb::EndReason::Unspecified,
-        Some(Reason::Stationary) => pb::EndReason::Stationary,
-        Some(Reason::Stalled(stall)) => match stall {
-            Stall::Convexity => pb::EndReason::Convexity,
-            Stall::Nilpotent => pb::EndReason::Nilpotent,
-            Stall::Rounding => pb::EndReason::Rounding,
-            Stall::Diverging => pb::EndReason::Diverging,
-        },
-    }
+    Ok(state_of(wanted))
 }
 
 /// What is doubtful.

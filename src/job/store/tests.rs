@@ -8,8 +8,11 @@ use uuid::Uuid;
 
 use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Record, Retention, Selection, Store};
 use crate::fit::points::Points;
+use crate::fit::problem::Problem;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
+
+mod kinds;
 
 /// Runs each case against each store.
 macro_rules! for_each_store {
@@ -41,6 +44,7 @@ macro_rules! for_each_store {
 
 for_each_store!(
     a_job_is_kept_as_it_was_inserted,
+    every_kind_of_problem_is_kept_to_the_bit,
     writes_take_effect_in_the_order_of_their_calls,
     a_job_that_has_ended_has_its_state_and_result,
     a_job_that_is_gone_stays_gone,
@@ -136,6 +140,26 @@ async fn a_job_is_kept_as_it_was_inserted(store: &impl Store) {
     assert_eq!(store.get(unknown).await.unwrap(), None);
     assert!(store.problem(unknown).await.unwrap().is_none());
     assert!(store.result(unknown).await.unwrap().is_none());
+}
+
+async fn every_kind_of_problem_is_kept_to_the_bit(store: &impl Store) {
+    let problems = kinds::problems().into_iter().map(Arc::new);
+    let jobs = problems.map(|problem| (kinds::record(&problem), problem));
+    let jobs: Vec<(Record, Arc<Problem>)> = jobs.collect();
+    let insert = |(record, problem): &(Record, Arc<Problem>)| {
+        store.insert(record.clone(), Arc::clone(problem), None)
+    };
+    for inserted in futures_util::future::join_all(jobs.iter().map(insert)).await {
+        assert_eq!(inserted.unwrap(), None);
+    }
+    for (record, problem) in jobs {
+        let id = record.outline.id;
+        let kept = store.problem(id).await.unwrap().unwrap();
+        let (kept, asked_for) = (kept.request(), problem.request());
+        // Numbers are written with all of their digits, and with their signs.
+        assert_eq!(format!("{kept:?}"), format!("{asked_for:?}"));
+        assert_eq!(store.get(id).await.unwrap(), Some(record));
+    }
 }
 
 async fn writes_take_effect_in_the_order_of_their_calls(store: &impl Store) {

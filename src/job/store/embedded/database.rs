@@ -96,15 +96,13 @@ impl JobDatabase {
 
     /// A job without its points.
     pub(super) fn record(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
-        self.get(HEADERS, id, |bytes| {
-            Header::decode(bytes).map_err(damaged)?.into_record()
-        })
+        self.get(HEADERS, id, |bytes| Header::read(bytes)?.into_record())
     }
 
     /// The problem of a job.
     pub(super) fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
         self.get(INPUTS, id, |bytes| {
-            let request = Input::decode(bytes).map_err(damaged)?.into_request()?;
+            let request = Input::read(bytes)?;
             Problem::new(request).map(Arc::new).map_err(damaged)
         })
     }
@@ -126,9 +124,7 @@ impl JobDatabase {
             if records.len() == selection.limit {
                 break;
             }
-            let record = Header::decode(entry?.1.value())
-                .map_err(damaged)?
-                .into_record()?;
+            let record = Header::read(entry?.1.value())?.into_record()?;
             let state = record.status.state;
             if selection.state.is_none_or(|wanted| wanted == state) {
                 records.push(record);
@@ -141,8 +137,7 @@ impl JobDatabase {
     pub(super) fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
         let mut records = Vec::new();
         for entry in self.table(HEADERS)?.iter()? {
-            let header = Header::decode(entry?.1.value()).map_err(damaged)?;
-            let record = header.into_record()?;
+            let record = Header::read(entry?.1.value())?.into_record()?;
             if !record.status.state.is_final() {
                 records.push(record);
             }

@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use redb::{StorageError, TableError};
 
 use super::super::StoreError;
+use crate::model::mistakes::Mistakes;
 
 /// After a failure there is no database until it could be opened again.
 pub(super) fn closed() -> StoreError {
@@ -21,6 +22,13 @@ pub(super) fn unwritable() -> StoreError {
 /// What was read makes no sense.
 pub(super) fn damaged(reason: impl ToString) -> StoreError {
     StoreError::Failed(format!("a record cannot be read: {}", reason.to_string()))
+}
+
+/// What was read is a message that was never accepted.
+pub(super) fn mistaken(mistakes: impl Into<Mistakes>) -> StoreError {
+    let mistakes = mistakes.into().into_iter();
+    let details: Vec<String> = mistakes.map(|mistake| mistake.detail).collect();
+    damaged(details.join("; "))
 }
 
 impl From<redb::Error> for StoreError {

@@ -8,6 +8,7 @@ use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
 use super::points::PointsMessage;
+use super::version_1;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
@@ -22,6 +23,11 @@ pub(crate) fn problem(bytes: &[u8]) -> Result<Problem, StoreError> {
     Problem::new(request).map_err(damaged)
 }
 
+/// The problem that an earlier program has kept in these bytes.
+pub(crate) fn earlier_problem(bytes: &[u8]) -> Result<Problem, StoreError> {
+    Problem::new(version_1::request(bytes)?).map_err(damaged)
+}
+
 /// A job without its points as it is kept.
 pub(crate) fn kept_record(record: &Record) -> Vec<u8> {
     Header::new(record, 0, None).encode_to_vec()
@@ -29,7 +35,7 @@ pub(crate) fn kept_record(record: &Record) -> Vec<u8> {
 
 /// The job that is kept in these bytes.
 pub(crate) fn record(bytes: &[u8]) -> Result<Record, StoreError> {
-    Header::decode(bytes).map_err(damaged)?.into_record()
+    Header::read(bytes)?.into_record()
 }
 
 /// Points as they are kept.

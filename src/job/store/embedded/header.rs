@@ -5,16 +5,17 @@ use std::sync::Arc;
 use prost::Message;
 
 use super::super::{Record, StoreError};
-use super::error::damaged;
+use super::error::{damaged, mistaken};
 use super::fields::{Time, grid, number, time, uuid};
-use super::input::MethodMessage;
 use super::status::StatusMessage;
+use super::version_1;
 use super::warning::WarningMessage;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::state::Status;
-use crate::model::stream::StreamSpec;
+use crate::proto::messages as pb;
+use crate::proto::{method, stream};
 
-/// A job without its points.
+/// A job without its points. Tags 5 and 10 are those of version 1.
 #[derive(Clone, PartialEq, Message)]
 pub(super) struct Header {
     #[prost(bytes = "vec", tag = "1")]
@@ -25,8 +26,6 @@ pub(super) struct Header {
     parent: Option<Vec<u8>>,
     #[prost(uint64, tag = "4")]
     parent_iteration: u64,
-    #[prost(string, optional, tag = "5")]
-    stream: Option<String>,
     #[prost(message, optional, tag = "6")]
     created: Option<Time>,
     #[prost(bool, tag = "7")]
@@ -35,8 +34,6 @@ pub(super) struct Header {
     rows: u64,
     #[prost(uint64, tag = "9")]
     columns: u64,
-    #[prost(message, optional, tag = "10")]
-    method: Option<MethodMessage>,
     #[prost(uint64, optional, tag = "11")]
     adjusted: Option<u64>,
     #[prost(double, tag = "12")]
@@ -64,9 +61,24 @@ pub(super) struct Header {
     warnings: Vec<WarningMessage>,
     #[prost(bool, tag = "22")]
     bases_differ: bool,
+    #[prost(message, optional, tag = "23")]
+    method: Option<pb::Method>,
+    #[prost(message, optional, tag = "24")]
+    stream: Option<pb::StreamOptions>,
 }
 
 impl Header {
+    /// The header in these bytes.
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, StoreError> {
+        let mut header = Self::decode(bytes).map_err(damaged)?;
+        if header.method.is_none() {
+            let (method, stream) = version_1::choices(bytes)?;
+            header.method = Some(method::message(&method, header.surface, None));
+            header.stream = stream.as_ref().map(stream::options);
+        }
+        Ok(header)
+    }
+
     /// The header of a record.
     pub(super) fn new(record: &Record, bytes: u64, key: Option<String>) -> Self {
         let outline = &record.outline;
@@ -76,15 +88,10 @@ impl Header {
             name: label.name.clone(),
             parent: label.parent.map(|parent| parent.id.as_bytes().to_vec()),
             parent_iteration: label.parent.map_or(0, |parent| parent.iteration as u64),
-            stream: label
-                .stream
-                .as_deref()
-                .and_then(|it| serde_json::to_string(it).ok()),
             created: Some(outline.created.into()),
             surface: outline.surface,
             rows: outline.grid.rows as u64,
             columns: outline.grid.columns as u64,
-            method: Some((&outline.method).into()),
             adjusted: outline.adjusted.map(|count| count as u64),
             tolerance: outline.tolerance,
             max_iterations: outline.max_iterations as u64,
@@ -101,6 +108,8 @@ impl Header {
                 .filter_map(WarningMessage::new)
                 .collect(),
             bases_differ: outline.bases_differ,
+            method: Some(method::message(&outline.method, outline.surface, None)),
+            stream: label.stream.as_deref().map(stream::options),
         }
     }
 
@@ -124,21 +133,19 @@ impl Header {
                 iteration,
             })
         });
+        let stream = self.stream.map(|it| stream::spec(it, "").map_err(mistaken));
         Ok(Record {
             outline: Outline {
                 id: uuid(&self.id)?,
                 label: Label {
                     name: self.name,
                     parent: parent.transpose()?,
-                    stream: self.stream.map(|text| stream(&text)).transpose()?,
+                    stream: stream.transpose()?.map(Arc::new),
                 },
                 created: time(self.created)?,
                 surface: self.surface,
                 grid: grid(self.rows, self.columns)?,
-                method: self
-                    .method
-                    .ok_or_else(|| damaged("no method"))?
-                    .try_into()?,
+                method: method::outline(self.method, self.surface).map_err(mistaken)?,
                 adjusted: self.adjusted.map(number).transpose()?,
                 tolerance: self.tolerance,
                 max_iterations: number(self.max_iterations)?,
@@ -159,8 +166,4 @@ impl Header {
             watched: self.watched,
         })
     }
-}
-
-fn stream(text: &str) -> Result<Arc<StreamSpec>, StoreError> {
-    serde_json::from_str(text).map(Arc::new).map_err(damaged)
 }

@@ -7,14 +7,13 @@
 //!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
 //! - [`disk_space`]: what is kept back for when the disk is full;
 //! - [`error`], [`panics`]: errors and panics of the database;
-//! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`direction`], [`points`]; [`fields`]:
-//!   records and problems as protobuf messages.
+//! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`points`]; [`fields`]: records and
+//!   problems as protobuf messages; [`version_1`]: what earlier files have instead.
 //!
 //! Reads see what was committed. Lists wait for the changes before them.
 
 mod change;
 mod database;
-mod direction;
 mod disk_space;
 mod error;
 mod fields;
@@ -31,6 +30,7 @@ mod recovery;
 mod status;
 mod tables;
 mod transaction;
+mod version_1;
 mod warning;
 mod writer;
 

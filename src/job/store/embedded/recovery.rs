@@ -1,13 +1,12 @@
 //! The first transaction after a start.
 
-use prost::Message;
 use redb::ReadableTable;
 use tracing::warn;
 
 use super::super::StoreError;
 use super::super::blame::Crash;
-use super::error::damaged;
 use super::header::Header;
+use super::tables::{FACTS, VERSION, VERSION_FACT};
 use super::transaction::{EndedChange, Transaction};
 use crate::job::state::State;
 
@@ -15,10 +14,11 @@ impl Transaction<'_> {
     /// Puts jobs that were running when the process ended back into the queue, or fails those that are to
     /// blame for it; and counts the jobs that have ended. This reads every header.
     pub(super) fn recover(&mut self) -> Result<(), StoreError> {
+        self.raise_version()?;
         let mut running = Vec::new();
         let mut crash = Crash::default();
         for item in self.headers.iter()? {
-            let header = Header::decode(item?.1.value()).map_err(damaged)?;
+            let header = Header::read(item?.1.value())?;
             let bytes = header.bytes;
             let record = header.clone().into_record()?;
             crash.note(&record);
@@ -41,6 +41,21 @@ impl Transaction<'_> {
                 let bytes = header.bytes;
                 self.ended.push(EndedChange::Add { at, id, bytes });
             }
+        }
+        Ok(())
+    }
+
+    /// From now on the file has records that an earlier program does not know.
+    fn raise_version(&mut self) -> Result<(), StoreError> {
+        let mut facts = self.redb.open_table(FACTS)?;
+        let found = facts.get(VERSION_FACT)?.map(|version| version.value());
+        if let Some(found) = found.filter(|found| *found != VERSION) {
+            facts.insert(VERSION_FACT, VERSION)?;
+            warn!(
+                from = found,
+                to = VERSION,
+                "the store gets a later version of its format: an earlier program does not open it any more"
+            );
         }
         Ok(())
     }

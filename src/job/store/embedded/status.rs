@@ -3,17 +3,19 @@
 use prost::{Enumeration, Message};
 
 use super::super::StoreError;
+use super::error::damaged;
 use super::fields::{Time, code, meaning, number, time};
 use crate::fit::iteration::Level;
 use crate::fit::norms::FitError;
-use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
-use crate::job::state::{Failure, Levels, Reason, State, Status};
+use crate::job::names;
+use crate::job::state::{Failure, Levels, Status};
+use crate::proto::messages as pb;
 
 /// The status of a job.
 #[derive(Clone, PartialEq, Message)]
 pub(super) struct StatusMessage {
-    #[prost(enumeration = "StateCode", tag = "1")]
+    #[prost(enumeration = "pb::JobState", tag = "1")]
     state: i32,
     #[prost(message, optional, tag = "2")]
     started: Option<Time>,
@@ -25,7 +27,7 @@ pub(super) struct StatusMessage {
     last: Option<LevelMessage>,
     #[prost(message, optional, tag = "6")]
     forecast: Option<ForecastMessage>,
-    #[prost(enumeration = "ReasonCode", tag = "7")]
+    #[prost(enumeration = "pb::EndReason", tag = "7")]
     reason: i32,
     #[prost(enumeration = "FailureCode", tag = "8")]
     failure: i32,
@@ -82,62 +84,12 @@ struct ForecastMessage {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
-enum StateCode {
-    Unknown = 0,
-    Queued = 1,
-    Running = 2,
-    Converged = 3,
-    Exhausted = 4,
-    Stalled = 5,
-    Failed = 6,
-    Cancelled = 7,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
-enum ReasonCode {
-    None = 0,
-    Stationary = 1,
-    Convexity = 2,
-    Nilpotent = 3,
-    Rounding = 4,
-    Diverging = 5,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
 enum FailureCode {
     None = 0,
     Overflow = 1,
     Defect = 2,
     Crashes = 3,
 }
-
-const STATES: [(State, StateCode); 7] = [
-    (State::Queued, StateCode::Queued),
-    (State::Running, StateCode::Running),
-    (State::Converged, StateCode::Converged),
-    (State::Exhausted, StateCode::Exhausted),
-    (State::Stalled, StateCode::Stalled),
-    (State::Failed, StateCode::Failed),
-    (State::Cancelled, StateCode::Cancelled),
-];
-
-const REASONS: [(Option<Reason>, ReasonCode); 6] = [
-    (None, ReasonCode::None),
-    (Some(Reason::Stationary), ReasonCode::Stationary),
-    (
-        Some(Reason::Stalled(Stall::Convexity)),
-        ReasonCode::Convexity,
-    ),
-    (
-        Some(Reason::Stalled(Stall::Nilpotent)),
-        ReasonCode::Nilpotent,
-    ),
-    (Some(Reason::Stalled(Stall::Rounding)), ReasonCode::Rounding),
-    (
-        Some(Reason::Stalled(Stall::Diverging)),
-        ReasonCode::Diverging,
-    ),
-];
 
 const FAILURES: [(Option<Failure>, FailureCode); 4] = [
     (None, FailureCode::None),
@@ -149,13 +101,13 @@ const FAILURES: [(Option<Failure>, FailureCode); 4] = [
 impl From<&Status> for StatusMessage {
     fn from(status: &Status) -> Self {
         Self {
-            state: code(&STATES, &status.state) as i32,
+            state: names::state(status.state).into(),
             started: status.started.map(Time::from),
             finished: status.finished.map(Time::from),
             first: status.levels.map(|levels| levels.first.into()),
             last: status.levels.map(|levels| levels.last.into()),
             forecast: status.levels.map(|levels| levels.forecast.into()),
-            reason: code(&REASONS, &status.reason) as i32,
+            reason: names::reason(status.reason).into(),
             failure: code(&FAILURES, &status.failure) as i32,
         }
     }
@@ -173,12 +125,13 @@ impl TryFrom<StatusMessage> for Status {
             }),
             _ => None,
         };
+        let state = names::state_of(message.state());
         Ok(Self {
-            state: meaning(&STATES, message.state())?,
+            state: state.ok_or_else(|| damaged("no state"))?,
             levels,
             started: message.started.map(|at| time(Some(at))).transpose()?,
             finished: message.finished.map(|at| time(Some(at))).transpose()?,
-            reason: meaning(&REASONS, message.reason())?,
+            reason: names::reason_of(message.reason()),
             failure: meaning(&FAILURES, message.failure())?,
         })
     }

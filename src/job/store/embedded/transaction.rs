@@ -8,7 +8,6 @@ use uuid::Uuid;
 use super::super::ended::Ended;
 use super::super::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
 use super::change::{Change, Outcome};
-use super::error::damaged;
 use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
@@ -22,8 +21,9 @@ use crate::job::state::Status;
 /// deletion takes a few dozen, which are free again two commits later.
 const SLACK_PAGES: u64 = 128;
 
-/// The tables of a write transaction.
+/// A write transaction with its tables.
 pub(super) struct Transaction<'a> {
+    pub(super) redb: &'a WriteTransaction,
     pub(super) headers: Table<'a, u128, &'static [u8]>,
     inputs: Table<'a, u128, &'static [u8]>,
     results: Table<'a, u128, &'static [u8]>,
@@ -42,6 +42,7 @@ pub(super) enum EndedChange {
 impl<'a> Transaction<'a> {
     pub(super) fn open(transaction: &'a WriteTransaction) -> Result<Self, StoreError> {
         Ok(Self {
+            redb: transaction,
             headers: transaction.open_table(HEADERS)?,
             inputs: transaction.open_table(INPUTS)?,
             results: transaction.open_table(RESULTS)?,
@@ -138,7 +139,7 @@ impl<'a> Transaction<'a> {
 
     fn header(&self, id: Uuid) -> Result<Option<Header>, StoreError> {
         let bytes = self.headers.get(id.as_u128())?;
-        let header = bytes.map(|bytes| Header::decode(bytes.value()).map_err(damaged));
+        let header = bytes.map(|bytes| Header::read(bytes.value()));
         header.transpose()
     }
 

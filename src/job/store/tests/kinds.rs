@@ -1,0 +1,252 @@
+//! Problems of every kind: with each basis, method and kind of weights, and everything else in turns.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::fit::basis::{Polynomial, knots::Knots};
+use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::method::{
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
+use crate::fit::parameters::Parametrization;
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::job::outline::{Label, Outline, Parent};
+use crate::job::samples::queued;
+use crate::job::store::Record;
+use crate::model::stream::{
+    Digits, Encoding, OnDisconnect, Pace, Samples, StreamSpec, View as StreamView,
+};
+
+const CURVE: Grid = Grid {
+    rows: 12,
+    columns: 1,
+};
+const SURFACE: Grid = Grid {
+    rows: 7,
+    columns: 6,
+};
+
+/// The problems that can be computed.
+pub(super) fn problems() -> Vec<Problem> {
+    let mut problems = Vec::new();
+    let mut turn = 0;
+    for surface in [false, true] {
+        let methods = methods(surface);
+        for (method, selected) in &methods {
+            for basis in 0..7 {
+                for weights in 0..4 {
+                    turn += 1;
+                    let mut request = request(surface, basis, weights, turn);
+                    request.method = method.clone();
+                    request.selected = selected.clone();
+                    if matches!(method, Method::LeastSquares(_)) && surface && turn % 2 == 0 {
+                        request.missing = vec![0, 8, 40];
+                    }
+                    problems.extend(Problem::new(request));
+                }
+            }
+            let of_method = |it: &Problem| it.method() == method;
+            assert!(problems.iter().any(of_method), "{surface}: {method:?}");
+        }
+    }
+    let some = |wanted: fn(&Request) -> bool| {
+        assert!(problems.iter().any(|problem| wanted(problem.request())));
+    };
+    some(|it| it.start.is_some() && it.lambda_min.is_some());
+    some(|it| !it.missing.is_empty());
+    some(|it| it.u.closed && it.v.is_none());
+    some(|it| it.v.as_ref().is_some_and(|v| v.closed));
+    some(|it| matches!(it.weights, Weights::FixedGrid(_)));
+    some(|it| matches!(it.weights, Weights::Homogeneous(_)) && it.v.is_some());
+    some(|it| it.u.weights.is_some() && it.v.is_none());
+    some(|it| it.v.as_ref().is_some_and(|v| v.weights.is_some()));
+    some(|it| {
+        matches!(
+            &it.u.basis,
+            BasisChoice::BSpline {
+                knots: Knots::Explicit(_),
+                ..
+            }
+        )
+    });
+    problems
+}
+
+/// A job with such a problem, with all that a client can say of it.
+pub(super) fn record(problem: &Problem) -> Record {
+    let other = queued();
+    let surface = problem.v().is_some();
+    let stream = StreamSpec {
+        view: Some(StreamView::Samples),
+        samples: Some(match surface {
+            false => Samples::Count(300),
+            true => Samples::Grid(30, 20),
+        }),
+        every: None,
+        milestones: Some(vec![0.1, 1e-300]),
+        pace: Some(Pace::All),
+        changed: Some(false),
+        encoding: Some(Encoding::Json),
+        digits: Some(Digits::Auto),
+        on_disconnect: Some(OnDisconnect::Cancel),
+    };
+    let label = Label {
+        name: Some("Flügel".to_owned()),
+        parent: Some(Parent {
+            id: other.outline.id,
+            iteration: 7,
+        }),
+        stream: Some(Arc::new(stream)),
+    };
+    Record {
+        outline: Outline::new(label, problem),
+        ..other
+    }
+}
+
+/// Every method, with the points that it selects.
+fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
+    let mut methods = vec![
+        Method::Global,
+        Method::Weighted(Weighted { omega: None }),
+        Method::Weighted(Weighted { omega: Some(0.1) }),
+        Method::Adaptive(Adaptive { threshold: 1e-3 }),
+        Method::Extended(Extended { start: Start::Data }),
+        Method::Extended(Extended {
+            start: Start::Transformed,
+        }),
+        Method::Transpose,
+        Method::Chebyshev,
+        Method::Direct,
+    ];
+    let v = if surface { 4 } else { 5 };
+    methods.extend(
+        [
+            Variant::Diagonal,
+            Variant::Lspia { mu: None },
+            Variant::Lspia { mu: Some(0.01) },
+            Variant::ConjugateGradients,
+        ]
+        .map(|variant| Method::LeastSquares(LeastSquares { u: 5, v, variant })),
+    );
+    let grid = if surface { SURFACE } else { CURVE };
+    let custom = |v| Method::Custom(Custom::new(nearly_identity(grid.rows), v));
+    if surface {
+        methods.push(custom(Some(nearly_identity(grid.columns))));
+    } else {
+        methods.extend([custom(None), Method::Convex]);
+    }
+    let mut methods: Vec<_> = methods.into_iter().map(|method| (method, None)).collect();
+    let local = |row_by_row| Method::Local(Local { row_by_row });
+    methods.push((local(false), Some([5, 2, 3].into())));
+    if surface {
+        methods.push((local(true), None));
+        methods.push((local(true), Some([30, 2].into())));
+    }
+    methods
+}
+
+fn nearly_identity(count: usize) -> Vec<Vec<f64>> {
+    let entry = |i, j| if i == j { 0.9 } else { -0.0 };
+    let row = |i| (0..count).map(|j| entry(i, j)).collect();
+    (0..count).map(row).collect()
+}
+
+fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request {
+    let grid = if surface { SURFACE } else { CURVE };
+    let points = Arc::new(points(grid, 2 + turn % 2));
+    let mut u = direction(grid.rows, basis, turn);
+    // Both directions of a surface are chosen apart.
+    let mut v = surface.then(|| direction(grid.columns, (basis + turn) % 7, turn / 3));
+    let product = |i: usize| weight(i / grid.columns) * weight(i % grid.columns + 3);
+    let mut of_points = Weights::None;
+    match (weights, &mut v) {
+        (0, _) => {}
+        (1, _) => of_points = Weights::Homogeneous((0..grid.count()).map(weight).collect()),
+        (2, Some(_)) => of_points = Weights::FixedGrid((0..grid.count()).map(product).collect()),
+        (_, v) => {
+            u.weights = Some((0..grid.rows).map(weight).collect());
+            if let Some(v) = v {
+                v.weights = Some((0..grid.columns).map(weight).collect());
+            }
+        }
+    }
+    let edited = turn.is_multiple_of(2) && weights != 1;
+    Request {
+        start: edited.then(|| Arc::clone(&points)),
+        lambda_min: edited.then_some(0.1),
+        points,
+        grid,
+        missing: Vec::new(),
+        u,
+        v,
+        weights: of_points,
+        method: Method::Global,
+        selected: None,
+        tolerance: match turn % 3 {
+            0 => Tolerance::Absolute(0.0),
+            1 => Tolerance::Absolute(0.1),
+            _ => Tolerance::Relative(1e-7),
+        },
+        max_iterations: turn,
+    }
+}
+
+/// Points of a wave over a circle, which closes.
+fn points(grid: Grid, dimension: usize) -> Points {
+    let mut points = Points::new(dimension);
+    for i in 0..grid.rows {
+        for j in 0..grid.columns {
+            let (s, t) = (2.0 * PI * i as f64 / grid.rows as f64, j as f64);
+            let point = [
+                s.cos() * (1.0 + t),
+                s.sin() * (1.0 + t) - 0.1,
+                (s + t).sin(),
+            ];
+            points.push(&point);
+        }
+    }
+    points
+}
+
+fn direction(count: usize, basis: usize, turn: usize) -> DirectionChoice {
+    let values: Vec<f64> = (0..=count).map(|i| 0.1 * i as f64 + 0.7).collect();
+    let closed = turn.is_multiple_of(5) && basis < 3;
+    let given = if closed { count + 1 } else { count };
+    let explicit = Parametrization::Explicit(Arc::new(values[..given].to_vec()));
+    let spline = |degree, knots| BasisChoice::BSpline { degree, knots };
+    DirectionChoice {
+        basis: match basis {
+            0 => spline(3, Knots::Usual),
+            1 => spline(3, Knots::Data),
+            2 => spline(2, Knots::Averaged),
+            3 => spline(1, Knots::Explicit(Arc::new(knots(&values[..count])))),
+            4 => BasisChoice::Polynomial(Polynomial::Bernstein),
+            5 => BasisChoice::Polynomial(Polynomial::SaidBall),
+            _ => BasisChoice::Polynomial(Polynomial::WangBall),
+        },
+        parameters: match (basis, turn % 4) {
+            (3, _) | (_, 0) => explicit,
+            (_, 1) => Parametrization::Centripetal,
+            (_, 2) => Parametrization::Uniform,
+            _ => Parametrization::ChordLength,
+        },
+        closed,
+        control_points: None,
+        weights: None,
+    }
+}
+
+/// Clamped knots of degree 1 at these parameters.
+fn knots(parameters: &[f64]) -> Vec<f64> {
+    let (first, last) = (parameters[0], parameters[parameters.len() - 1]);
+    let mut knots = vec![first];
+    knots.extend(parameters);
+    knots.push(last);
+    knots
+}
+
+fn weight(index: usize) -> f64 {
+    1.0 + 0.3 * (index as f64).sin()
+}
