@@ -246,6 +246,30 @@ async fn only_one_server_uses_a_data_directory() {
     assert!(message.contains("in use by another process"), "{message}");
 }
 
+/// Says of a store that it has this version of the format; gives the one that it had.
+fn set_version(file: &Path, version: u64) -> Option<u64> {
+    let database = redb::Database::create(file).unwrap();
+    let transaction = database.begin_write().unwrap();
+    let facts = redb::TableDefinition::<&str, u64>::new("facts");
+    let mut table = transaction.open_table(facts).unwrap();
+    let before = table.insert("version", version).unwrap();
+    let before = before.map(|before| before.value());
+    drop(table);
+    transaction.commit().unwrap();
+    before
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_store_of_the_version_before_gets_the_version_of_today() {
+    let data = tempfile::tempdir().unwrap();
+    let file = data.path().join("piad.redb");
+    drop(Program::start(data.path()));
+    assert_eq!(set_version(&file, 1), Some(2));
+    drop(Program::start(data.path()));
+    // The program of then would misread what this one has written: it must not open it.
+    assert_eq!(set_version(&file, 1), Some(2));
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn unknown_files_and_versions_are_clear_errors() {
     let refused = |data: &Path, reason: &str| {
@@ -260,17 +284,11 @@ async fn unknown_files_and_versions_are_clear_errors() {
     refused(data.path(), "cannot be opened");
     std::fs::remove_file(&file).unwrap();
 
-    let database = redb::Database::create(&file).unwrap();
-    let transaction = database.begin_write().unwrap();
-    let facts = redb::TableDefinition::<&str, u64>::new("facts");
-    transaction
-        .open_table(facts)
-        .unwrap()
-        .insert("version", 99)
-        .unwrap();
-    transaction.commit().unwrap();
-    drop(database);
-    refused(data.path(), "has version 99 of the format");
+    for version in [0, 3, 99] {
+        set_version(&file, version);
+        let reason = format!("has version {version} of the format");
+        refused(data.path(), &reason);
+    }
 
     // A store whose end is missing.
     std::fs::remove_file(&file).unwrap();
