@@ -1,7 +1,7 @@
 //! A fit as a thing that lives: with an id, a state, readers, and an end.
 //!
 //! - [`outline`]: a job without its points;
-//! - [`state`]: the state machine of a job; [`names`]: what states are called in messages; [`levels`]: how
+//! - [`state`]: the state machine of a job; [`codes`]: states in messages; [`levels`]: how
 //!   far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
 //! - [`forms`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
@@ -21,6 +21,7 @@
 //! are no longer in memory are computed again, by a run that starts over.
 
 pub(crate) mod again;
+pub(crate) mod codes;
 pub(crate) mod content;
 pub mod counters;
 pub(crate) mod cursor;
@@ -28,7 +29,6 @@ pub(crate) mod forms;
 pub(crate) mod frame;
 pub(crate) mod levels;
 pub(crate) mod memory;
-pub(crate) mod names;
 pub(crate) mod outline;
 pub(crate) mod patience;
 pub(crate) mod peer;

@@ -97,9 +97,7 @@ impl JobSpec {
         let problem = mistakes.fit(shape.request(method, rules), SpecPart::Fit);
         ValidJob::new(self.name, stream, problem, mistakes)
     }
-}
 
-impl JobSpec {
     /// The problem of a job that was accepted before: no limit is looked at.
     pub fn request(self) -> OrMistakes<Request> {
         let mut mistakes = Mistakes::default();

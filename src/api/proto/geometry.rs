@@ -16,6 +16,7 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::samples::Samples;
 use crate::job::Job;
+use crate::job::codes;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
@@ -90,7 +91,7 @@ pub fn result(
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
         kind: names::kind(outline).into(),
-        state: names::state(status.state).into(),
+        state: codes::state(status.state).into(),
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
         rational: names::rational(problem).into(),

@@ -4,19 +4,17 @@ use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::problem as fit;
 use crate::fit::warning::Warning;
-use crate::job::names::state_of;
+use crate::job::codes;
 use crate::job::outline::Outline;
 use crate::job::state::State;
 use crate::model::mistakes::Mistake;
 use crate::proto::messages as pb;
 use crate::proto::values::known;
 
-pub use crate::job::names::{reason, state};
-
 /// Which jobs to list.
 pub fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
     let wanted: pb::JobState = known(value, "state")?;
-    Ok(state_of(wanted))
+    Ok(codes::state_of(wanted))
 }
 
 /// What is doubtful.

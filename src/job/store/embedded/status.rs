@@ -8,7 +8,7 @@ use super::fields::{Time, code, meaning, number, time};
 use crate::fit::iteration::Level;
 use crate::fit::norms::FitError;
 use crate::fit::system::Forecast;
-use crate::job::names;
+use crate::job::codes;
 use crate::job::state::{Failure, Levels, Status};
 use crate::proto::messages as pb;
 
@@ -101,13 +101,13 @@ const FAILURES: [(Option<Failure>, FailureCode); 4] = [
 impl From<&Status> for StatusMessage {
     fn from(status: &Status) -> Self {
         Self {
-            state: names::state(status.state).into(),
+            state: codes::state(status.state).into(),
             started: status.started.map(Time::from),
             finished: status.finished.map(Time::from),
             first: status.levels.map(|levels| levels.first.into()),
             last: status.levels.map(|levels| levels.last.into()),
             forecast: status.levels.map(|levels| levels.forecast.into()),
-            reason: names::reason(status.reason).into(),
+            reason: codes::reason(status.reason).into(),
             failure: code(&FAILURES, &status.failure) as i32,
         }
     }
@@ -125,13 +125,13 @@ impl TryFrom<StatusMessage> for Status {
             }),
             _ => None,
         };
-        let state = names::state_of(message.state());
+        let state = codes::state_of(message.state());
         Ok(Self {
             state: state.ok_or_else(|| damaged("no state"))?,
             levels,
             started: message.started.map(|at| time(Some(at))).transpose()?,
             finished: message.finished.map(|at| time(Some(at))).transpose()?,
-            reason: names::reason_of(message.reason()),
+            reason: codes::reason_of(message.reason()),
             failure: meaning(&FAILURES, message.failure())?,
         })
     }
