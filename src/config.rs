@@ -207,7 +207,7 @@ pub enum LogFormat {
 impl Config {
     /// The settings of a server that is started without flags and variables.
     pub fn standard() -> Self {
-        // Defaults live in one place, the attributes above; they are known to parse.
+        // The attributes above are the one place of the defaults; they always parse.
         match Standard::try_parse_from(["piad"]) {
             Ok(standard) => standard.config,
             Err(error) => error.exit(),
@@ -248,11 +248,11 @@ impl Config {
     }
 }
 
-/// What fits may take where nobody says how much memory there is.
+/// The memory for fits if that of the machine is not known.
 const UNKNOWN_MEMORY: u64 = 512 << 20;
 
-/// The memory of the machine, or of the control group if that may have less. It is not known where
-/// the system does not tell, as Linux without /proc.
+/// The memory of the machine, or of its control group if that has less. `None` if the system does not tell,
+/// such as Linux without /proc.
 fn machine_memory() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();

@@ -1,10 +1,9 @@
-//! Memory that was freed goes back to the operating system soon, also when nothing happens any more.
+//! Returns freed memory to the operating system even when the server is idle.
 //!
-//! The allocator, mimalloc, does this while threads allocate: pages of a thread that have become empty
-//! are looked for after some thousand allocations of it, and given back a second later by whoever
-//! allocates next. What a thread has when it begins to wait would stay for good, and so would what others
-//! free of it. So threads that have worked and wait make these allocations, in two rounds, and then wait
-//! without an end. With other allocators that does no harm.
+//! The allocator, mimalloc, does this only while threads allocate: a thread looks for its empty pages after
+//! some thousand allocations, and they are returned a second later by the next thread that allocates.
+//! Pages of a thread that is idle would stay for good. So before a thread goes to sleep for long it makes
+//! these allocations, in two rounds. With other allocators that does no harm.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -13,37 +12,36 @@ use tokio::runtime::Handle;
 use tokio::sync::Notify;
 use tokio::time::sleep;
 
-/// How long threads wait before each round of trimming: for longer than the allocator, which returns
-/// nothing in its first second.
+/// The pause before each round: longer than the second after which the allocator returns pages.
 pub const PAUSE: Duration = Duration::from_millis(1200);
 
-/// How many rounds there are: one finds pages that are empty, the next returns them.
+/// The number of rounds: the first finds empty pages, the second returns them.
 pub const ROUNDS: usize = 2;
 
-/// After so many allocations mimalloc has looked through all pages of a thread.
+/// The number of allocations after which mimalloc has looked through all pages of a thread.
 const ALLOCATIONS: usize = 10_000;
 
-/// Bytes of each: what has more than a kibibyte counts, and is quick nevertheless.
+/// The bytes of each allocation: only those above a kibibyte count, and these are still fast.
 const SIZE: usize = 2048;
 
-/// Something has ended on the threads of the network.
+/// Notified when a request has ended on the network threads.
 static ENDED: Notify = Notify::const_new();
 
-/// Looks for memory of this thread that is not used. Takes some tenths of a millisecond.
+/// Returns unused memory of this thread. Takes some tenths of a millisecond.
 pub fn this_thread() {
     for _ in 0..ALLOCATIONS {
         drop(black_box(Vec::<u8>::with_capacity(SIZE)));
     }
 }
 
-/// Something has ended that is served by the threads of the network: they are trimmed soon.
+/// Asks for the network threads to be trimmed soon, as a request has ended on them.
 pub fn soon() {
     ENDED.notify_one();
 }
 
-/// Trims the threads of the runtime whenever something has ended on them, and sleeps while nothing does.
+/// Trims the threads of the runtime some time after requests have ended on them.
 pub async fn network() {
-    // Nobody can choose the threads of tasks: there are enough of them to wake all threads.
+    // Tasks cannot be bound to threads: twice as many as there are threads are likely to reach all.
     let tasks = 2 * Handle::current().metrics().num_workers();
     loop {
         ENDED.notified().await;

@@ -1,7 +1,7 @@
-//! From the Ball bases to the Bernstein basis of the same degree.
+//! Converts control points of the Ball bases to Bézier points of the same degree.
 //!
-//! CAD kernels know B-splines, and the Bernstein polynomials among them; they do not know the Ball
-//! bases. Each function of these is a multiple of a `t^a (1−t)^b` with `a + b ≤ m`, and with
+//! CAD kernels know B-splines, which include the Bernstein polynomials, but not the Ball bases. Each
+//! Ball function is a multiple of a `t^a (1−t)^b` with `a + b ≤ m`, and with
 //! `1 = (t + (1−t))^(m−a−b)`, expanded by the binomial theorem,
 //!
 //! ```text
@@ -115,7 +115,7 @@ fn binomials(n: usize) -> Vec<f64> {
     let mut value = 1.0;
     let mut row = vec![value];
     for k in 0..n {
-        // The smaller factor first: every step is an integer, rounded only beyond 2^53.
+        // Multiplied before it is divided, every value is an integer, exact up to 2^53.
         value = value * (n - k) as f64 / (k + 1) as f64;
         row.push(value);
     }

@@ -8,7 +8,7 @@ use super::text::Text;
 use crate::fit::points::Grid;
 use crate::fit::samples::Samples;
 
-/// Samples of a curve, and of each direction of a surface, unless asked for otherwise.
+/// The number of samples of a curve, and of each direction of a surface, by default.
 const CURVE: usize = 200;
 const SURFACE: usize = 40;
 
@@ -98,8 +98,8 @@ fn each(samples: &Samples, range: Range<usize>, mut visit: impl FnMut(usize, &[f
     }
 }
 
-/// With weights that are not positive a curve can run through infinity, and next to the largest
-/// numbers rounding can. Others lie between their control points.
+/// Refuses samples that are not finite. They can occur with weights that are not positive, and close to the
+/// largest numbers; otherwise samples lie in the convex hull of the control points.
 fn check(samples: &Samples) -> Result<(), ExportError> {
     let geometry = samples.geometry();
     let small = |index| geometry.place(index).all(|x| x.abs() < f64::MAX / 4.0);

@@ -29,7 +29,7 @@ pub enum ExportError {
         /// Its weight.
         weight: f64,
     },
-    /// The file would be right, and CAD systems would show nothing.
+    /// CAD systems do not load files of such a degree.
     #[error(
         "the degree is {degree}, and CAD systems read curves and surfaces up to degree {most} from {format} files: \
          fit B-splines, or export another format"
@@ -42,7 +42,7 @@ pub enum ExportError {
         /// The highest degree that is written.
         most: usize,
     },
-    /// A coordinate that is infinite or not a number.
+    /// A coordinate is infinite or NaN.
     #[error("coordinate {coordinate} of {what} {place} is {value}, and files hold finite numbers")]
     NotFinite {
         /// What has the coordinate: a control point or a sample.
@@ -62,7 +62,7 @@ pub enum ExportError {
         /// The coordinate.
         value: f64,
     },
-    /// Extents beyond the range of numbers.
+    /// The extent is beyond the range of 64-bit floating-point numbers.
     #[error(
         "the numbers of the curve or surface, or their sums, are beyond the range of 64-bit numbers, so that it cannot \
          be drawn: export csv or json, or scale the data"

@@ -21,12 +21,13 @@ pub struct Fitted<'a> {
     pub control_points: &'a Arc<Points>,
     /// The name of the curve or surface; any text.
     pub name: Option<&'a str>,
-    /// When it was made, for formats that say so. The same level at the same time is the same file.
+    /// The time of creation, for formats that have one. The same level with the same time gives the same
+    /// file.
     pub created: Timestamp,
-    /// The largest distance from the data at each level from 0 on; drawings show how it falls.
+    /// The largest distance from the data at each level from 0 on, for drawings; may be empty.
     pub errors: &'a [f64],
-    /// How many points formats that sample the curve or surface take in each direction, at least
-    /// two; otherwise as many as suit it.
+    /// The number of samples in each direction, at least 2, for formats that sample; chosen to suit the
+    /// curve or surface by default.
     pub samples: Option<Grid>,
 }
 
@@ -47,7 +48,7 @@ impl<'a> Fitted<'a> {
         }
     }
 
-    /// The name, or what it is.
+    /// The name, or `curve` or `surface` without one.
     pub(super) fn title(&self) -> &'a str {
         let kind = match self.problem.v() {
             None => "curve",
@@ -56,7 +57,7 @@ impl<'a> Fitted<'a> {
         self.name.filter(|name| !name.is_empty()).unwrap_or(kind)
     }
 
-    /// What was fitted, in a line of ASCII.
+    /// A description of the fit in one line of ASCII.
     pub(super) fn description(&self) -> String {
         let problem = self.problem;
         let rational = problem.is_homogeneous() || problem.directions().any(Direction::is_rational);

@@ -1,4 +1,4 @@
-//! The formats and what they are called.
+//! The file formats and their names.
 
 use std::fmt;
 use std::str::FromStr;
@@ -22,7 +22,7 @@ pub enum Format {
     Csv,
 }
 
-/// No format is called so.
+/// There is no format of this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0:?} is not a format; there are step, iges, obj, gltf, svg and csv")]
 pub struct UnknownFormat(String);

@@ -5,7 +5,7 @@
 //! - `fitted`: what is written;
 //! - [`format`](mod@format): the formats and their names; [`error`]: why something cannot be written;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
-//!   exactly; `ball`: how polynomials of the Ball bases get there;
+//!   exactly; `ball`: how polynomials of the Ball bases are converted to it;
 //! - `sampling`: points and derivatives of it, for `gltf` and `svg`;
 //! - [`csv`]: samples as numbers;
 //! - `text`: numbers and names as text.

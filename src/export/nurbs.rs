@@ -61,11 +61,11 @@ fn bezier(degree: usize) -> Vec<f64> {
 /// A B-spline curve or surface, polynomial or rational (PT97 (4.1), (4.15)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nurbs {
-    /// The direction of a curve; of a surface that of its columns, across the rows.
+    /// The direction of a curve; of a surface the direction along its columns, from row to row.
     pub u: KnotVector,
     /// The second direction of a surface.
     pub v: Option<KnotVector>,
-    /// The complete net of control points, row by row: places, not multiplied by weights.
+    /// The complete control net, row by row: Cartesian coordinates, not multiplied by weights.
     pub points: Points,
     /// Their weights, all positive, if the curve or surface is rational.
     pub weights: Option<Vec<f64>>,
@@ -111,8 +111,8 @@ impl Nurbs {
         self.weights.as_ref().map_or(1.0, |weights| weights[index])
     }
 
-    /// The lengths below which differences mean nothing: what CAD systems call the accuracy of a
-    /// model. One part in 10⁷, and never more than 10⁻⁷, the usual one.
+    /// The length below which differences are meaningless, which CAD systems call the accuracy of a model:
+    /// 10⁻⁷ of the extent, but at most 10⁻⁷, the usual value.
     pub fn resolution(&self) -> f64 {
         let extent = self.points.bounding_diagonal();
         if extent > 0.0 && extent < 1.0 {
@@ -152,14 +152,14 @@ impl Nurbs {
     }
 }
 
-/// The complete control net on its way to places and weights.
+/// The complete control net while it is converted to Cartesian points and weights.
 struct ConvertedNet {
     rows: usize,
     columns: usize,
     /// Coordinates, multiplied by the weights if there are some.
     lanes: Vec<Vec<f64>>,
     weights: Option<Vec<f64>>,
-    /// Weights by which coordinates are not multiplied.
+    /// Weights of the basis functions, by which the coordinates are not multiplied.
     fixed: Option<Vec<f64>>,
 }
 
@@ -184,8 +184,8 @@ impl ConvertedNet {
         }
     }
 
-    /// Converts directions with a Ball basis to Bézier form, in homogeneous coordinates if the fit
-    /// is rational: there the curve is polynomial.
+    /// Converts directions with a Ball basis to Bézier form; rational fits in homogeneous coordinates, in
+    /// which they are polynomial.
     fn leave_ball_bases(&mut self, problem: &Problem) {
         let u = to_bezier(problem.u());
         let v = problem.v().and_then(to_bezier);
@@ -209,8 +209,7 @@ impl ConvertedNet {
         }
     }
 
-    /// Weights of control points and weights of basis functions are the same thing to a CAD kernel:
-    /// they are multiplied.
+    /// The weights of a CAD kernel: the products of the weights of control points and of basis functions.
     fn weights(&self) -> Option<Vec<f64>> {
         match (&self.weights, &self.fixed) {
             (Some(own), Some(fixed)) => Some(own.iter().zip(fixed).map(|(a, b)| a * b).collect()),

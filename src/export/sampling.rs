@@ -3,10 +3,10 @@
 use super::nurbs::{KnotVector, Nurbs};
 use crate::fit::basis::{bernstein, bspline};
 
-/// So many values of basis functions are held at a time, and as many derivatives.
+/// The most values of basis functions that are held at a time, and as many derivatives.
 const MOST_VALUES: usize = 1 << 20;
 
-/// A parameter, seen from one knot span: at a knot, derivatives are those of that side.
+/// A parameter in a knot span. At a knot the span decides from which side derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Site {
     span: usize,
@@ -25,7 +25,7 @@ pub(super) struct Jet {
     pub(super) dv: [f64; 3],
 }
 
-/// How many steps there are between so many samples; two samples at least.
+/// The number of steps between this many samples; at least one.
 pub(super) fn steps_between(samples: usize) -> usize {
     samples.saturating_sub(1).max(1)
 }
@@ -51,8 +51,8 @@ impl KnotVector {
         }
     }
 
-    /// `steps + 1` sites from one end of the domain to the other, at equal steps when every span
-    /// counts as long as every other: fine spans get fine steps.
+    /// `steps + 1` sites from one end of the domain to the other. All spans get equally many steps, so
+    /// short spans get short ones.
     pub(super) fn sites(&self, steps: usize) -> Vec<Site> {
         let spans = self.spans();
         let site = |i: usize| {
@@ -70,7 +70,7 @@ impl KnotVector {
         Site { span, t }
     }
 
-    /// A site a thousandth of its span further inside.
+    /// The site moved inside, at least a thousandth of its span from both ends.
     pub(super) fn inside(&self, site: Site) -> Site {
         let part = self.part(site);
         self.site(site.span, part.clamp(1e-3, 1.0 - 1e-3))
@@ -239,7 +239,7 @@ pub(super) fn length(a: [f64; 3]) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
-/// `a / ‖a‖`, if that has a direction.
+/// `a / ‖a‖`, if that is finite.
 pub(super) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
     let length = length(a);
     let unit = a.map(|x| x / length);

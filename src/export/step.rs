@@ -149,7 +149,7 @@ fn rational_surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector, weights: &[f
     ));
 }
 
-/// Degree, control points, form, closed, self-intersecting (which nobody has checked).
+/// Degree, control points, form, closed, self-intersecting (`.U.`: unknown).
 fn curve_attributes(text: &mut Text, nurbs: &Nurbs) {
     text.put(format_args!("{},", nurbs.u.degree));
     text.list(0..nurbs.rows(), reference);

@@ -1,4 +1,4 @@
-//! Text that is written without errors to handle, and numbers that are read back exactly.
+//! Text output, with numbers that are read back exactly.
 
 use std::fmt::{Arguments, Write};
 

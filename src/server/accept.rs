@@ -1,4 +1,4 @@
-//! Takes in connections, each of which has a task of its own.
+//! Accepts connections; each is served by a task of its own.
 
 use std::future::poll_fn;
 use std::io;
@@ -20,26 +20,25 @@ use super::rarely::Rarely;
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
 
-/// How long to wait when connections cannot be taken in, as when there are no descriptors left.
+/// How long to wait when connections cannot be accepted, for example without free file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// How often to tell about what keeps happening.
+/// The shortest time between two log lines about the same repeated event.
 const TELLING: Duration = Duration::from_secs(10);
 
-/// Connections beyond the limits are there for a short question.
+/// Times of connections beyond the limits, which are there for short health checks.
 const BEYOND: Times = Times {
     head: Duration::from_secs(2),
     idle: Duration::from_millis(100),
     write: Duration::from_secs(2),
 };
 
-/// What connections are let in to.
+/// What it takes to accept and serve connections.
 pub(super) struct Doors {
     /// Where requests go.
     pub(super) router: Router,
     /// How long connections may do nothing.
     pub(super) times: Times,
-    /// Those that there are.
     pub(super) connections: Connections,
     pub(super) counters: Counters,
     /// Becomes true when no more are taken in.
@@ -47,7 +46,7 @@ pub(super) struct Doors {
 }
 
 impl Doors {
-    /// Takes in connections until it is time to stop; returns when all of them have ended.
+    /// Accepts connections until the server stops; returns when all of them have ended.
     pub(super) async fn serve(mut self, listeners: Vec<TcpListener>) {
         let mut tasks = JoinSet::new();
         let (mut failures, mut crowds) = (Rarely::new(TELLING), Rarely::new(TELLING));
@@ -143,7 +142,7 @@ fn prepare(stream: &TcpStream) {
     }
 }
 
-/// The client has gone before it was let in.
+/// Whether the client has disconnected before it was accepted, which is no fault of the server.
 fn is_of_the_connection(reason: &io::Error) -> bool {
     use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
     matches!(

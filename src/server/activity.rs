@@ -1,4 +1,4 @@
-//! What happens on a connection, as far as it decides how long the connection may stay.
+//! The activity on a connection, from which its timeouts follow.
 
 use std::sync::Arc;
 
@@ -7,14 +7,14 @@ use tokio::time::{Duration, Instant, sleep, sleep_until};
 
 use crate::trim;
 
-/// How long connections may do nothing.
+/// Timeouts of a connection.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Times {
-    /// Until the head of a request is there.
+    /// For the head of a request to arrive.
     pub(super) head: Duration,
     /// Between requests.
     pub(super) idle: Duration,
-    /// While there is something to write.
+    /// For the client to take something of what is being written.
     pub(super) write: Duration,
 }
 
@@ -28,29 +28,29 @@ struct ConnectionState {
     open: usize,
     /// Since when there are none.
     idle: Instant,
-    /// When the first byte of a request came of which the head is not complete.
+    /// When the first byte of a request came whose head is not complete yet.
     head: Option<Instant>,
-    /// When something was written, and how much in all.
+    /// When something was last written, and how many bytes in all.
     written: (Instant, u64),
     /// There has been a request.
     served: bool,
-    /// A request was answered though not all of it had come.
+    /// A request was answered before all of its body had come.
     cut_short: bool,
-    /// It is HTTP/2, where bytes may come and go without a request.
+    /// It is HTTP/2, where bytes may be exchanged without a request.
     multiplexed: bool,
 }
 
-/// Why a connection has stayed too long.
+/// Why a connection has timed out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Overdue {
-    /// The head of a request does not come to its end.
+    /// The head of a request was not completed in time.
     Half,
     /// There are no requests.
     Idle,
 }
 
 impl Activity {
-    /// Of a connection that is new.
+    /// The activity of a new connection.
     pub(super) fn new() -> Self {
         let now = Instant::now();
         Self(Mutex::new(ConnectionState {
@@ -64,7 +64,7 @@ impl Activity {
         }))
     }
 
-    /// Something has come.
+    /// Notes that bytes were received.
     pub(super) fn read(&self) {
         let mut state = self.0.lock();
         if state.open == 0 && state.head.is_none() {
@@ -72,13 +72,13 @@ impl Activity {
         }
     }
 
-    /// So many bytes have gone.
+    /// Notes that so many bytes were sent.
     pub(super) fn wrote(&self, bytes: usize) {
         let mut state = self.0.lock();
         state.written = (Instant::now(), state.written.1 + bytes as u64);
     }
 
-    /// A request has come, which is open until the guard is dropped.
+    /// Notes a request, which is open until the guard is dropped.
     pub(super) fn open(self: &Arc<Self>, multiplexed: bool) -> OpenRequest {
         let mut state = self.0.lock();
         state.open += 1;
@@ -88,7 +88,8 @@ impl Activity {
         OpenRequest(Arc::clone(self))
     }
 
-    /// A request is answered before all of it has come: the connection ends with the answer.
+    /// Notes that a request is answered before all of its body has come: the connection ends with the
+    /// answer.
     pub(super) fn cut_short(&self) {
         self.0.lock().cut_short = true;
     }
@@ -98,9 +99,9 @@ impl Activity {
         self.0.lock().cut_short
     }
 
-    /// Completes when the connection has stayed too long.
+    /// Completes when the connection has timed out.
     pub(super) async fn overdue(&self, times: Times) -> Overdue {
-        // Whatever begins after a look ends its time after the next one.
+        // No timeout that begins after one look can pass before the next one.
         let shortest = times.head.min(times.idle);
         loop {
             let now = Instant::now();
@@ -130,7 +131,7 @@ impl Activity {
 }
 
 impl ConnectionState {
-    /// When the connection has stayed too long if nothing happens on it, and why.
+    /// When and why the connection times out if nothing happens on it.
     fn end(&self, times: Times) -> Option<(Instant, Overdue)> {
         if self.open > 0 {
             return None;
@@ -138,7 +139,7 @@ impl ConnectionState {
         if !self.served {
             let end = self.idle + times.head;
             return Some(match self.head {
-                // Its first bytes are no reason to wait for longer.
+                // The first bytes of a request do not extend the time.
                 Some(_) => (end, Overdue::Half),
                 None => (end, Overdue::Idle),
             });
@@ -148,7 +149,7 @@ impl ConnectionState {
         }
         match self.head {
             Some(since) => Some((since + times.head, Overdue::Half)),
-            // The end of an answer may take its time on its way.
+            // The end of an answer may still be on its way.
             None => Some((self.idle.max(self.written.0) + times.idle, Overdue::Idle)),
         }
     }

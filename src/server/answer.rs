@@ -1,4 +1,4 @@
-//! The body of an answer on its way: its request is open until it has gone.
+//! The body of an answer; its request counts as open until all of it has been sent.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
@@ -10,15 +10,15 @@ use http_body::{Body as HttpBody, Frame, SizeHint};
 use super::activity::OpenRequest;
 use super::stalled;
 
-/// The most that a stream of HTTP/2 is given at once, so that its progress shows.
+/// The most bytes that an HTTP/2 stream is given at once, so that its progress can be observed.
 const PIECE: usize = 64 * 1024;
 
 /// The body of an answer.
 pub(super) struct AnswerBody {
     body: Body,
-    /// What is still to be given of the last frame.
+    /// The part of the last frame that is still to be sent.
     rest: Bytes,
-    /// The most to be given at once.
+    /// The most bytes that are given at once.
     most: usize,
     _open: OpenRequest,
 }

@@ -1,6 +1,6 @@
-//! The body of a request on its way. What a handler has not read of it is in the way of the next
-//! request on a connection of HTTP/1: it is read and forgotten if it is little, or the connection ends
-//! with the answer, which says so.
+//! The body of a request. In HTTP/1 the part that a handler has not read stands before the next request
+//! on the connection: a short rest is read and discarded; otherwise the connection is closed after the
+//! answer, which says so.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -13,13 +13,13 @@ use hyper::body::Incoming;
 use parking_lot::Mutex;
 use tokio::time::{Duration, timeout};
 
-/// The longest rest of a body that is read for the sake of the connection.
+/// The longest rest of a body that is read to keep the connection.
 const LITTLE: u64 = 64 * 1024;
 
 /// How long to wait for it.
 const SHORT: Duration = Duration::from_secs(1);
 
-/// The body of a request, which leaves behind what is not read of it.
+/// The body of a request; what is not read of it is left in [`Unread`].
 pub(super) struct Arriving {
     body: Option<Incoming>,
     unread: Unread,
@@ -41,8 +41,8 @@ impl Arriving {
 }
 
 impl Unread {
-    /// Reads the rest, if it is little and on its way; says whether nothing is in the way any more.
-    /// A client that `expects` to be told whether to send the body may not have begun to.
+    /// Reads the rest if it is short and comes soon; returns whether the connection can be used again. A
+    /// client that `expects` 100 Continue may not have begun to send the body.
     pub(super) async fn is_out_of_the_way(&self, expects: bool) -> bool {
         let Some(body) = self.0.lock().take() else {
             return true;

@@ -1,4 +1,4 @@
-//! One connection: HTTP/1.1 or HTTP/2, as long as there is something to do on it.
+//! Serves one connection with HTTP/1.1 or HTTP/2.
 
 use std::convert::Infallible;
 use std::pin::pin;
@@ -26,7 +26,7 @@ use super::stalled::unless_stalled;
 use super::watched::Watched;
 use crate::job::peer::Peer;
 
-/// How long a connection that has no requests any more may be silent before it is cut off.
+/// How long a connection that is being shut down may be silent before it is cut off.
 const LINGER: Duration = Duration::from_secs(2);
 
 /// Where a connection comes from.
@@ -74,7 +74,7 @@ async fn converse<S>(
         peer,
         write: times.write,
     });
-    // Heads have their time as everything else has: see `activity`.
+    // The time for heads is checked with the other timeouts: see `activity`.
     builder.http1().header_read_timeout(None);
     let mut connection = pin!(builder.serve_connection(TokioIo::new(io), service));
     tokio::select! {
@@ -112,7 +112,7 @@ async fn answer(
     let (body, unread) = Arriving::new(body);
     let request = Request::from_parts(head, Body::new(body));
     let mut response = router.call(request).await?;
-    // Streams of HTTP/2 are not in each other's way. Who waits for leave to send is not kept waiting.
+    // In HTTP/2 an unread body does not block other streams.
     if !multiplexed && !(unread.is_out_of_the_way(expects).await) {
         let close = HeaderValue::from_static("close");
         response.headers_mut().insert(header::CONNECTION, close);
@@ -121,7 +121,7 @@ async fn answer(
     Ok(response.map(|body| AnswerBody::new(body, open, multiplexed)))
 }
 
-/// Starts the tasks of streams of HTTP/2.
+/// Spawns the tasks of HTTP/2 streams.
 #[derive(Clone, Copy)]
 struct Streams {
     peer: Peer,

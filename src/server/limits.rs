@@ -1,8 +1,8 @@
-//! How many connections there are: in all, and of each peer.
+//! Limits of the number of connections, in all and of each peer.
 //!
-//! Every connection takes a file descriptor. Where they end nobody gets in any more, not even whoever
-//! asks whether the server is alive. So some are kept back: a connection beyond the limits gets one of
-//! them, is answered only that, and makes room for the next one when they are all taken.
+//! Every connection takes a file descriptor. Without free ones, not even health checks would be
+//! answered. So some descriptors are reserved for connections beyond the limits, on which only health
+//! and metrics are answered; when these are taken, too, the oldest is closed for the next.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -18,10 +18,10 @@ use crate::job::slots::{NoSlot, Slot, Slots};
 /// The most connections beyond the limits that are open at a time.
 const BEYOND: usize = 32;
 
-/// Descriptors that are taken by something else than connections: files, listeners, the runtime.
+/// File descriptors for everything but connections: files, listeners, the runtime.
 const OTHERS: usize = 32;
 
-/// What a server takes for the number of descriptors where the system does not tell.
+/// The assumed number of file descriptors if the system does not tell.
 const USUAL_DESCRIPTORS: usize = 1024;
 
 /// How many connections there may be.
@@ -48,7 +48,7 @@ impl ConnectionLimits {
     }
 }
 
-/// How many connections are taken in before those that are to make room for them have gone.
+/// How many connections are accepted before those that make room for them have been closed.
 const ON_THEIR_WAY: usize = 8;
 
 /// The connections of a server.
@@ -121,7 +121,7 @@ impl Connections {
     }
 }
 
-/// How many file descriptors the process may have: as many as it can get.
+/// How many file descriptors the process may have, after its soft limit was raised to the hard limit.
 #[cfg(unix)]
 fn descriptors() -> Option<usize> {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -130,7 +130,7 @@ fn descriptors() -> Option<usize> {
         current: limit.maximum,
         maximum: limit.maximum,
     };
-    // Low limits are for programs that use `select`, which cannot have more.
+    // Soft limits are low for the sake of programs that use `select`, which cannot handle more.
     let current = match setrlimit(Resource::Nofile, raised) {
         Ok(()) => raised.current,
         Err(_) => limit.current,

@@ -57,7 +57,8 @@ impl fmt::Display for Listen {
 }
 
 impl Listen {
-    /// Where a client reaches who listens here: addresses that stand for any are those of this machine.
+    /// The address at which a client on this machine reaches the server: unspecified addresses become
+    /// loopback ones.
     pub(super) fn reached_at(&self) -> Self {
         let host = match self.host.parse() {
             Ok(IpAddr::V4(Ipv4Addr::UNSPECIFIED)) => Ipv4Addr::LOCALHOST.to_string(),
@@ -68,12 +69,12 @@ impl Listen {
         Self { host, port }
     }
 
-    /// Listens on all addresses of the host, on the same port. Those that this machine does not have
-    /// are left out, as long as it has one of them.
+    /// Listens on all addresses of the host, on the same port. Addresses that cannot be bound are left out
+    /// as long as there is another one.
     pub async fn bind(&self) -> io::Result<Vec<TcpListener>> {
         let found = lookup_host((self.host.as_str(), self.port)).await?;
         let mut addresses: Vec<SocketAddr> = found.collect();
-        // The first address is told first, and numbers the port if that is free to choose.
+        // IPv4 comes first; with port 0 the first address chooses the port for all.
         addresses.sort_by_key(SocketAddr::is_ipv6);
         addresses.dedup();
         let mut listeners: Vec<TcpListener> = Vec::new();
@@ -84,7 +85,7 @@ impl Listen {
             }
             match TcpListener::bind(address).await {
                 Ok(listener) => listeners.push(listener),
-                // Whoever asks for a name gets all of its addresses or is told that one is taken.
+                // A port that is taken on one of the addresses is an error.
                 Err(reason) if is_taken(&reason) => return Err(reason),
                 Err(reason) => {
                     warn!("{self} is also {address}, where nobody can listen: {reason}");

@@ -142,8 +142,8 @@ fn bytes(size: u64) -> usize {
     usize::try_from(size).unwrap_or(usize::MAX)
 }
 
-/// Closes the compute pool when the server is gone: work in the pool holds the pool, so that it
-/// would not end by itself.
+/// Closes the compute pool when the server is dropped. Work in the pool holds the pool, so it would never
+/// be dropped by itself.
 struct CloseOnDrop(Arc<Resources>);
 
 impl Drop for CloseOnDrop {
@@ -152,7 +152,7 @@ impl Drop for CloseOnDrop {
     }
 }
 
-/// Completes at SIGINT or, where there is such a thing, SIGTERM.
+/// Completes at SIGINT or, on Unix, SIGTERM.
 pub async fn interrupted() {
     let interrupt = async {
         if let Err(reason) = tokio::signal::ctrl_c().await {
@@ -180,7 +180,7 @@ pub async fn interrupted() {
     interrupt.await;
 }
 
-/// Asks the server that listens there whether it is ready; says why not.
+/// Asks the server at this address whether it is ready; the error says why not.
 pub async fn probe(listen: &Listen, timeout: Duration) -> Result<(), String> {
     let target = format!("http://{}/readyz", listen.reached_at());
     let uri = target.parse().map_err(|_| format!("{target} is no URL"))?;

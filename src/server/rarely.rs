@@ -1,8 +1,8 @@
-//! What happens often is told now and then.
+//! Rate limit for log lines about events that happen often.
 
 use std::time::{Duration, Instant};
 
-/// A message that is not told more often than every so many seconds.
+/// Limits a message to one in every `pause`.
 #[derive(Debug)]
 pub(super) struct Rarely {
     pause: Duration,
@@ -19,7 +19,7 @@ impl Rarely {
         }
     }
 
-    /// It has happened: says how often it has since it was told last, if it is to be told now.
+    /// Notes an event. Returns how many there were since the last message if one is due now.
     pub(super) fn happened(&mut self, now: Instant) -> Option<u64> {
         self.untold += 1;
         let recent = |told: Instant| now.saturating_duration_since(told) < self.pause;

@@ -1,8 +1,8 @@
-//! Streams of HTTP/2 whose client leaves them no room.
+//! Timeouts of HTTP/2 streams whose client leaves them no flow-control window.
 //!
-//! A client that opens the window of the connection but not that of a stream lets the answer wait
-//! though nothing waits to be written. Each answer has a task of its own, which is given up when it
-//! has something to send and may not for too long; other streams of the connection are not concerned.
+//! If a client keeps the window of the connection open but not that of a stream, the answer waits although
+//! nothing waits to be written to the socket. Each stream has a task of its own, which is dropped when it
+//! has had something to send for too long; the other streams of the connection go on.
 
 use std::cell::Cell;
 use std::pin::pin;
@@ -16,33 +16,33 @@ task_local! {
     static STEP: Cell<BodyStep>;
 }
 
-/// What a task has done with the body of its answer when it was polled.
+/// What a task did with the body of its answer while it was polled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BodyStep {
-    /// Nothing: it works on the answer, or waits for room.
+    /// Nothing: it is preparing the answer, or waits for window.
     Untouched,
-    /// It has asked for more, and there was nothing yet.
+    /// It polled the body, which had nothing ready.
     Asked,
-    /// It was given something to send.
+    /// It got something to send.
     Given,
 }
 
-/// The body is asked for more.
+/// Notes that the body is polled.
 pub(super) fn asked() {
     set(BodyStep::Asked);
 }
 
-/// The body has given something.
+/// Notes that the body has returned something.
 pub(super) fn given() {
     set(BodyStep::Given);
 }
 
 fn set(step: BodyStep) {
-    // Other tasks send without windows of streams.
+    // HTTP/1 answers are polled outside of such a task.
     let _ = STEP.try_with(|current| current.set(step));
 }
 
-/// Runs the task of a stream until it ends, or cannot send anything for longer than `limit`.
+/// Runs the task of a stream until it ends, or until it could not send anything for `limit`.
 pub(super) async fn unless_stalled(limit: Duration, task: impl Future<Output = ()>) {
     let mut task = pin!(task);
     let mut timer = pin!(sleep(limit));

@@ -1,4 +1,4 @@
-//! A connection of which is known what happens on it, and on which no write waits for ever.
+//! A byte stream that records its activity, and on which writes have a timeout.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -10,21 +10,21 @@ use tokio::time::{Duration, Sleep, sleep};
 
 use super::activity::Activity;
 
-/// A stream of bytes that tells what happens on it. Writing fails when the other side has taken
-/// nothing for too long.
+/// A stream of bytes that records its activity. Writing fails when the other side has taken nothing for
+/// `limit`.
 pub(super) struct Watched<S> {
     stream: S,
     activity: Arc<Activity>,
     limit: Duration,
-    /// Runs while the other side takes nothing.
+    /// The timeout while the other side takes nothing.
     stalled: Option<Pin<Box<Sleep>>>,
-    /// Runs when everything is written, as long as something may still come.
+    /// After everything is written: how long what still comes is ignored.
     closing: Option<Pin<Box<Sleep>>>,
-    /// How much has come since then.
+    /// How many bytes have been ignored.
     ignored: usize,
 }
 
-/// How long what still comes is ignored before the connection is cut off, and how much of it.
+/// How long and how many bytes of input are ignored before the connection is cut off.
 const IGNORING: Duration = Duration::from_secs(2);
 const MOST_IGNORED: usize = 64 << 20;
 
@@ -40,7 +40,7 @@ impl<S> Watched<S> {
         }
     }
 
-    /// What has come of an attempt to write, if there is time for another one.
+    /// The outcome of an attempt to write; an error if it is pending and the timeout has passed.
     fn in_time<T>(
         &mut self,
         attempt: Poll<io::Result<T>>,
@@ -58,8 +58,8 @@ impl<S> Watched<S> {
         })
     }
 
-    /// Takes what the other side still sends, until it has done so or for a short time. If it were
-    /// cut off in the middle, its system would throw away the answer that it has not read yet.
+    /// Reads and discards what the other side still sends, for a short time. If the connection were reset
+    /// in the middle, the client's system could discard the answer before it is read.
     fn ignore(&mut self, context: &mut Context<'_>) -> Poll<()>
     where
         S: AsyncRead + Unpin,
@@ -131,7 +131,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for Watched<S> {
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         let attempt = Pin::new(&mut self.stream).poll_flush(context);
-        // What could not be written keeps its time.
+        // A flush does not reset the timeout of bytes that could not be written.
         match self.stalled.is_some() && attempt.is_ready() {
             true => attempt,
             false => self.in_time(attempt, context),

@@ -1,6 +1,6 @@
 //! The description of this API in OpenAPI 3.1, and its reference for people.
 //!
-//! Whoever adds a resource to the router describes it there: see [`resources::DescribedRoutes`].
+//! A route is added to the router together with its description: see [`resources::DescribedRoutes`].
 //!
 //! - [`resources`]: routes with their descriptions;
 //! - [`operation`]: what one method of a resource does; `operations`: all of them;
@@ -49,7 +49,7 @@ Each operation is described with one kind of answer. Its `Accept` header may cho
 of new jobs, files instead of JSON, and the messages of `proto/piad/v1/fitting.proto` (`application/x-protobuf`), \
 in which jobs and edits may also be sent.";
 
-/// The paths of the document, and its bytes when somebody has asked for them.
+/// The paths of the document, and its bytes once it has been requested.
 #[derive(Clone, Debug)]
 pub struct Description(Arc<(Map<String, Value>, OnceLock<Bytes>)>);
 
@@ -104,7 +104,7 @@ fn document(paths: Map<String, Value>) -> Value {
     })
 }
 
-/// The schemas of what is read and of what is sent. What is both is described as it may be read.
+/// The schemas of requests and answers. Types of both are described as requests.
 fn schemas() -> Map<String, Value> {
     let mut requests = generator(Contract::Deserialize);
     requests.subschema_for::<JobRequest>();
@@ -137,7 +137,7 @@ fn generator(contract: Contract) -> SchemaGenerator {
     SchemaGenerator::new(settings)
 }
 
-/// The operations that take the id of a job from the job that was made.
+/// Links from a new job to the operations that take its id.
 fn links() -> Map<String, Value> {
     let link = |id: &str| {
         let mut parameters = json!({"id": "$response.body#/id"});

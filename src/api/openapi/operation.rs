@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use crate::api::language::JSON;
 use crate::api::problem::{Kind, ProblemBody};
 
-/// Where in a description operations stand together.
+/// The groups of operations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tag {
     /// Making, listing, stopping and deleting jobs.
@@ -22,7 +22,7 @@ pub enum Tag {
 }
 
 impl Tag {
-    /// All tags, with what they stand for.
+    /// All tags with their descriptions.
     pub(super) const ALL: [(Self, &'static str); 4] = [
         (
             Self::Jobs,
@@ -108,7 +108,7 @@ impl Operation {
         self.answer(status, description, &[json_of::<T>()], &[])
     }
 
-    /// What can be done with the job in an answer.
+    /// Links to operations on the job in an answer.
     pub(super) fn links(mut self, status: u16, ids: &[&str]) -> Self {
         let links = ids
             .iter()
@@ -119,7 +119,7 @@ impl Operation {
         self
     }
 
-    /// The problems that it may answer, besides a defect of the server.
+    /// The problems that it may answer, besides internal errors.
     pub fn problems(mut self, kinds: &[Kind]) -> Self {
         self.problems.extend(kinds);
         self

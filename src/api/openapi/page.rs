@@ -1,6 +1,6 @@
 //! The reference of the API for people: Swagger UI over the description, from this server alone.
 //!
-//! What it is made of is built into the program, and its pages may not fetch anything from elsewhere.
+//! Its files are built into the program, and its pages may not load anything from elsewhere.
 
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
@@ -28,7 +28,7 @@ pub(super) const FILES: [(&str, &str, &[u8]); 5] = [
         "text/css; charset=utf-8",
         include_bytes!(concat!(env!("OUT_DIR"), "/swagger-ui.css")),
     ),
-    // Of Swagger UI, which is under the Apache License 2.0.
+    // The licence of Swagger UI: Apache License 2.0.
     (
         "LICENSE",
         "text/plain; charset=utf-8",
@@ -41,7 +41,7 @@ pub(super) const FILES: [(&str, &str, &[u8]); 5] = [
     ),
 ];
 
-/// Swagger UI sets styles of single elements, and has its icons in its style sheet.
+/// Swagger UI needs inline styles, and has its icons as data in its style sheet.
 const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'";
 
 /// `GET /docs`
@@ -65,7 +65,7 @@ pub async fn file(InPath(name): InPath<String>) -> Result<Response, Problem> {
 fn answer(media_type: &'static str, bytes: &'static [u8]) -> Response {
     let headers = [
         (header::CONTENT_TYPE, media_type),
-        // Another version of the program may be here tomorrow.
+        // The next version of the program may have other files.
         (header::CACHE_CONTROL, "no-cache"),
         (header::CONTENT_SECURITY_POLICY, POLICY),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),

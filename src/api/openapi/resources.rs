@@ -58,7 +58,7 @@ impl DescribedRoutes {
         self
     }
 
-    /// The methods that each path understands, as a list for people.
+    /// The methods of each path, as text for error messages.
     pub fn methods(&self) -> HashMap<String, String> {
         let of = |resource: &Value| {
             let verbs = resource.as_object().into_iter().flat_map(Map::keys);

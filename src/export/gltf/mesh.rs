@@ -11,13 +11,13 @@ use crate::fit::points::Grid;
 const MOST_ALONG_CURVE: usize = 1 << 16;
 const MOST_ALONG_SURFACE: usize = 384;
 
-/// Single precision is enough for points that are this many times their extent from the origin.
+/// Single precision suffices while the distance from the origin is at most this multiple of the extent.
 const NEAR: f64 = 16.0;
 
 /// A tessellated surface, or the points along a curve.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Mesh {
-    /// To be added to all positions.
+    /// The offset of all positions.
     pub(super) origin: [f64; 3],
     /// The vertices, row by row.
     pub(super) positions: Vec<[f32; 3]>,

@@ -129,14 +129,14 @@ fn net(data: &mut ParameterData, nurbs: &Nurbs, order: impl Iterator<Item = usiz
     }
 }
 
-/// A power of two by which all weights can be multiplied, which changes nothing, so that none is
-/// below 10⁻⁹: OpenCASCADE takes such a file for a polynomial one.
+/// A power of two by which all weights are multiplied, which does not change the geometry, so that none is
+/// below 10⁻⁹: OpenCASCADE would read the file as polynomial.
 fn weight_factor(nurbs: &Nurbs) -> f64 {
     let weights = nurbs.weights.as_deref().unwrap_or_default();
     let smallest = weights.iter().copied().fold(1.0, f64::min);
     let largest = weights.iter().copied().fold(1.0, f64::max);
     let wanted = (1e-8 / smallest).log2().ceil();
-    // One less than what is possible: logarithms are rounded.
+    // One less, as logarithms are rounded.
     let possible = (f64::MAX / largest).log2().floor() - 1.0;
     wanted.min(possible).max(0.0).exp2()
 }
@@ -154,7 +154,7 @@ fn plane(nurbs: &Nurbs) -> Option<[f64; 3]> {
     planar.then_some([0.0, 0.0, 1.0])
 }
 
-/// IGES is ASCII, without any escape (section 2.2.2): what has no place becomes a question mark.
+/// IGES is ASCII without escapes (section 2.2.2): other characters become question marks.
 fn ascii(name: &str) -> String {
     name.chars()
         .map(|c| match c {

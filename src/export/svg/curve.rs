@@ -11,8 +11,8 @@ use crate::fit::points::Grid;
 /// The most pieces of which a curve is drawn.
 const MOST_PIECES: usize = 4096;
 
-/// The curve through as many samples as are asked for, or as cubic pieces with the right end points
-/// and tangents: at their number not to be told from the curve at any magnification that makes sense.
+/// The curve as chords between the requested samples, or as cubic pieces with its end points and tangents:
+/// these are so many that they look like the curve at any reasonable magnification.
 pub(super) fn scene(nurbs: &Nurbs, view: &Projection, samples: Option<Grid>) -> Scene {
     let spans = nurbs.u.spans();
     let steps = nurbs.u.steps(MOST_PIECES);

@@ -1,4 +1,4 @@
-//! What all drawings have in common: their size, and how much of the data and the net they show.
+//! The size of drawings, and how much of the data and of the control net they show.
 
 use crate::export::nurbs::Nurbs;
 use crate::fit::geometry::Geometry;
@@ -14,7 +14,7 @@ pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
     nurbs.points.len() <= MOST_POINTS
 }
 
-/// How large data points are drawn: so that many of them leave something of the rest to be seen.
+/// The radius of data points: the more there are, the smaller.
 pub(super) fn dot_radius(count: usize) -> f64 {
     match count {
         0..=80 => 3.0,

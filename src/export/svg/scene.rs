@@ -33,7 +33,7 @@ impl Scene {
         self.outline().chain(pieces.iter().flatten().copied())
     }
 
-    /// Places that are on the page only if the whole scene is.
+    /// The places that must be on the page: ends of pieces, corners of faces.
     pub(super) fn outline(&self) -> impl Iterator<Item = Projected> + '_ {
         let (pieces, parts): (&[Cubic], &[SurfacePart]) = match self {
             Self::Curve(pieces) => (pieces, &[]),

@@ -11,8 +11,7 @@ use crate::fit::points::Grid;
 /// The most faces in each direction, unless a number of samples is asked for.
 const MOST_FACES: usize = 64;
 
-/// Faces that are smaller than so many pixels, from corner to corner, have no lines around them:
-/// nothing else would be seen.
+/// Faces whose diagonal is shorter than so many pixels have no outlines, which would cover them.
 const LEAST_LINED: f64 = 5.0;
 
 /// The colour of a face in full light.
@@ -43,8 +42,8 @@ fn mean_size(parts: &[SurfacePart], canvas: &Canvas) -> f64 {
     sum / f64::from(count)
 }
 
-/// Faces, edges and dots by distance (the painter's algorithm). Edges and dots are taken a little
-/// nearer than they are, so that those on the surface are seen.
+/// Sorts faces, edges and dots by distance (the painter's algorithm). Edges and dots are taken a little
+/// nearer than they are, so that those on the surface are visible.
 pub(super) fn scene(
     nurbs: &Nurbs,
     v: &KnotVector,

@@ -1,4 +1,4 @@
-//! From space to the page.
+//! The projection from space to the page.
 
 use super::layout::{MARGIN, WIDTH};
 use crate::export::error::ExportError;
@@ -10,10 +10,10 @@ use crate::export::text::Text;
 const MOST_HEIGHT: f64 = 620.0;
 const LEAST_HEIGHT: f64 = 120.0;
 
-/// How far beyond the curve and the data the control net is shown, over their extent.
+/// How far beyond the curve and the data the control net is shown, as a fraction of their extent.
 const NET_BEYOND: f64 = 0.3;
 
-/// From where space is seen: degrees around z from the x axis, and above the horizon.
+/// The direction of view, in degrees: the azimuth around z from the x axis, and the elevation.
 const AZIMUTH: f64 = -60.0;
 const ELEVATION: f64 = 28.0;
 
@@ -25,7 +25,7 @@ pub(super) struct Projection {
     toward: [f64; 3],
 }
 
-/// A place on the page, in units of the data, with y upwards; and how near it is.
+/// A place on the page in units of the data, with y upwards, and its depth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projected {
     /// To the right.
@@ -37,7 +37,7 @@ pub(super) struct Projected {
 }
 
 impl Projection {
-    /// From the top what is plane and horizontal, from aside and above everything else.
+    /// The view from the top for geometry in a plane of constant z, an oblique view for all other.
     pub(super) fn of(nurbs: &Nurbs) -> Self {
         let height = nurbs.place(0)[2];
         let flat = (0..nurbs.points.len()).all(|index| nurbs.place(index)[2] == height);
@@ -104,9 +104,8 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// The largest scale, the same in both directions, at which all these places are on the page,
-    /// and of the control net what is not far out: of high degrees that can be a hundred times as
-    /// large as the curve.
+    /// The largest scale at which all these places are on the page, with the part of the control net that
+    /// is not far out: for high degrees the net can be a hundred times as large as the curve.
     pub(super) fn fit(
         places: impl Iterator<Item = Projected>,
         net: impl Iterator<Item = Projected>,
@@ -130,8 +129,8 @@ impl Canvas {
         })
     }
 
-    /// Refuses places that are nowhere: sums of coordinates can leave the range of numbers although
-    /// these do not.
+    /// Refuses places that are not finite on the page: sums of coordinates can overflow although the
+    /// coordinates do not.
     pub(super) fn check(
         &self,
         mut places: impl Iterator<Item = Projected>,
@@ -186,7 +185,7 @@ impl Bounds {
         [0, 1].map(|c| self.high[c] - self.low[c])
     }
 
-    /// What is in one of both.
+    /// The bounding rectangle of both.
     fn with(&self, other: &Self) -> Self {
         Self {
             low: [0, 1].map(|c| self.low[c].min(other.low[c])),
@@ -194,7 +193,7 @@ impl Bounds {
         }
     }
 
-    /// What is in both, which must overlap.
+    /// The intersection of both, which must overlap.
     fn within(&self, other: &Self) -> Self {
         Self {
             low: [0, 1].map(|c| self.low[c].max(other.low[c])),
@@ -202,7 +201,7 @@ impl Bounds {
         }
     }
 
-    /// A rectangle with more space on all sides: a part of the longer side.
+    /// The rectangle with a margin on all sides, a fraction of the longer side.
     fn grown(&self) -> Self {
         let [width, height] = self.size();
         let more = NET_BEYOND * width.max(height);

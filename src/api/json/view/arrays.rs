@@ -1,19 +1,19 @@
 //! Arrays of numbers in answers: nested lists of numbers, or all of the numbers in base64.
 //!
-//! An answer has the place of an array where the array belongs; [`super::document::Document`] writes
-//! the numbers there. These types carry the schemas of what is written.
+//! An answer holds a placeholder where an array belongs; [`super::document::Document`] writes the
+//! numbers there. These types carry the schemas of what is written.
 
 use schemars::{Schema, json_schema};
 use serde::{Serialize, Serializer};
 
 use crate::api::json::schema::schema_of;
 
-/// The place of an array among the arrays of a document.
+/// A placeholder for an array of a document.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ArraySlot(pub(super) u8);
 
 impl Serialize for ArraySlot {
-    /// As bytes, which nothing else in an answer is: the document recognises them.
+    /// As bytes, which no other part of an answer is serialised as: so the document recognises it.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(&[self.0])
     }

@@ -1,7 +1,7 @@
-//! Decimal numbers as JSON: in full, or with as many digits as an error deserves.
+//! Decimal numbers as JSON: with all digits, or rounded according to an error.
 
-/// Rounded numbers have fewer digits than this: of what is left, neither the multiplication with a
-/// power of ten nor reading the number again takes more than a hundredth of the last digit.
+/// The bound of scaled numbers that are rounded: below it, multiplying by a power of ten and parsing the
+/// result are each accurate to a hundredth of the last digit.
 const LARGEST: f64 = 1e14;
 
 /// Rounding to a power of ten.
@@ -14,20 +14,20 @@ pub struct Rounding {
 }
 
 impl Rounding {
-    /// The coarsest rounding that moves no number by more than a hundredth of `error`, with some
-    /// room for arithmetic: `0.6 · 10^-places ≤ 0.01 · error`. None if the error is no positive
-    /// number.
+    /// The coarsest rounding that changes no number by more than a hundredth of `error`, with some
+    /// margin for the arithmetic: `0.6 · 10^-places ≤ 0.01 · error`. `None` if the error is not a positive
+    /// finite number.
     pub(super) fn for_error(error: f64) -> Option<Self> {
         if !(error > 0.0 && error.is_finite()) {
             return None;
         }
         let places = (60_f64.log10() - error.log10()).ceil() as i32;
-        // Reading gives the nearest number, which powers of powers do not.
+        // Parsing gives the nearest number, which `powi` does not.
         let power: f64 = format!("1e{}", places.abs()).parse().ok()?;
         power.is_finite().then_some(Self { places, power })
     }
 
-    /// Writes a number rounded, or in full if it has too many digits even so, to the start of
+    /// Writes a number rounded, or in full if the rounded one would have too many digits, to the start of
     /// [`LONGEST`] bytes; returns how many it takes.
     pub(super) fn write(self, x: f64, room: &mut [u8]) -> usize {
         let scaled = if self.places < 0 {
@@ -54,7 +54,7 @@ impl Rounding {
     }
 }
 
-/// Writes `number · 10^exponent`, plainly where that is short. The last digit is not 0.
+/// Writes `number · 10^exponent`, without an exponent where that is short. The last digit is not 0.
 fn write_scientific(mut number: u64, exponent: i32, room: &mut [u8]) -> usize {
     let mut digits = [0; 20];
     let mut start = digits.len();
@@ -93,14 +93,14 @@ fn join(room: &mut [u8], parts: [&[u8]; 3]) -> usize {
     at
 }
 
-/// Room for any number.
+/// The most bytes that a number takes.
 pub(super) const LONGEST: usize = 2 * HALF + 1;
 
-/// Most numbers have between one and two times so many characters, none has more.
+/// Most numbers have between one and two times this many characters, and none has more.
 const HALF: usize = 12;
 
-/// Writes a number with all the digits that tell it from others, `null` if it is not finite, to the
-/// start of [`LONGEST`] bytes; returns how many it takes.
+/// Writes a number with as many digits as it takes to read it back exactly, or `null` if it is not
+/// finite, to the start of [`LONGEST`] bytes; returns how many it takes.
 pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
     if !x.is_finite() {
         return join(room, [b"null", b"", b""]);
@@ -109,7 +109,7 @@ pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
     let digits = buffer.format_finite(x).as_bytes();
     let length = digits.len();
     if (HALF..=2 * HALF).contains(&length) {
-        // Copies of a known size are quicker than one that has to look at its size: two that overlap.
+        // Two overlapping copies of a constant size are faster than one of variable size.
         room[..HALF].copy_from_slice(&digits[..HALF]);
         room[length - HALF..length].copy_from_slice(&digits[length - HALF..]);
     } else {

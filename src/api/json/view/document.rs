@@ -1,7 +1,8 @@
 //! JSON documents with large arrays of numbers.
 //!
-//! The arrays are given to the document first. What it gives back stands in the fields of an answer,
-//! which is serialised last, and the numbers are written in its places, now or when they are sent.
+//! Arrays are registered with the document, which returns a placeholder for each; an answer has these
+//! in its fields. When the answer is serialised, the numbers replace the placeholders: small arrays at
+//! once, large ones while they are sent.
 
 use std::io;
 
@@ -38,14 +39,14 @@ struct Array {
     precision: Precision,
 }
 
-/// Which numbers may lose digits.
+/// How precisely the numbers of an array are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Precision {
     /// Coordinates may be rounded.
     Rounded,
     /// Other numbers are written in full, or in 32 bits.
     Full,
-    /// Numbers that lie near each other have 64 bits in any encoding.
+    /// Numbers that may lie close together have 64 bits in any encoding.
     Exact,
 }
 
@@ -79,7 +80,7 @@ impl Document {
     }
 
     fn array(&mut self, shape: &[usize], numbers: impl Source, precision: Precision) -> ArraySlot {
-        // If a number is too large for 32 bits all of them get 64, so that none becomes infinite.
+        // If a number is too large for 32 bits, all arrays get 64, so that none becomes infinite.
         if matches!(self.digits, Digits::Base64F32)
             && precision != Precision::Exact
             && !fits_32_bits(shape.iter().product(), &numbers)
@@ -94,7 +95,7 @@ impl Document {
         ArraySlot(self.arrays.len() as u8 - 1)
     }
 
-    /// How the arrays so far are written, if they are binary.
+    /// The encoding of the arrays so far, if it is binary.
     pub(super) fn encoding(&self) -> Option<BinaryEncoding> {
         match self.digits {
             Digits::Decimal(_) | Digits::Raw => None,
@@ -103,7 +104,7 @@ impl Document {
         }
     }
 
-    /// The document of this answer, with the arrays in their places.
+    /// The JSON of this answer, with the arrays in place of their placeholders.
     pub fn finish(self, answer: &impl Serialize) -> Content {
         let mut text = Vec::with_capacity(1024);
         let mut serializer = Serializer::with_formatter(&mut text, Marks);

@@ -13,7 +13,7 @@ use crate::fit::norms;
 use crate::fit::problem::Problem;
 use crate::job::outline::Outline;
 
-/// How the data points of a job are numbered, and whether some of them are fixed.
+/// How the data points of a job are numbered, and whether the fit is local.
 #[derive(Clone, Copy)]
 pub struct Arrangement {
     /// On surfaces the number of columns.

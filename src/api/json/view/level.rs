@@ -1,4 +1,4 @@
-//! The JSON of a level: its errors, and its geometry in one of several forms.
+//! The JSON of an iteration: its errors, and its geometry in one of several forms.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ use crate::model::stream::form::{self, Encoding, Form, View};
 #[schemars(example = examples::iteration())]
 pub struct IterationEvent {
     /// The smallest milestone that this iteration is the first to reach; with `milestones`.
-    // Streams write it in front of the rest, which all of them share.
+    // Streams write it in front of the shared rest, so it is never set here.
     #[serde(skip_serializing_if = "Option::is_none")]
     milestone: Option<f64>,
     /// Its number, from 0.
@@ -124,7 +124,7 @@ pub(super) fn digits(form: &Form, level: &Level) -> Digits {
     match (form.encoding, form.digits) {
         (Encoding::Base64, _) => Digits::Base64,
         (Encoding::Base64F32, _) => Digits::Base64F32,
-        // Messages are not written here.
+        // Protobuf is encoded elsewhere.
         (Encoding::Json | Encoding::Protobuf, form::Digits::Full) => Digits::Decimal(None),
         (Encoding::Json | Encoding::Protobuf, form::Digits::Auto) => {
             Digits::Decimal(Rounding::for_error(level.error.max))

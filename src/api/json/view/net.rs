@@ -1,4 +1,4 @@
-//! What iterations and results say alike: the control net, knots and weights.
+//! What iterations and results have in common: the control net, knots and weights.
 
 use std::borrow::Cow;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Where large arrays of numbers come from: any part of them, at any time.
+//! Sources of large arrays of numbers, of which any part can be read at any time.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -10,13 +10,13 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::samples::{Samples, Uniform};
 
-/// An array of numbers. It is shared by threads and lives as long as somebody may send it.
+/// An array of numbers. It is shared between threads and lives until all of it has been sent.
 pub trait Source: Send + Sync + 'static {
-    /// The numbers from `start` on, as many as there is room for.
+    /// Copies the numbers from `start` on, as many as there is room for.
     fn fill(&self, start: usize, numbers: &mut [f64]);
 
-    /// Whether the numbers are finite in 32 bits, as far as they are in 64, if that can be told
-    /// without looking at each of them.
+    /// Whether all finite numbers stay finite in 32 bits, if that can be told without looking at each of
+    /// them.
     fn fits_32_bits(&self) -> Option<bool> {
         None
     }
@@ -55,7 +55,7 @@ impl Source for Samples {
         Samples::fill(self, start / self.dimension(), numbers);
     }
 
-    /// What is sampled lies between its control points, or else can be anywhere.
+    /// Samples lie in the convex hull of the control points if all weights are positive.
     fn fits_32_bits(&self) -> Option<bool> {
         let geometry = self.geometry();
         let fits = |index| geometry.place(index).all(|x| (x as f32).is_finite());
@@ -80,8 +80,8 @@ pub struct NetPoints {
 }
 
 impl NetPoints {
-    /// Calls `visit` with each part of the net, from place `start` on, whose free control points follow
-    /// one another: its first place after `start`, and these points.
+    /// Calls `visit` for each run of consecutive free control points in the part of the net from `start`
+    /// on: with the offset of the run from `start`, and with the range of these points.
     fn each(&self, start: usize, count: usize, mut visit: impl FnMut(usize, Range<usize>)) {
         let (u, v) = (self.problem.u(), self.problem.v());
         let across = v.map_or(usize::MAX, |v| v.basis.functions());
@@ -96,7 +96,7 @@ impl NetPoints {
             let most = (count - k).min(across - column);
             let index = along.free_index(place);
             let next = |n: usize| along.free_index(place + n) == index + n;
-            // Only ends are repeated: those that follow are found by halving.
+            // Only points at the ends are repeated, so the length of the run is found by bisection.
             let run = first_not(most, next);
             visit(k, first + index..first + index + run);
             k += run;
@@ -104,8 +104,8 @@ impl NetPoints {
     }
 }
 
-/// The first number from 1 on, at most `most`, for which something does not hold that holds for all
-/// before it and for none behind it.
+/// The first number from 1 to `most` for which a monotone predicate does not hold, by bisection; `most` if
+/// it holds for all before that.
 fn first_not(most: usize, holds: impl Fn(usize) -> bool) -> usize {
     if holds(most - 1) {
         return most;
@@ -149,7 +149,7 @@ impl Source for NetPoints {
 /// Coordinates lane by lane become coordinates point by point.
 fn interleave<const D: usize>(lanes: [&[f64]; D], places: &mut [f64]) {
     let (points, _) = places.as_chunks_mut::<D>();
-    // One length for all, so that places need no checks.
+    // Slices of one length, so that the compiler can leave out bounds checks.
     let lanes = lanes.map(|lane| &lane[..points.len()]);
     for (i, point) in points.iter_mut().enumerate() {
         *point = std::array::from_fn(|c| lanes[c][i]);

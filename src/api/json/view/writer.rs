@@ -1,4 +1,4 @@
-//! Text with large arrays of numbers in it, which are written when they are sent.
+//! Text that contains large arrays of numbers, which are written while they are sent.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,11 +11,11 @@ use super::shape::NestedShape;
 use super::source::Source;
 use crate::job::content::{Content, Piece, Pieces};
 
-/// How many numbers are written at a time: a multiple of 3, so that only the last ones of an array
-/// need padding in base64, and of the dimensions of points, which sources give as a whole.
+/// How many numbers are written at a time: a multiple of 3, so that only the end of an array needs
+/// padding in base64, and a multiple of all dimensions, as sources give whole points.
 const CHUNK: usize = 768;
 
-/// How many numbers are a piece of an array; arrays that are shorter are written at once.
+/// How many numbers a piece of an array has; arrays that are not longer are written at once.
 const PIECE: usize = 16 * CHUNK;
 
 /// How numbers are written.
@@ -32,7 +32,7 @@ pub enum Digits {
 }
 
 impl Digits {
-    /// How many bytes are made ready for a number of a point, commas and brackets included.
+    /// How many bytes to reserve for each number, including commas and brackets.
     pub(super) fn size(self) -> usize {
         match self {
             Self::Decimal(_) => LONGEST + 3,
@@ -43,7 +43,7 @@ impl Digits {
     }
 }
 
-/// Bytes that are being written, and arrays that will be.
+/// Text that is written now, and large arrays that are written later.
 #[derive(Default)]
 pub struct ArrayWriter {
     text: Vec<u8>,
@@ -53,7 +53,7 @@ pub struct ArrayWriter {
 }
 
 impl ArrayWriter {
-    /// With room for so many bytes.
+    /// A writer with room for so many bytes.
     pub fn with_capacity(bytes: usize) -> Self {
         Self {
             text: Vec::with_capacity(bytes.min(512 + PIECE * Digits::Decimal(None).size())),
@@ -62,7 +62,7 @@ impl ArrayWriter {
         }
     }
 
-    /// What stands behind the last large array.
+    /// The text after the last large array.
     pub fn text(&mut self) -> &mut Vec<u8> {
         &mut self.text
     }
@@ -90,14 +90,14 @@ impl ArrayWriter {
         }
     }
 
-    /// The text so far becomes a piece.
+    /// Turns the text so far into a piece.
     fn cut(&mut self) {
         let text = std::mem::take(&mut self.text);
         self.length = self.length.map(|length| length + text.len());
         self.pieces.push(Piece::Made(text.into()));
     }
 
-    /// Everything is written, or said how.
+    /// The content of the text and all arrays.
     pub fn finish(mut self) -> Content {
         if self.pieces.is_empty() {
             return Bytes::from(self.text).into();
@@ -113,14 +113,14 @@ impl ArrayWriter {
     }
 }
 
-/// Whether all numbers of an array are finite in 32 bits, as far as they are in 64.
+/// Whether all finite numbers of an array stay finite in 32 bits.
 pub(super) fn fits_32_bits(count: usize, source: &impl Source) -> bool {
     if let Some(fits) = source.fits_32_bits() {
         return fits;
     }
     let mut fits = true;
     each_chunk(0..count, source, |_, numbers| {
-        // Without a branch for each, so that they are looked at side by side.
+        // Without branches, so that the loop is vectorised.
         fits &= numbers.iter().fold(true, |fits, &x| {
             fits & ((x as f32).is_finite() | !x.is_finite())
         });
@@ -128,7 +128,7 @@ pub(super) fn fits_32_bits(count: usize, source: &impl Source) -> bool {
     fits
 }
 
-/// Writes a part of an array, which begins at a multiple of a chunk.
+/// Writes a part of an array that begins at a multiple of [`CHUNK`].
 fn write(
     shape: NestedShape,
     range: Range<usize>,
@@ -169,8 +169,8 @@ fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(u
     }
 }
 
-/// Writes the numbers from `start` on in their lists, with the brackets and commas that stand between
-/// them and behind them: a part may begin and end anywhere in a list.
+/// Writes the numbers from `start` on as nested lists, with the brackets and commas between and after
+/// them. A part may begin and end anywhere in a list.
 #[inline(always)]
 fn lists(
     shape: NestedShape,
@@ -180,7 +180,7 @@ fn lists(
     write: impl Fn(f64, &mut [u8]) -> usize,
 ) {
     let (total, innermost) = (shape.count(), shape.innermost());
-    // FixedBuffer for all of it at once: a number with its comma, and the brackets around innermost lists.
+    // Room for everything at once: numbers with commas, and brackets around innermost lists.
     let length = text.len();
     let runs = numbers.len() / innermost + 2;
     text.resize(

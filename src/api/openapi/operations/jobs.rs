@@ -10,8 +10,8 @@ use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::openapi::parameters::READER_ON_DISCONNECT;
 use crate::api::problem::Kind;
 
-/// The parameters of an event stream that a job may set, too. The last one is about the stream of a
-/// new job.
+/// The parameters of an event stream, for which a job may set defaults. The last one is only for the
+/// stream of a new job.
 const STREAM: [&str; 9] = [
     "view",
     "samples",

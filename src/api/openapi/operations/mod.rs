@@ -19,8 +19,8 @@ fn job() -> [Content; 1] {
     [json_of::<JobView<'_>>()]
 }
 
-/// An event stream in its two framings of text. For generated clients both are strings; the schema of
-/// single events stands where OpenAPI 3.2 will have it, for this version has no word for streams.
+/// An event stream in its two text framings. OpenAPI 3.1 cannot describe streams, so for generated clients
+/// both are strings; the schema of single events is given as `x-itemSchema`, as in OpenAPI 3.2.
 fn events() -> [Content; 2] {
     let stream = |description: &str, event: Value| {
         json!({
@@ -35,10 +35,10 @@ fn events() -> [Content; 2] {
     ]
 }
 
-/// What is wrong with the Accept header, with other headers and with the query.
+/// Problems of the Accept header, of other headers and of the query.
 const NEGOTIATION: [Kind; 2] = [Kind::InvalidRequest, Kind::NotAcceptable];
 
-/// The same, and what a job in the path may be.
+/// The same, and problems of the job in the path.
 const OF_A_JOB: [Kind; 4] = [
     Kind::InvalidRequest,
     Kind::NotAcceptable,
@@ -46,7 +46,7 @@ const OF_A_JOB: [Kind; 4] = [
     Kind::NotFound,
 ];
 
-/// What may be wrong with a request for a new job.
+/// Problems of requests for new jobs.
 const NEW_JOB: [Kind; 14] = [
     Kind::NotJson,
     Kind::NotProtobuf,
@@ -64,7 +64,7 @@ const NEW_JOB: [Kind; 14] = [
     Kind::Stopping,
 ];
 
-/// What can be done with a job, by the names of the operations.
+/// The operations on a job, by their ids.
 pub const WITH_A_JOB: [&str; 9] = [
     "getJob",
     "watchJob",
