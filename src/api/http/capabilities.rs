@@ -55,7 +55,7 @@ pub struct Capabilities {
     formats: Formats,
     /// The same service in gRPC.
     grpc: Grpc,
-    /// ServerLimits of this server.
+    /// Limits of this server.
     limits: ServerLimits,
 }
 
@@ -155,7 +155,7 @@ struct Grpc {
     health: &'static str,
 }
 
-/// ServerLimits of this server.
+/// Limits of this server.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Limits", example = limits_example())]
 struct ServerLimits {

@@ -15,7 +15,7 @@ const DATA_WIDTH: usize = 64;
 /// The directory entry of the only entity.
 const ENTRY: usize = 1;
 
-/// ParameterData in free format, packed into lines.
+/// Parameters in free format, packed into lines.
 #[derive(Debug)]
 pub(super) struct ParameterData {
     file: Text,
@@ -32,7 +32,7 @@ enum Section {
 }
 
 impl ParameterData {
-    /// ParameterData of the global section.
+    /// Parameters of the global section.
     pub(super) fn global() -> Self {
         Self::new(Section::Global)
     }

@@ -144,7 +144,7 @@ impl Precision {
     }
 }
 
-/// JSON as usual, but that a [`ArraySlot`] is a mark with the number of its array, counted from 1.
+/// JSON as usual, but that an [`ArraySlot`] is a mark with the number of its array, counted from 1.
 struct Marks;
 
 /// JSON has no such byte: control characters are escaped in strings, and stand nowhere else.
