@@ -39,7 +39,6 @@ impl Framing {
 /// What bodies are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
-    /// JSON.
     Json,
     /// A protobuf message.
     Protobuf,

@@ -20,21 +20,15 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 /// The unit in which memory is handed out.
 pub const PAGE: usize = 4096;
 
-/// The memory of a server.
+/// The memory of a server: its parts as in the table above.
 #[derive(Debug)]
 pub struct Memory {
     limit: usize,
-    /// For running jobs with large steps.
     pub(super) heavy: Share,
-    /// For running jobs with small steps.
     pub(super) quick: Share,
-    /// For runs that compute levels again that readers have missed.
     pub again: Share,
-    /// For requests while they arrive and are read.
     pub bodies: Share,
-    /// For files that are made as a whole.
     pub files: Share,
-    /// For what is kept to save time.
     pub cache: Arc<Cache>,
 }
 

@@ -119,7 +119,6 @@ impl Job {
         self.outline.id
     }
 
-    /// The problem.
     pub async fn problem(&self) -> Result<Arc<Problem>, StoreError> {
         Ok(Arc::clone(self.system().await?.problem()))
     }

@@ -25,7 +25,6 @@ pub struct Outline {
     pub surface: bool,
     /// The arrangement of the data points.
     pub grid: Grid,
-    /// The method.
     pub method: Method,
     /// Local fits: how many control points may move.
     pub adjusted: Option<usize>,

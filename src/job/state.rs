@@ -93,7 +93,6 @@ pub enum Failure {
 /// What is known of a job's progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Status {
-    /// The state.
     pub state: State,
     /// The levels reached, if any.
     pub levels: Option<Levels>,

@@ -163,13 +163,6 @@ fn level(number: u64) -> usize {
     usize::try_from(number).map_or(usize::MAX / 4, |number| number.min(usize::MAX / 4))
 }
 
-fn taken(accepted: Accepted) -> (Arc<Job>, bool) {
-    match accepted {
-        Accepted::New(job) => (job, false),
-        Accepted::Known(job) => (job, true),
-    }
-}
-
 #[tonic::async_trait]
 impl FittingService for Service {
     type FitStream = Events;
@@ -181,7 +174,7 @@ impl FittingService for Service {
     ) -> Reply<pb::CreateJobResponse> {
         let message = request.into_inner();
         let accepted = self.make(message.input, message.idempotency_key, None);
-        let (job, replayed) = taken(accepted.await?);
+        let Accepted { job, replayed } = accepted.await?;
         Ok(Response::new(pb::CreateJobResponse {
             job: Some(view::job(&job)),
             replayed,
@@ -192,7 +185,7 @@ impl FittingService for Service {
         let message = request.into_inner();
         let spec = stream_of::of_call(message.stream).map_err(fields::wrong)?;
         let accepted = self.make(message.input, message.idempotency_key, Some(&spec));
-        let (job, replayed) = taken(accepted.await?);
+        let Accepted { job, replayed } = accepted.await?;
         let outline = job.outline();
         let defaults = outline.label.stream.as_deref();
         let options = StreamOptions::new(&spec, defaults, true, outline.surface);
@@ -253,7 +246,7 @@ impl FittingService for Service {
     async fn edit_job(&self, request: Request<pb::EditJobRequest>) -> Reply<pb::EditJobResponse> {
         let message = request.into_inner();
         let parent = jobs::find(&self.0, &message.id).await?;
-        let (job, replayed) = taken(self.make_edit(&parent, message).await?);
+        let Accepted { job, replayed } = self.make_edit(&parent, message).await?;
         Ok(Response::new(pb::EditJobResponse {
             job: Some(view::job(&job)),
             replayed,

@@ -5,19 +5,16 @@ use std::sync::Arc;
 use axum::body::Body;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use bytes::Bytes;
 use futures_util::stream;
 
-use crate::api::language::PROTOBUF;
 use crate::api::stream::sending::{ENOUGH, Outgoing};
 use crate::job::Job;
 use crate::job::content::Content;
 
 /// A content as an answer; large ones are streamed.
 pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
-    let content_type = [(header::CONTENT_TYPE, HeaderValue::from_static(content_type))];
     if content.rest.is_none() && content.head.len() <= ENOUGH {
-        return no_store((content_type, content.head).into_response());
+        return whole(content.head, content_type);
     }
     let length = content.length();
     let mut outgoing = Outgoing::new(Arc::clone(job));
@@ -26,7 +23,7 @@ pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> R
         let bytes = outgoing.next().await?;
         Some((bytes, outgoing))
     });
-    let mut response = no_store((content_type, Body::from_stream(body)).into_response());
+    let mut response = whole(Body::from_stream(body), content_type);
     if let Some(length) = length {
         let length = HeaderValue::from(length);
         response
@@ -36,16 +33,10 @@ pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> R
     response
 }
 
-/// A protobuf message as an answer.
-pub(super) fn message(bytes: Bytes) -> Response {
-    let content_type = HeaderValue::from_static(PROTOBUF);
-    no_store(([(header::CONTENT_TYPE, content_type)], bytes).into_response())
-}
-
-/// JSON as an answer.
-pub(super) fn json(json: Bytes) -> Response {
-    let content_type = HeaderValue::from_static("application/json");
-    no_store(([(header::CONTENT_TYPE, content_type)], json).into_response())
+/// A body of this media type as an answer.
+pub(super) fn whole(body: impl IntoResponse, content_type: &'static str) -> Response {
+    let content_type = HeaderValue::from_static(content_type);
+    no_store(([(header::CONTENT_TYPE, content_type)], body).into_response())
 }
 
 /// Answers of this API change all the time, so nobody may store them.

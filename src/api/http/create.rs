@@ -169,10 +169,7 @@ impl Posted {
     }
 
     async fn answer(self, app: &App, accepted: Accepted) -> Result<Response, Problem> {
-        let (job, known) = match accepted {
-            Accepted::New(job) => (job, false),
-            Accepted::Known(job) => (job, true),
-        };
+        let Accepted { job, replayed } = accepted;
         let mut response = match self.answer {
             Answer::Events(framing) => {
                 let outline = job.outline();
@@ -181,9 +178,9 @@ impl Posted {
                 let mut options =
                     StreamOptions::new(&spec, defaults, framing.is_protobuf(), surface)?;
                 // A job that was made before has a stream of its own; only that one may cancel it.
-                options.cancels &= !known;
+                options.cancels &= !replayed;
                 // For new jobs this was checked before they were made.
-                if known && options.form.encoding == Encoding::Base64F32 {
+                if replayed && options.form.encoding == Encoding::Base64F32 {
                     let problem = job.problem().await?;
                     options::check_range(&spec, defaults, &problem)?;
                 }
@@ -206,7 +203,7 @@ impl Posted {
         let headers = response.headers_mut();
         let location = HeaderValue::from_str(&path(&job)).ok();
         headers.extend(location.map(|location| (header::LOCATION, location)));
-        if known {
+        if replayed {
             headers.insert(REPLAYED, HeaderValue::from_static("true"));
         }
         if let (Some(wait), Answer::Job(_)) = (self.wait, self.answer) {

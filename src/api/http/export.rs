@@ -35,11 +35,9 @@ const OPERATIONS_PER_NUMBER: usize = 100;
 /// How a level is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Representation {
-    /// As JSON.
     Json,
     /// As a protobuf message.
     Protobuf,
-    /// As a file.
     File(Format),
 }
 

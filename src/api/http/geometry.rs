@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::{HeaderMap, Uri};
 use axum::response::Response;
 
-use super::answer::{self, answer};
+use super::answer::{answer, whole};
 use super::export::{self, Representation};
 use super::file_name::named;
 use super::negotiate;
@@ -16,7 +16,7 @@ use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::json::view::limit::LimitView;
 use crate::api::json::view::to_bytes;
-use crate::api::language::Language;
+use crate::api::language::{JSON, Language};
 use crate::api::levels;
 use crate::api::problem::{Kind, Problem};
 use crate::api::stream::encode;
@@ -141,7 +141,8 @@ pub(super) async fn limit(
         .scheduler
         .compute(Lane::Long(LIMIT_COST), compute)
         .await?;
-    limit.map(answer::json).map_err(|reason| {
+    let limit = limit.map(|json| whole(json, JSON));
+    limit.map_err(|reason| {
         let detail = match reason {
             NoLimit::NotLocal => "only local fits have points that stay".to_owned(),
             NoLimit::TooMany(count) => format!(

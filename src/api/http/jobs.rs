@@ -8,12 +8,12 @@ use prost::Message;
 use serde::Deserialize;
 use uuid::Uuid;
 
-use super::answer::{message, no_store};
+use super::answer::{no_store, whole};
 use super::negotiate;
 use super::path::InPath;
 use crate::api::app::App;
 use crate::api::json::view::job::{JobPage, JobView};
-use crate::api::language::Language;
+use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::Problem;
 use crate::api::whole::plain_number;
 use crate::api::{jobs, proto};
@@ -59,7 +59,7 @@ pub(super) async fn list(
     let (jobs, more) = jobs::page(&app, state, before, limit).await?;
     if language == Language::Protobuf {
         let page = proto::view::page(&jobs, more);
-        return Ok(message(page.encode_to_vec().into()));
+        return Ok(whole(page.encode_to_vec(), PROTOBUF));
     }
     let next = jobs.last().filter(|_| more).map(|job| {
         let state = state.map_or(String::new(), |state| format!("&state={state}"));
@@ -84,7 +84,7 @@ pub(super) async fn get(
 pub(super) fn show(job: &Job, language: Language) -> Response {
     match language {
         Language::Json => no_store(Json(JobView::new(job)).into_response()),
-        Language::Protobuf => message(proto::view::job(job).encode_to_vec().into()),
+        Language::Protobuf => whole(proto::view::job(job).encode_to_vec(), PROTOBUF),
     }
 }
 

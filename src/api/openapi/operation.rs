@@ -36,7 +36,6 @@ impl Tag {
         (Self::Server, "What the server can do, and how it is."),
     ];
 
-    /// The name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Jobs => "jobs",

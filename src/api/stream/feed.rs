@@ -30,7 +30,6 @@ use crate::model::stream::options::StreamOptions;
 pub enum Event {
     /// The description of the job, which does not change from iteration to iteration.
     Job(Content),
-    /// An iteration.
     Iteration {
         /// Its number.
         k: usize,

@@ -1,6 +1,6 @@
 //! Drawing a curve.
 
-use super::layout::{DrawnData, dot_radius, shows_net};
+use super::layout::{DrawnData, dot_radius, draw_polygon, shows_net};
 use super::scene::{Cubic, Scene};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
@@ -79,7 +79,7 @@ pub(super) fn draw(
     if shows_net(nurbs) {
         polygon.extend((0..nurbs.points.len()).map(|index| pixel(nurbs.place(index))));
     }
-    draw_polygon(text, &polygon);
+    draw_polygon(text, "net", polygon.iter().copied());
     draw_pieces(text, pieces, canvas);
     draw_circles(text, "control", &polygon, 2.5);
     let dots: Vec<(f64, f64)> = data.places.iter().map(|&place| pixel(place)).collect();
@@ -97,15 +97,6 @@ fn draw_pieces(text: &mut Text, pieces: &[Cubic], canvas: &Canvas) {
             "C{:.2} {:.2} {:.2} {:.2} {:.2} {:.2}\n",
             one.0, one.1, two.0, two.1, end.0, end.1
         ));
-    }
-    text.push("\"/>\n");
-}
-
-fn draw_polygon(text: &mut Text, places: &[(f64, f64)]) {
-    text.push("<path class=\"net\" d=\"");
-    for (i, (x, y)) in places.iter().enumerate() {
-        let command = if i == 0 { 'M' } else { 'L' };
-        text.put(format_args!("{command}{x:.2} {y:.2}\n"));
     }
     text.push("\"/>\n");
 }

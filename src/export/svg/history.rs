@@ -1,6 +1,6 @@
 //! How the distance from the data has fallen, level by level, on a logarithmic scale.
 
-use super::layout::{MARGIN, WIDTH};
+use super::layout::{MARGIN, WIDTH, draw_polygon};
 use crate::export::text::Text;
 
 /// The height of the plot with its labels.
@@ -57,12 +57,8 @@ pub(super) fn draw(text: &mut Text, errors: &[f64], top: f64) {
             "<text x=\"{x:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{level}</text>\n"
         ));
     }
-    text.push("<path class=\"curve\" d=\"");
-    for (i, (level, log)) in shown.into_iter().enumerate() {
-        let command = if i == 0 { 'M' } else { 'L' };
-        text.put(format_args!("{command}{:.2} {:.2}\n", x(level), y(log)));
-    }
-    text.push("\"/>\n");
+    let places = shown.into_iter().map(|(level, log)| (x(level), y(log)));
+    draw_polygon(text, "curve", places);
 }
 
 /// The levels that are drawn, the last one among them.

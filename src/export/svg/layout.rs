@@ -1,6 +1,7 @@
 //! The size of drawings, and how much of the data and of the control net they show.
 
 use crate::export::nurbs::Nurbs;
+use crate::export::text::Text;
 use crate::fit::geometry::Geometry;
 use crate::fit::problem::Problem;
 
@@ -21,6 +22,16 @@ pub(super) fn dot_radius(count: usize) -> f64 {
         81..=300 => 2.0,
         _ => 1.5,
     }
+}
+
+/// Draws a polygon through these places, in pixels.
+pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<Item = (f64, f64)>) {
+    text.put(format_args!("<path class=\"{class}\" d=\""));
+    for (i, (x, y)) in places.enumerate() {
+        let command = if i == 0 { 'M' } else { 'L' };
+        text.put(format_args!("{command}{x:.2} {y:.2}\n"));
+    }
+    text.push("\"/>\n");
 }
 
 /// The data points that are drawn.

@@ -37,7 +37,6 @@ impl SharedSystem {
         self.system.try_lock()?.upgrade()
     }
 
-    /// The problem.
     pub fn problem(&self) -> &Arc<Problem> {
         &self.problem
     }

@@ -28,7 +28,6 @@ pub enum Ending {
 /// What comes of asking a run for a frame.
 #[derive(Debug)]
 pub enum FrameLookup {
-    /// The frame.
     Frame(Arc<Frame>),
     /// The run has not reached it yet.
     Later,

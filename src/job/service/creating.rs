@@ -16,11 +16,10 @@ use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
 
 /// The job for a request that was accepted.
 #[derive(Debug)]
-pub enum Accepted {
-    /// A new job.
-    New(Arc<Job>),
-    /// The job that was made before for the same idempotency key.
-    Known(Arc<Job>),
+pub struct Accepted {
+    pub job: Arc<Job>,
+    /// It was made before, for the same idempotency key.
+    pub replayed: bool,
 }
 
 impl Jobs {
@@ -100,7 +99,10 @@ impl Jobs {
         }
         self.resources.counters.accepted.inc();
         info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");
-        Ok(Some(Accepted::New(job)))
+        Ok(Some(Accepted {
+            job,
+            replayed: false,
+        }))
     }
 
     /// The job that was made for an idempotency key, if there is one.
@@ -121,7 +123,10 @@ impl Jobs {
             return Err(Refused::KeyTaken(entry.id));
         }
         let job = self.find(entry.id).await?;
-        Ok(job.map(Accepted::Known))
+        Ok(job.map(|job| Accepted {
+            job,
+            replayed: true,
+        }))
     }
 
     /// Refuses jobs that need more memory than they can ever get.

@@ -18,16 +18,10 @@ const MOST_OF_A_START: usize = 20_000_000_000;
 pub enum Refused {
     /// There are as many unfinished jobs as are allowed.
     #[error("{limit} jobs are unfinished, the limit of this server")]
-    Full {
-        /// The limit.
-        limit: usize,
-    },
+    Full { limit: usize },
     /// The peer has as many unfinished jobs as one may have.
     #[error("{limit} jobs from your address are unfinished, the limit of this server for each")]
-    PeerFull {
-        /// The limit.
-        limit: usize,
-    },
+    PeerFull { limit: usize },
     /// It needs more memory than all jobs together may have.
     #[error("the fit needs {needed} bytes of memory, and all fits together may take {limit}")]
     TooLarge {

@@ -101,7 +101,6 @@ impl JsonSchema for Distance {
 #[derive(Clone, Copy, Serialize)]
 #[serde(untagged)]
 pub enum PointIndex {
-    /// Of a curve.
     OfCurve(usize),
     /// Of a surface: row and column.
     OfSurface([usize; 2]),

@@ -176,7 +176,6 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
     })
 }
 
-/// A server-sent event.
 pub enum ServerSentEvent {}
 
 schema_of!(ServerSentEvent, "ServerSentEvent", generator => {

@@ -14,7 +14,6 @@ use serde_json::{Value, json};
 /// A media type and what is in it.
 type Content = (&'static str, Value);
 
-/// A job.
 fn job() -> [Content; 1] {
     [json_of::<JobView<'_>>()]
 }
