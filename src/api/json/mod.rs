@@ -1,14 +1,15 @@
 //! The model in JSON.
 //!
-//! - [`read`]: JSON read to the letter, with all that is wrong in it; [`numbers`], [`per_direction`]: points and
-//!   numbers straight into arrays, one value for both directions or one for each;
+//! - [`read`]: a strict JSON reader that collects all mistakes; [`points`], [`numbers`]: points and numbers, read
+//!   straight into arrays; [`per_direction`]: one value for both directions of a surface, or one for each;
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
 //! - [`stream`]: the `stream` object of a job;
-//! - [`schema`]: what clients may send;
-//! - [`view`]: what the server answers.
+//! - [`schema`]: schemas of requests;
+//! - [`view`]: answers.
 
 pub mod numbers;
 pub mod per_direction;
+pub mod points;
 pub mod read;
 pub mod request;
 pub mod schema;

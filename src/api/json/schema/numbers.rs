@@ -3,8 +3,8 @@
 use schemars::json_schema;
 
 use super::schema_of;
-use crate::api::json::numbers::{PointGrid, PointList};
 use crate::api::json::per_direction::Pair;
+use crate::api::json::points::{PointGrid, PointList};
 use crate::model::shape::MAX_DIMENSION;
 
 /// A data point.
