@@ -119,6 +119,7 @@ impl Job {
         self.outline.id
     }
 
+    /// The fitting problem, read from the store if it is not in memory.
     pub async fn problem(&self) -> Result<Arc<Problem>, StoreError> {
         Ok(Arc::clone(self.system().await?.problem()))
     }

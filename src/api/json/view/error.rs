@@ -101,6 +101,7 @@ impl JsonSchema for Distance {
 #[derive(Clone, Copy, Serialize)]
 #[serde(untagged)]
 pub enum PointIndex {
+    /// The number of a point on a curve.
     OfCurve(usize),
     /// Of a surface: row and column.
     OfSurface([usize; 2]),

@@ -176,6 +176,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
     })
 }
 
+/// The schema of a server-sent event.
 pub enum ServerSentEvent {}
 
 schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
