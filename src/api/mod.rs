@@ -1,4 +1,4 @@
-//! What goes over the wire.
+//! The API: HTTP and gRPC, JSON and protobuf, event streams.
 //!
 //! | Room | What it knows |
 //! |---|---|

@@ -15,7 +15,7 @@ use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::outline::{Label, Parent};
-use crate::job::scheduler::Lane;
+use crate::job::scheduler::WorkLane;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::model::edit::{EditSpec, ParentFit};
@@ -224,6 +224,6 @@ async fn compute<T: Send + 'static>(
         function()
     } else {
         let scheduler = &app.jobs.resources().scheduler;
-        scheduler.compute(Lane::Wire, function).await?
+        scheduler.compute(WorkLane::Wire, function).await?
     }
 }

@@ -11,7 +11,7 @@
 //! - `text`: numbers and names as text.
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
-//! (up to 17) as it takes to read them back. What a format cannot say is an error, never a guess:
+//! (up to 17) as it takes to read them back. What a format cannot represent is an error, never a guess:
 //! values of a function (one coordinate) have no place in space, and weights must be positive.
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres.
 

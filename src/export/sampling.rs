@@ -8,7 +8,7 @@ const MOST_VALUES: usize = 1 << 20;
 
 /// A parameter in a knot span. At a knot the span decides from which side derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Site {
+pub(super) struct SpanParameter {
     span: usize,
     /// The parameter.
     pub(super) t: f64,
@@ -53,7 +53,7 @@ impl KnotVector {
 
     /// `steps + 1` sites from one end of the domain to the other. All spans get equally many steps, so
     /// short spans get short ones.
-    pub(super) fn sites(&self, steps: usize) -> Vec<Site> {
+    pub(super) fn sites(&self, steps: usize) -> Vec<SpanParameter> {
         let spans = self.spans();
         let site = |i: usize| {
             let place = i as f64 * spans.len() as f64 / steps as f64;
@@ -64,31 +64,31 @@ impl KnotVector {
     }
 
     /// The site at a part of a span, from 0 at its left end to 1 at its right end.
-    pub(super) fn site(&self, span: usize, part: f64) -> Site {
+    pub(super) fn site(&self, span: usize, part: f64) -> SpanParameter {
         let (low, high) = (self.knots[span], self.knots[span + 1]);
         let t = (1.0 - part) * low + part * high;
-        Site { span, t }
+        SpanParameter { span, t }
     }
 
     /// The site moved inside, at least a thousandth of its span from both ends.
-    pub(super) fn inside(&self, site: Site) -> Site {
+    pub(super) fn inside(&self, site: SpanParameter) -> SpanParameter {
         let part = self.part(site);
         self.site(site.span, part.clamp(1e-3, 1.0 - 1e-3))
     }
 
     /// Where in its span a site is, from 0 to 1.
-    fn part(&self, site: Site) -> f64 {
+    fn part(&self, site: SpanParameter) -> f64 {
         let low = self.knots[site.span];
         ((site.t - low) / self.width(site)).clamp(0.0, 1.0)
     }
 
     /// How long a span is.
-    pub(super) fn width(&self, site: Site) -> f64 {
+    pub(super) fn width(&self, site: SpanParameter) -> f64 {
         self.knots[site.span + 1] - self.knots[site.span]
     }
 
     /// The functions that can differ from zero at a site, with their derivatives.
-    fn functions(&self, site: Site) -> BasisValues {
+    fn functions(&self, site: SpanParameter) -> BasisValues {
         let (p, knots, span) = (self.degree, &self.knots, site.span);
         let evaluate = |degree: usize, values: &mut [f64]| match self.count() == p + 1 {
             // A Bézier curve: the same functions, much faster at high degrees.
@@ -130,7 +130,7 @@ type Homogeneous = [f64; 4];
 
 impl Nurbs {
     /// Points and derivatives on the grid `u × v`, row by row. A curve ignores `v`.
-    pub(super) fn evaluate(&self, u: &[Site], v: &[Site]) -> Vec<Jet> {
+    pub(super) fn evaluate(&self, u: &[SpanParameter], v: &[SpanParameter]) -> Vec<Jet> {
         let Some(knots) = &self.v else {
             let end = BasisValues {
                 first: 0,
@@ -159,7 +159,7 @@ impl Nurbs {
     }
 
     /// Points and derivatives at the sites `u`, for these functions of the other direction.
-    fn evaluate_block(&self, u: &[Site], across: &[BasisValues]) -> Vec<Jet> {
+    fn evaluate_block(&self, u: &[SpanParameter], across: &[BasisValues]) -> Vec<Jet> {
         let mut line = vec![Homogeneous::default(); self.columns()];
         let mut line_du = line.clone();
         let mut jets = Vec::with_capacity(u.len() * across.len());

@@ -13,7 +13,7 @@ use parking_lot::Mutex;
 use tokio::sync::OnceCell;
 
 use super::memory::{Cache, Charge, Permit};
-use super::scheduler::{Broken, Lane, Scheduler};
+use super::scheduler::{Broken, Scheduler, WorkLane};
 
 /// How many pieces are cached for readers that follow, and how many while the cache is full.
 const RECENT: usize = 16;
@@ -130,7 +130,9 @@ impl Pieces {
         }
         let make = || async {
             let pieces = Arc::clone(self);
-            let bytes = pool.compute(Lane::Wire, move || pieces.make(index)).await?;
+            let bytes = pool
+                .compute(WorkLane::Wire, move || pieces.make(index))
+                .await?;
             let charge = self.cache.get().map(|cache| cache.charge(bytes.len()));
             Ok(CachedPiece {
                 bytes,

@@ -1,4 +1,4 @@
-//! What a server has done so far and what is open now, as Prometheus metrics.
+//! The metrics of a server for Prometheus: what it has done since its start, and what is open now.
 
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::metrics::counter::Counter;

@@ -139,7 +139,7 @@ impl Cursor {
     }
 }
 
-/// What came of trying to read a frame.
+/// The outcome of an attempt to read a frame.
 enum Attempt {
     Frame(Arc<Frame>),
     /// The run or the job has changed in the meantime.

@@ -1,4 +1,4 @@
-//! What is known of a job without its points: what lists show and what admission needs.
+//! The outline of a job: everything but its points, for lists and for admission.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::model::stream::StreamSpec;
 pub struct Outline {
     /// The id; ids grow with time.
     pub id: Uuid,
-    /// What its client said about it.
+    /// Name, parent and stream defaults, as the client gave them.
     pub label: Label,
     /// When it was accepted.
     pub created: Timestamp,
@@ -36,7 +36,7 @@ pub struct Outline {
     pub memory: usize,
     /// Multiplications of one iteration.
     pub step_cost: usize,
-    /// What was doubtful about it when it was accepted.
+    /// The warnings when it was accepted.
     pub(super) warnings: Vec<Warning>,
     /// Surfaces: the bases of both directions were asked for separately.
     pub bases_differ: bool,
@@ -86,7 +86,7 @@ impl Outline {
         }
     }
 
-    /// What is doubtful about it, as far as is known by now.
+    /// All warnings so far; some are found only when the job runs.
     pub fn warnings(&self, levels: Option<&Levels>) -> impl Iterator<Item = Warning> {
         let found = levels.map(|levels| {
             let Levels {

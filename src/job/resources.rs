@@ -16,7 +16,7 @@ pub struct Resources {
     pub again: Again,
     /// Bytes of recent frames that each run keeps at most.
     pub(super) ring_bytes: usize,
-    /// What has been done so far.
+    /// The metrics of the server.
     pub counters: Counters,
 }
 

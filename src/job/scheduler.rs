@@ -36,7 +36,7 @@ const LONG: usize = 100_000_000;
 
 /// Which threads do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lane {
+pub enum WorkLane {
     /// For small steps.
     Quick,
     /// For large steps.
@@ -47,7 +47,7 @@ pub enum Lane {
     Long(usize),
 }
 
-impl Lane {
+impl WorkLane {
     /// The lane of work whose indivisible steps take `operations` elementary operations.
     pub fn of(operations: usize) -> Self {
         if operations <= QUICK {
@@ -78,7 +78,7 @@ impl Lane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Turn {
     /// Queue it again on this lane, behind the others.
-    Again(Lane),
+    Again(WorkLane),
     /// It is done, or has nothing to do at the moment.
     Done,
 }
@@ -110,22 +110,22 @@ struct Queues {
 }
 
 impl Queues {
-    fn of(&self, lane: Lane) -> &Queue {
+    fn of(&self, lane: WorkLane) -> &Queue {
         match lane {
-            Lane::Quick => &self.quick,
-            Lane::Heavy => &self.heavy,
-            Lane::Wire => &self.wire,
-            Lane::Long(_) => &self.long,
+            WorkLane::Quick => &self.quick,
+            WorkLane::Heavy => &self.heavy,
+            WorkLane::Wire => &self.wire,
+            WorkLane::Long(_) => &self.long,
         }
     }
 }
 
 /// The lanes, and what their threads are called.
-const LANES: [(Lane, &str); 4] = [
-    (Lane::Quick, "quick"),
-    (Lane::Heavy, "heavy"),
-    (Lane::Wire, "wire"),
-    (Lane::Long(0), "long"),
+const LANES: [(WorkLane, &str); 4] = [
+    (WorkLane::Quick, "quick"),
+    (WorkLane::Heavy, "heavy"),
+    (WorkLane::Wire, "wire"),
+    (WorkLane::Long(0), "long"),
 ];
 
 #[derive(Default)]
@@ -150,8 +150,8 @@ struct Waiting {
 
 impl QueueState {
     /// The oldest work; on the long lane, every other time that with the fewest multiplications.
-    fn next(&mut self, lane: Lane) -> Option<Arc<dyn Work>> {
-        let least = !self.least && matches!(lane, Lane::Long(_));
+    fn next(&mut self, lane: WorkLane) -> Option<Arc<dyn Work>> {
+        let least = !self.least && matches!(lane, WorkLane::Long(_));
         let waiting = self.waiting.iter().enumerate();
         let place = match least {
             true => waiting.min_by_key(|(_, it)| it.multiplications)?.0,
@@ -179,14 +179,14 @@ impl Scheduler {
     }
 
     /// Queues work.
-    pub(super) fn submit(&self, lane: Lane, work: Arc<dyn Work>) {
+    pub(super) fn submit(&self, lane: WorkLane, work: Arc<dyn Work>) {
         self.0.push(lane, work);
     }
 
     /// Computes a value in the pool, off the threads that serve the network.
     pub async fn compute<T: Send + 'static>(
         &self,
-        lane: Lane,
+        lane: WorkLane,
         function: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Broken> {
         let (sender, receiver) = oneshot::channel();
@@ -226,7 +226,7 @@ impl Queue {
     }
 
     /// Waits for the next work. A thread that waits for long gives memory back: see [`trim`].
-    fn pop(&self, lane: Lane) -> Option<Arc<dyn Work>> {
+    fn pop(&self, lane: WorkLane) -> Option<Arc<dyn Work>> {
         let mut state = self.state.lock();
         let mut rounds = trim::ROUNDS;
         loop {
@@ -254,9 +254,9 @@ impl Queue {
 }
 
 impl Queues {
-    fn push(&self, lane: Lane, work: Arc<dyn Work>) {
+    fn push(&self, lane: WorkLane, work: Arc<dyn Work>) {
         let multiplications = match lane {
-            Lane::Long(multiplications) => multiplications,
+            WorkLane::Long(multiplications) => multiplications,
             _ => 0,
         };
         self.of(lane).push(Waiting {
@@ -265,7 +265,7 @@ impl Queues {
         });
     }
 
-    fn serve(&self, lane: Lane) {
+    fn serve(&self, lane: WorkLane) {
         while let Some(work) = self.of(lane).pop(lane) {
             let deadline = Instant::now() + SLICE;
             match catch_unwind(AssertUnwindSafe(|| work.slice(deadline))) {
@@ -323,7 +323,7 @@ mod tests {
             if *left == 0 {
                 Turn::Done
             } else {
-                Turn::Again(Lane::Heavy)
+                Turn::Again(WorkLane::Heavy)
             }
         }
 
@@ -335,12 +335,12 @@ mod tests {
         let scheduler = Scheduler::new(1).unwrap();
         let log = Arc::new(Mutex::new(Vec::new()));
         let (release, blocked) = std::sync::mpsc::channel::<()>();
-        let first = scheduler.compute(Lane::Heavy, move || blocked.recv().is_ok());
+        let first = scheduler.compute(WorkLane::Heavy, move || blocked.recv().is_ok());
         let works = async {
             for id in 0..3 {
                 let left = Mutex::new(4);
                 let log = Arc::clone(&log);
-                scheduler.submit(Lane::Heavy, Arc::new(Counting { id, left, log }));
+                scheduler.submit(WorkLane::Heavy, Arc::new(Counting { id, left, log }));
             }
             release.send(()).unwrap();
         };
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(first, Ok(true));
         // Queued behind the rest: once it has run, the others have had their turns.
         while log.lock().len() < 12 {
-            scheduler.compute(Lane::Heavy, || ()).await.unwrap();
+            scheduler.compute(WorkLane::Heavy, || ()).await.unwrap();
         }
         assert_eq!(*log.lock(), [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
     }
@@ -359,13 +359,13 @@ mod tests {
         let log = Arc::new(Mutex::new(Vec::new()));
         let (release, blocked) = std::sync::mpsc::channel::<()>();
         let (start, started) = oneshot::channel();
-        let first = scheduler.compute(Lane::Long(9), move || {
+        let first = scheduler.compute(WorkLane::Long(9), move || {
             let _ = start.send(());
             blocked.recv().is_ok()
         });
         let sizes = [7, 5, 6, 1, 3].map(|size| {
             let log = Arc::clone(&log);
-            scheduler.compute(Lane::Long(size), move || log.lock().push(size))
+            scheduler.compute(WorkLane::Long(size), move || log.lock().push(size))
         });
         // All of them wait when the first one, which was taken as the one with the least, ends.
         let others = async {
@@ -381,9 +381,9 @@ mod tests {
     async fn a_panic_breaks_only_its_own_work() {
         let scheduler = Scheduler::new(1).unwrap();
         let broken: Result<(), Broken> = scheduler
-            .compute(Lane::Quick, || panic!("meant to happen"))
+            .compute(WorkLane::Quick, || panic!("meant to happen"))
             .await;
         assert_eq!(broken, Err(Broken));
-        assert_eq!(scheduler.compute(Lane::Quick, || 7).await, Ok(7));
+        assert_eq!(scheduler.compute(WorkLane::Quick, || 7).await, Ok(7));
     }
 }

@@ -1,5 +1,4 @@
-//! Slots for what there may be only so many of, in all and for each peer: jobs that have not ended, and
-//! connections.
+//! Slots limit the number of unfinished jobs, and that of connections, in all and for each peer.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -8,7 +7,7 @@ use parking_lot::Mutex;
 
 use super::peer::Peer;
 
-/// So many slots, of which one peer may take so many.
+/// A number of slots, with a limit for each peer.
 #[derive(Debug)]
 pub struct Slots {
     all: usize,
@@ -33,9 +32,9 @@ pub struct Slot {
 /// Why there is no slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoSlot {
-    /// All of these are taken.
+    /// All slots are taken; this is their number.
     All(usize),
-    /// The peer has taken all of these, which are as many as one may have.
+    /// The peer has taken as many as one may have; this is that number.
     PerPeer(usize),
 }
 

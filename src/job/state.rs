@@ -90,7 +90,7 @@ pub enum Failure {
     Crashes,
 }
 
-/// What is known of a job's progress.
+/// The state of a job and its progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Status {
     pub state: State,

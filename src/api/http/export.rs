@@ -18,7 +18,7 @@ use crate::fit::problem as fit;
 use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};
-use crate::job::scheduler::Lane;
+use crate::job::scheduler::WorkLane;
 
 /// The most multiplications for computing the earlier levels again, whose errors drawings show.
 const HISTORY: usize = 200_000_000;
@@ -84,7 +84,7 @@ pub async fn file(
     let system = job.system().await?;
     let owner = Arc::clone(job);
     let numbers = control_points.len() * control_points.dimension();
-    let lane = Lane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let lane = WorkLane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
     let write = move || {
         let problem = Arc::clone(system.problem());
         let errors = match format {

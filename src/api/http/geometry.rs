@@ -26,7 +26,7 @@ use crate::fit::iteration::Iteration;
 use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 use crate::fit::points::Grid;
 use crate::job::Job;
-use crate::job::scheduler::Lane;
+use crate::job::scheduler::WorkLane;
 use crate::model::short::quoted;
 use crate::model::stream::form::{Digits, Encoding, Form};
 use crate::model::stream::options;
@@ -139,7 +139,7 @@ pub(super) async fn limit(
         .jobs
         .resources()
         .scheduler
-        .compute(Lane::Long(LIMIT_COST), compute)
+        .compute(WorkLane::Long(LIMIT_COST), compute)
         .await?;
     let limit = limit.map(|json| whole(json, JSON));
     limit.map_err(|reason| {
@@ -154,7 +154,7 @@ pub(super) async fn limit(
     })
 }
 
-/// What a client wants of a level.
+/// How a level is wanted: as JSON or a message, or as a file.
 enum Wanted {
     Form(Form),
     File(Format, Option<Grid>),

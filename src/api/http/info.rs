@@ -1,4 +1,4 @@
-//! What the server is, and how it is.
+//! The server itself: its links, health, metrics and kinds of problems.
 
 use std::collections::HashMap;
 

@@ -16,7 +16,7 @@ impl IntoResponse for Problem {
         let mut response = self.kind().entry().status.into_response();
         let headers = response.headers_mut();
         if self.kind() == Kind::UnsupportedEncoding {
-            // What would be understood (RFC 9110, 15.5.16).
+            // The codings that are accepted (RFC 9110, 15.5.16).
             headers.insert(
                 header::ACCEPT_ENCODING,
                 HeaderValue::from_static("identity"),

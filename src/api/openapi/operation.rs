@@ -1,4 +1,4 @@
-//! What one method of one resource does: its parameters, its body and its answers.
+//! The description of an operation: its parameters, its body and its answers.
 
 use std::collections::BTreeMap;
 

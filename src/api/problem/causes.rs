@@ -1,4 +1,4 @@
-//! What went wrong further down, as a problem.
+//! Errors of lower layers as problems.
 
 use super::{Kind, Problem};
 use crate::api::json::request::places::Places;

@@ -43,7 +43,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    // What the body says.
+    // The content of the body.
     NotJson {
         "not-json", BAD_REQUEST, InvalidArgument,
         "The body is not JSON",
@@ -64,7 +64,7 @@ kinds! {
         "The job is not a fit that can be computed",
         "The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why."
     }
-    // What the path names.
+    // Jobs and other resources.
     NotFound {
         "not-found", NOT_FOUND, NotFound,
         "There is no such resource",
@@ -141,7 +141,7 @@ kinds! {
         "The idempotency key belongs to another request",
         "The same Idempotency-Key was sent with another body, or for another resource, within the last day; every request needs a key of its own."
     }
-    // What the server has room for.
+    // Limits of the server.
     QueueFull {
         "queue-full", SERVICE_UNAVAILABLE, ResourceExhausted,
         "The server has as many jobs as it takes",
@@ -172,7 +172,7 @@ kinds! {
         "The server is stopping",
         "The server takes no new work; send the request again after the number of seconds in Retry-After."
     }
-    // What went wrong while it worked.
+    // Failures.
     Overflow {
         "overflow", UNPROCESSABLE_ENTITY, FailedPrecondition,
         "The fit left the range of numbers",

@@ -10,7 +10,7 @@ use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
-use crate::job::scheduler::Lane;
+use crate::job::scheduler::WorkLane;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
@@ -105,6 +105,6 @@ pub async fn off_network(
     if numbers <= SMALL {
         return Ok(encode());
     }
-    let lane = Lane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let lane = WorkLane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
     Ok(job.resources().scheduler.compute(lane, encode).await?)
 }

@@ -3,7 +3,7 @@
 use crate::export::error::ExportError;
 use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::{Jet, Site, cross, length, minus, steps_between, unit};
+use crate::export::sampling::{Jet, SpanParameter, cross, length, minus, steps_between, unit};
 use crate::fit::points::Grid;
 
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
@@ -96,7 +96,7 @@ fn triangles(rows: usize, columns: usize) -> Vec<[u32; 3]> {
 /// The direction of ∂S/∂u × ∂S/∂v. Where control points coincide, as they do at the ends with knots
 /// at the data, a derivative can vanish: there the normal is that of a point a little inside, or if
 /// that has none either, of the triangles around.
-fn normals(nurbs: &Nurbs, u: &[Site], v: &[Site], jets: &[Jet]) -> Vec<[f32; 3]> {
+fn normals(nurbs: &Nurbs, u: &[SpanParameter], v: &[SpanParameter], jets: &[Jet]) -> Vec<[f32; 3]> {
     let normal = |jet: &Jet| cross(jet.du, jet.dv);
     let largest = jets.iter().map(normal).map(length).fold(0.0, f64::max);
     let of_triangles = |index: usize| around(index, u.len(), v.len(), jets);

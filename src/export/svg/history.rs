@@ -11,7 +11,7 @@ const LEFT: f64 = 72.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 174.0;
 
-/// The most levels that are drawn; of more every so many-th.
+/// The most levels that are drawn; longer histories are thinned.
 const MOST_LEVELS: usize = 2000;
 
 /// The most labels of an axis.

@@ -9,7 +9,7 @@ use crate::fit::problem::Problem;
 pub(super) const WIDTH: f64 = 800.0;
 /// Free space on all sides.
 pub(super) const MARGIN: f64 = 24.0;
-/// Drawings show up to about so many data points, and nets of up to so many control points.
+/// The most data points that are drawn, and the most control points of nets that are.
 const MOST_POINTS: usize = 2500;
 pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
     nurbs.points.len() <= MOST_POINTS
@@ -37,7 +37,7 @@ pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<I
 /// The data points that are drawn.
 pub(super) struct DrawnData {
     pub(super) places: Vec<[f64; 3]>,
-    /// One point in so many is drawn.
+    /// One in `stride` points is drawn.
     pub(super) stride: usize,
 }
 

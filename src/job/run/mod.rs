@@ -27,7 +27,7 @@ use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::patience::Patience;
 use crate::job::resources::Resources;
-use crate::job::scheduler::{Lane, Turn, Work};
+use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
 use state::RunState;
 
@@ -39,7 +39,7 @@ const LOOK_AHEAD: usize = 32;
 pub struct Run {
     resources: Arc<Resources>,
     /// The lane of the first slice, which builds the system, and that of the steps.
-    lanes: [Lane; 2],
+    lanes: [WorkLane; 2],
     /// How many frames the ring holds, at least one.
     capacity: usize,
     frame_bytes: usize,
@@ -63,8 +63,8 @@ impl Run {
         let capacity = (resources.ring_bytes / weight).max(1);
         Arc::new(Self {
             lanes: [
-                Lane::of_start(problem.start_cost(), problem.step_cost()),
-                Lane::of(problem.step_cost()),
+                WorkLane::of_start(problem.start_cost(), problem.step_cost()),
+                WorkLane::of(problem.step_cost()),
             ],
             resources,
             capacity,

@@ -25,7 +25,7 @@ pub enum Ending {
     Revoked,
 }
 
-/// What comes of asking a run for a frame.
+/// The outcome of looking for a frame in a run.
 #[derive(Debug)]
 pub enum FrameLookup {
     Frame(Arc<Frame>),

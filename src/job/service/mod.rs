@@ -23,7 +23,7 @@ use super::memory::Share;
 use super::outline::Outline;
 use super::recent::Recent;
 use super::resources::Resources;
-use super::scheduler::Lane;
+use super::scheduler::WorkLane;
 use super::slots::Slots;
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
@@ -230,8 +230,8 @@ impl Jobs {
     /// The share of the memory that a job is run in.
     fn share(&self, outline: &Outline) -> &Share {
         let memory = &self.resources.memory;
-        match Lane::of(outline.step_cost) {
-            Lane::Quick => &memory.quick,
+        match WorkLane::of(outline.step_cost) {
+            WorkLane::Quick => &memory.quick,
             _ => &memory.heavy,
         }
     }

@@ -9,7 +9,7 @@ use crate::api::json::numbers::{RuleOrNumbers, WeightList};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::points::{PointGrid, PointList};
 use crate::api::json::read::object;
-use crate::api::json::schema::numbers::{SurfaceWeights, Weights as CurveWeights};
+use crate::api::json::schema::numbers::{CurveWeights, SurfaceWeights};
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::invalid as fit;
 use crate::fit::points::Grid;

@@ -1,5 +1,4 @@
-//! What JSON clients may send, as JSON schemas for the description of the API. Those of answers are
-//! beside the answers.
+//! JSON schemas of requests, for the description of the API. Those of answers stand beside the answers.
 //!
 //! Schemas of types with derived readers are derived, too. Where a reader is written by hand so is
 //! its schema.

@@ -54,10 +54,10 @@ schema_of!(
 );
 
 /// Weights of a curve, or of a direction.
-pub enum Weights {}
+pub enum CurveWeights {}
 
 schema_of!(
-    Weights,
+    CurveWeights,
     "Weights",
     json_schema!({
         "description": "One weight for each data point; with rational \"fixed\" alternatively one for each control point, end copies included.",
@@ -72,12 +72,12 @@ schema_of!(
 pub enum SurfaceWeights {}
 
 schema_of!(SurfaceWeights, "SurfaceWeights", generator => {
-    let line = generator.subschema_for::<Weights>();
+    let line = generator.subschema_for::<CurveWeights>();
     json_schema!({
         "description": "Rows of weights, one for each data point, or weights of both directions whose products they are.",
         "oneOf": [
             {"title": "Rows", "type": "array", "items": line, "minItems": 2},
-            generator.subschema_for::<Pair<Weights>>(),
+            generator.subschema_for::<Pair<CurveWeights>>(),
         ],
         "examples": [[[1, 1], [1, 2]], {"u": [1, 2], "v": [1, 1]}],
     })
@@ -89,7 +89,7 @@ pub enum NewWeights {}
 schema_of!(NewWeights, "NewWeights", generator => json_schema!({
     "description": "New weights of all data points: of a curve a list, of a surface as in a job.",
     "anyOf": [
-        generator.subschema_for::<Weights>(),
+        generator.subschema_for::<CurveWeights>(),
         generator.subschema_for::<SurfaceWeights>(),
     ],
     "examples": [[1, 2, 2, 1]],

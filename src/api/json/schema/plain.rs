@@ -1,6 +1,4 @@
-//! Schemas in a form of which generators of clients make good types.
-//!
-//! What a schema allows stays the same.
+//! Rewrites schemas so that client generators make good types of them, without changing what they allow.
 
 use schemars::Schema;
 use serde_json::{Map, Value};
@@ -34,7 +32,7 @@ fn format_of(types: &Value) -> Option<&'static str> {
     has("integer").then_some("int64")
 }
 
-/// Sizes of Rust have names that other languages do not know; what has 16 bits is signed with 32.
+/// Replaces formats of Rust's integer types, which other languages do not know.
 fn set_format(fields: &mut Map<String, Value>, format: &str) {
     // No width that languages share.
     if fields.get("maximum").and_then(Value::as_u64) > Some(i64::MAX as u64) {
@@ -47,8 +45,8 @@ fn set_format(fields: &mut Map<String, Value>, format: &str) {
     fields.insert("format".to_owned(), format.into());
 }
 
-/// What is usual is said in words: generators make a required field of one with a default, or send the
-/// default where it does not belong.
+/// Moves defaults into the description: client generators make fields with a default required, or send
+/// the default where it does not belong.
 fn tell_default(fields: &mut Map<String, Value>) {
     let keywords = ["type", "anyOf", "oneOf", "$ref"];
     if !keywords.iter().any(|it| fields.contains_key(*it)) {
@@ -62,7 +60,7 @@ fn tell_default(fields: &mut Map<String, Value>) {
     }
 }
 
-/// A choice that may be null is one choice, and one between a single schema is that schema.
+/// Merges null into the choices of a `oneOf`, and replaces a choice of one schema by that schema.
 fn flatten(fields: &mut Map<String, Value>) {
     let Some(Value::Array(choices)) = fields.get_mut("anyOf") else {
         return;
@@ -88,7 +86,7 @@ fn flatten(fields: &mut Map<String, Value>) {
     }
 }
 
-/// Fields that an answer need not have are left out there, and not null.
+/// Removes null from the types of optional fields: answers leave them out instead.
 pub fn never_null(schema: &mut Schema) {
     let required = schema.get("required").cloned().unwrap_or_default();
     let is_required = |name: &str| {

@@ -1,4 +1,4 @@
-//! What event streams say first and last, and what their events are.
+//! The data of the first and the last event of a stream, and the schemas of events.
 
 use std::sync::Arc;
 

@@ -76,7 +76,7 @@ pub(super) fn result() -> Value {
     })
 }
 
-/// What is wrong with another job.
+/// The problem of another job.
 pub fn problem() -> Value {
     json!({
         "type": "/problems/invalid-fit", "title": "The job is not a fit that can be computed", "status": 422,
