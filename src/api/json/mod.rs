@@ -5,7 +5,7 @@
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
 //! - [`stream`]: the `stream` object of a job;
 //! - [`schema`]: schemas of requests;
-//! - [`view`]: answers.
+//! - [`view`]: the JSON of answers.
 
 pub mod numbers;
 pub mod per_direction;
