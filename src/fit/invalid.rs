@@ -20,10 +20,11 @@ pub enum Invalid {
     NoPoints,
     /// All distances between two neighbouring lines of points are unknown, as points are missing.
     #[error(
-        "no two neighbours of lines {previous} and {index} are given, so that {rule} parameters are unknown: use uniform or explicit parameters", previous = index - 1
+        "no two neighbours of lines {previous} and {index} are given, so that {rule} parameters are unknown: use uniform or explicit parameters"
     )]
     NoNeighbours {
         axis: Axis,
+        previous: usize,
         index: usize,
         rule: &'static str,
     },

@@ -150,7 +150,13 @@ fn not_increasing(
     let k = wrong.unwrap_or(t.len() - 1);
     let index = k % count;
     if pairs.get(k) == Some(&0) {
-        Invalid::NoNeighbours { axis, index, rule }
+        // The neighbour of the last line of a closed surface is the first one.
+        Invalid::NoNeighbours {
+            axis,
+            previous: k - 1,
+            index,
+            rule,
+        }
     } else if !t[k].is_finite() {
         Invalid::TooLarge
     } else if k == count {

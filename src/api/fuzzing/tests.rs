@@ -143,3 +143,18 @@ fn messages() -> [(&'static str, pb::Edit); 3] {
         ("reweighted", reweighted),
     ]
 }
+
+/// Found by the target `made`: the neighbour of the first line of a closed surface is the last one.
+#[test]
+fn a_gap_between_the_last_line_and_the_first_is_named() {
+    let job = serde_json::json!({
+        "surface": {
+            "points": [[null, [0, 1]], [[1, 0], [1, 1]], [[2, 0], [2, 2]], [[0, 3], null]],
+            "degree": {"u": 2, "v": 1}, "closed": {"u": true, "v": false}, "parameters": "chord_length",
+        },
+        "method": {"kind": "least_squares", "control_points": {"u": 3, "v": 2}},
+    });
+    let refusal = job_of_json(&view::to_bytes(&job)).unwrap_err();
+    let named = "no two neighbours of lines 3 and 0 are given";
+    assert!(refusal.detail().contains(named), "{}", refusal.detail());
+}
