@@ -38,40 +38,31 @@ impl Format {
         Self::Csv,
     ];
 
+    /// Name, media type (as registered with IANA) and usual file extension.
+    fn names(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::Step => ("step", "model/step", "step"),
+            Self::Iges => ("iges", "model/iges", "igs"),
+            Self::Obj => ("obj", "model/obj", "obj"),
+            Self::Gltf => ("gltf", "model/gltf-binary", "glb"),
+            Self::Svg => ("svg", "image/svg+xml", "svg"),
+            Self::Csv => ("csv", "text/csv", "csv"),
+        }
+    }
+
     /// The name by which the format is asked for.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Step => "step",
-            Self::Iges => "iges",
-            Self::Obj => "obj",
-            Self::Gltf => "gltf",
-            Self::Svg => "svg",
-            Self::Csv => "csv",
-        }
+        self.names().0
     }
 
-    /// The media type, as registered with IANA.
+    /// The media type.
     pub fn media_type(self) -> &'static str {
-        match self {
-            Self::Step => "model/step",
-            Self::Iges => "model/iges",
-            Self::Obj => "model/obj",
-            Self::Gltf => "model/gltf-binary",
-            Self::Svg => "image/svg+xml",
-            Self::Csv => "text/csv",
-        }
+        self.names().1
     }
 
-    /// The usual ending of file names, without a dot.
+    /// The usual extension of file names, without a dot.
     pub fn extension(self) -> &'static str {
-        match self {
-            Self::Step => "step",
-            Self::Iges => "igs",
-            Self::Obj => "obj",
-            Self::Gltf => "glb",
-            Self::Svg => "svg",
-            Self::Csv => "csv",
-        }
+        self.names().2
     }
 }
 
@@ -84,17 +75,16 @@ impl fmt::Display for Format {
 impl FromStr for Format {
     type Err = UnknownFormat;
 
-    /// By name, or by a usual ending of file names.
+    /// By name, or by a usual extension of file names.
     fn from_str(text: &str) -> Result<Self, UnknownFormat> {
+        let is_called = |format: &Self| format.name() == text || format.extension() == text;
         match text {
-            "stp" => return Ok(Self::Step),
-            "igs" => return Ok(Self::Iges),
-            "glb" => return Ok(Self::Gltf),
-            _ => {}
+            "stp" => Ok(Self::Step),
+            _ => Self::ALL
+                .into_iter()
+                .find(is_called)
+                .ok_or_else(|| UnknownFormat(text.to_owned())),
         }
-        let mut all = Self::ALL.into_iter();
-        all.find(|format| format.name() == text)
-            .ok_or_else(|| UnknownFormat(text.to_owned()))
     }
 }
 

@@ -51,6 +51,15 @@ impl KnotVector {
     }
 }
 
+/// The place of a point in space: points of the plane have z = 0.
+pub(super) fn in_space(coordinates: impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut place = [0.0; 3];
+    for (x, coordinate) in place.iter_mut().zip(coordinates) {
+        *x = coordinate;
+    }
+    place
+}
+
 /// The knots 0 and 1, p + 1 times each.
 fn bezier(degree: usize) -> Vec<f64> {
     let mut knots = vec![0.0; degree + 1];
@@ -99,11 +108,7 @@ impl Nurbs {
 
     /// The place of a control point in space; curves and surfaces of the plane have z = 0.
     pub fn place(&self, index: usize) -> [f64; 3] {
-        let mut place = [0.0; 3];
-        for (x, coordinate) in place.iter_mut().zip(self.points.point(index)) {
-            *x = coordinate;
-        }
-        place
+        in_space(self.points.point(index))
     }
 
     /// The weight of a control point.

@@ -68,10 +68,14 @@ pub(super) fn json(headers: &HeaderMap) -> Result<(), Problem> {
     choose(headers, &[(JSON, ())])
 }
 
-fn prefers_stream(headers: &HeaderMap) -> bool {
+/// The preferences of a client (RFC 7240).
+fn preferences(headers: &HeaderMap) -> impl Iterator<Item = &str> {
     let values = headers.get_all("prefer").iter();
-    let mut preferences = values.flat_map(|value| value.to_str().unwrap_or("").split(','));
-    preferences.any(|preference| preference.trim().eq_ignore_ascii_case("stream"))
+    values.flat_map(|value| value.to_str().unwrap_or("").split(','))
+}
+
+fn prefers_stream(headers: &HeaderMap) -> bool {
+    preferences(headers).any(|preference| preference.trim().eq_ignore_ascii_case("stream"))
 }
 
 /// The first of the representations that the Accept header likes best.
@@ -127,29 +131,26 @@ fn without_parameters(range: &str) -> String {
 
 /// The time of `Prefer: wait=n` (RFC 7240), in seconds.
 pub(super) fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
-    for value in headers.get_all("prefer") {
-        let text = value.to_str().unwrap_or("");
-        for preference in text.split(',') {
-            // Parameters of a preference follow a semicolon.
-            let preference = preference.split(';').next().unwrap_or("").trim();
-            let Some((name, seconds)) = preference.split_once('=') else {
-                continue;
-            };
-            if !name.trim().eq_ignore_ascii_case("wait") {
-                continue;
-            }
-            let seconds = seconds.trim().trim_matches('"');
-            return match seconds.parse() {
-                Ok(seconds) if seconds <= LONGEST_WAIT => Ok(Some(Duration::from_secs(seconds))),
-                _ => Err(Problem::at_header(
-                    "Prefer",
-                    format!(
-                        "wait is a whole number of seconds from 0 to {LONGEST_WAIT}, not {}",
-                        quoted(seconds)
-                    ),
-                )),
-            };
+    for preference in preferences(headers) {
+        // Parameters of a preference follow a semicolon.
+        let preference = preference.split(';').next().unwrap_or("");
+        let Some((name, seconds)) = preference.split_once('=') else {
+            continue;
+        };
+        if !name.trim().eq_ignore_ascii_case("wait") {
+            continue;
         }
+        let seconds = seconds.trim().trim_matches('"');
+        return match seconds.parse() {
+            Ok(seconds) if seconds <= LONGEST_WAIT => Ok(Some(Duration::from_secs(seconds))),
+            _ => Err(Problem::at_header(
+                "Prefer",
+                format!(
+                    "wait is a whole number of seconds from 0 to {LONGEST_WAIT}, not {}",
+                    quoted(seconds)
+                ),
+            )),
+        };
     }
     Ok(None)
 }

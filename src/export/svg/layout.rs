@@ -1,6 +1,6 @@
 //! The size of drawings, and how much of the data and of the control net they show.
 
-use crate::export::nurbs::Nurbs;
+use crate::export::nurbs::{Nurbs, in_space};
 use crate::export::text::Text;
 use crate::fit::geometry::Geometry;
 use crate::fit::problem::Problem;
@@ -47,13 +47,7 @@ impl DrawnData {
         let count = problem.grid().count();
         let stride = count.div_ceil(MOST_POINTS);
         let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
-        let place = |index| {
-            let mut place = [0.0; 3];
-            for (x, coordinate) in place.iter_mut().zip(geometry.place(index)) {
-                *x = coordinate;
-            }
-            place
-        };
+        let place = |index| in_space(geometry.place(index));
         let indices = (0..count).step_by(stride).filter(known);
         Self {
             places: indices.map(place).collect(),

@@ -14,7 +14,9 @@ use crate::api::json::request::method::{MethodKind, StartRequest, VariantRequest
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
-use crate::fit::method::{Adaptive, Extended, Local, Method, Start, Variant, Weighted};
+use crate::fit::method::{
+    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+};
 use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
 use crate::job::Job;
@@ -196,47 +198,39 @@ pub(super) struct AppliedMethod {
 impl AppliedMethod {
     /// The method with its settings, and with the numbers that were computed for it.
     pub(super) fn new(outline: &Outline, forecast: Option<Forecast>) -> Self {
-        let kind = outline.method.name();
-        let mut view = match &outline.method {
-            &Method::Weighted(Weighted { omega }) => Self {
-                omega: Some(forecast.and_then(|it| it.omega).or(omega)),
-                ..Self::default()
-            },
-            &Method::Local(Local { row_by_row }) => Self {
-                adjusted: outline.adjusted,
-                row_by_row: Some(row_by_row),
-                ..Self::default()
-            },
-            &Method::Adaptive(Adaptive { threshold }) => Self {
-                threshold: Some(threshold),
-                ..Self::default()
-            },
-            &Method::Extended(Extended { start }) => Self {
-                start: Some(match start {
+        let mut view = Self {
+            kind: outline.method.name(),
+            lambda_min: forecast.and_then(|it| it.block.or(it.lambda_min)),
+            ..Self::default()
+        };
+        match &outline.method {
+            Method::Weighted(Weighted { omega }) => {
+                view.omega = Some(forecast.and_then(|it| it.omega).or(*omega));
+            }
+            Method::Local(Local { row_by_row }) => {
+                view.adjusted = outline.adjusted;
+                view.row_by_row = Some(*row_by_row);
+            }
+            Method::Adaptive(Adaptive { threshold }) => view.threshold = Some(*threshold),
+            Method::Extended(Extended { start }) => {
+                view.start = Some(match start {
                     Start::Transformed => "transformed",
                     Start::Data => "data",
-                }),
-                ..Self::default()
-            },
-            Method::LeastSquares(settings) => Self {
-                control_points: Some(match outline.surface {
-                    false => PerDirection::Both(settings.u),
-                    true => PerDirection::Each {
-                        u: settings.u,
-                        v: settings.v,
-                    },
-                }),
-                variant: Some(match settings.variant {
+                });
+            }
+            Method::LeastSquares(LeastSquares { u, v, variant }) => {
+                view.control_points = Some(match outline.surface {
+                    false => PerDirection::Both(*u),
+                    true => PerDirection::Each { u: *u, v: *v },
+                });
+                view.variant = Some(match variant {
                     Variant::Diagonal => "diagonal",
                     Variant::Lspia { .. } => "lspia",
                     Variant::ConjugateGradients => "cg",
-                }),
-                ..Self::default()
-            },
-            _ => Self::default(),
-        };
-        view.kind = kind;
-        view.lambda_min = forecast.and_then(|it| it.block.or(it.lambda_min));
+                });
+            }
+            _ => {}
+        }
         view
     }
 }
