@@ -317,6 +317,23 @@ pub(super) fn pointer(place: P, each: bool) -> String {
     format!("/method/{setting}")
 }
 
+/// The name of a start of the extended method.
+pub(in crate::api) fn start_name(start: Start) -> &'static str {
+    match start {
+        Start::Transformed => "transformed",
+        Start::Data => "data",
+    }
+}
+
+/// The name of a least-squares variant.
+pub(in crate::api) fn variant_name(variant: Variant) -> &'static str {
+    match variant {
+        Variant::Diagonal => "diagonal",
+        Variant::Lspia { .. } => "lspia",
+        Variant::ConjugateGradients => "cg",
+    }
+}
+
 /// The method of a problem as it was asked for.
 pub(in crate::api) fn written(problem: &Problem) -> Value {
     let mut value = Map::new();
@@ -339,13 +356,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             set("row_by_row", json!(row_by_row));
         }
         Method::Adaptive(Adaptive { threshold }) => set("threshold", json!(threshold)),
-        Method::Extended(Extended { start }) => set(
-            "start",
-            json!(match start {
-                Start::Transformed => "transformed",
-                Start::Data => "data",
-            }),
-        ),
+        Method::Extended(Extended { start }) => set("start", json!(start_name(start))),
         Method::LeastSquares(LeastSquares { u, v, variant }) => {
             set(
                 "control_points",
@@ -354,13 +365,8 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                     Some(_) => json!({"u": u, "v": v}),
                 },
             );
-            let (name, mu) = match variant {
-                Variant::Diagonal => ("diagonal", None),
-                Variant::Lspia { mu } => ("lspia", mu),
-                Variant::ConjugateGradients => ("cg", None),
-            };
-            set("variant", json!(name));
-            if let Some(mu) = mu {
+            set("variant", json!(variant_name(variant)));
+            if let Variant::Lspia { mu: Some(mu) } = variant {
                 set("mu", json!(mu));
             }
         }

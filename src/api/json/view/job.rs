@@ -10,13 +10,13 @@ use super::examples;
 use super::warning::WarningView;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
-use crate::api::json::request::method::{MethodKind, StartRequest, VariantRequest};
+use crate::api::json::request::method::{
+    MethodKind, StartRequest, VariantRequest, start_name, variant_name,
+};
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
-use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
-};
+use crate::fit::method::{Adaptive, Extended, LeastSquares, Local, Method, Weighted};
 use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
 use crate::job::Job;
@@ -213,21 +213,14 @@ impl AppliedMethod {
             }
             Method::Adaptive(Adaptive { threshold }) => view.threshold = Some(*threshold),
             Method::Extended(Extended { start }) => {
-                view.start = Some(match start {
-                    Start::Transformed => "transformed",
-                    Start::Data => "data",
-                });
+                view.start = Some(start_name(*start));
             }
             Method::LeastSquares(LeastSquares { u, v, variant }) => {
                 view.control_points = Some(match outline.surface {
                     false => PerDirection::Both(*u),
                     true => PerDirection::Each { u: *u, v: *v },
                 });
-                view.variant = Some(match variant {
-                    Variant::Diagonal => "diagonal",
-                    Variant::Lspia { .. } => "lspia",
-                    Variant::ConjugateGradients => "cg",
-                });
+                view.variant = Some(variant_name(*variant));
             }
             _ => {}
         }
