@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::job::{Limits, MethodSpec, ValidJob, check_name};
+use super::job::{Limits, ValidJob, check_name};
+use super::method::MethodSpec;
 use super::mistakes::{ChangePart, Mistake, Mistakes, OrMistakes, SpecPart};
 use super::shape::MAX_DIMENSION;
 use super::stop::StopSpec;

@@ -5,13 +5,13 @@
 
 use std::sync::Arc;
 
+use super::method::MethodSpec;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::shape::ShapeSpec;
 use super::stop::StopSpec;
 use super::stream::StreamSpec;
 use super::weights::Rational;
 use crate::fit::invalid as fit;
-use crate::fit::method::Method;
 use crate::fit::problem::{Problem, Request};
 
 /// The most characters of a name.
@@ -34,22 +34,6 @@ pub struct JobSpec {
     pub stop: StopSpec,
     /// What its streams are like if they do not say it themselves.
     pub stream: OrMistakes<Option<StreamSpec>>,
-}
-
-/// A method as it is asked for.
-#[derive(Clone, Debug)]
-pub struct MethodSpec {
-    /// The method with its settings.
-    pub method: Method,
-    /// Local fits: the indices of the points that are adjusted, if not all.
-    pub selected: Option<Arc<[usize]>>,
-}
-
-impl From<Method> for MethodSpec {
-    fn from(method: Method) -> Self {
-        let selected = None;
-        Self { method, selected }
-    }
 }
 
 /// A job that can be computed.

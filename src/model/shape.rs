@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use schemars::JsonSchema;
 
-use super::job::MethodSpec;
+use super::method::MethodSpec;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::stop::StopRules;
 use super::weights::{Rational, WeightSpec, check_unused};

@@ -7,7 +7,7 @@ use crate::fit::method::{
     Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
 use crate::fit::system::Forecast;
-use crate::model::job::MethodSpec;
+use crate::model::method::MethodSpec;
 use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 
 /// What a method is for.

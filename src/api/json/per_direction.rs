@@ -8,6 +8,8 @@ use serde::Serialize;
 use serde::de::{MapAccess, SeqAccess};
 use serde_json::{Value, json};
 
+use crate::fit::invalid::Axis;
+
 use super::read::{Field, Members, Numeral, Of, Read, Reader, Reading};
 
 /// A value for both directions, or one for each.
@@ -51,6 +53,15 @@ impl<T> PerDirection<T> {
     /// Whether each direction has a value of its own.
     pub fn is_each(&self) -> bool {
         matches!(self, Self::Each { .. })
+    }
+}
+
+/// What a JSON pointer has for a direction, if there is one value for each.
+pub fn direction(each: bool, axis: Axis) -> &'static str {
+    match (each, axis) {
+        (false, _) => "",
+        (true, Axis::U) => "/u",
+        (true, Axis::V) => "/v",
     }
 }
 

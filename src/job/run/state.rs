@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::SharedSystem;
+use super::shared::SharedSystem;
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::system::System;
 use crate::job::frame::Frame;

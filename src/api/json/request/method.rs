@@ -5,10 +5,9 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
-use super::places::direction;
 use super::schema;
 use super::settings::{ControlPoints, Index, Matrix, Omega};
-use crate::api::json::per_direction::PerDirection;
+use crate::api::json::per_direction::{PerDirection, direction};
 use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::invalid::Place as P;
@@ -17,7 +16,7 @@ use crate::fit::method::{
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
-use crate::model::job::MethodSpec;
+use crate::model::method::MethodSpec;
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 
 /// The settings of the methods that have some.

@@ -1,6 +1,7 @@
 //! Where in the JSON of a request the parts of the model stand.
 
 use super::method;
+use crate::api::json::per_direction::direction;
 use crate::api::problem::{self, Words};
 use crate::fit::invalid::{Axis, Place as P};
 use crate::model::mistakes::{ChangePart, SpecPart};
@@ -126,13 +127,5 @@ impl Words for Places {
 
     fn place(&self, text: String) -> problem::Location {
         problem::Location::Pointer(text)
-    }
-}
-
-pub(super) fn direction(each: bool, axis: Axis) -> &'static str {
-    match (each, axis) {
-        (false, _) => "",
-        (true, Axis::U) => "/u",
-        (true, Axis::V) => "/v",
     }
 }
