@@ -5,7 +5,8 @@ use std::marker::PhantomData;
 
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 
-use super::{Members, Reading};
+use super::members::Members;
+use super::reading::Reading;
 use crate::model::short::quoted;
 
 /// Values may stand within one another so deeply. No part of a job needs more than eight.
@@ -237,6 +238,17 @@ impl Reader for Anything {
             members.value(self, at)?;
         }
         Ok(Some(()))
+    }
+}
+
+impl<'de, A: MapAccess<'de>> Members<A> {
+    /// Reads the value of the member.
+    pub(super) fn value<R: Reader>(
+        &mut self,
+        reader: R,
+        at: &mut Reading,
+    ) -> Result<Option<R::Value>, A::Error> {
+        self.map.next_value_seed(Seed(reader, at))
     }
 }
 

@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::SeqAccess;
 
-use super::{ListLimits, Most, Numeral, Of, Read, Reader, Reading};
+use super::reader::{Numeral, Of, Read, Reader};
+use super::reading::{ListLimits, Most, Reading};
 
 /// The most characters of a text. Whatever is longer is no name of anything.
 pub const LONGEST_TEXT: usize = 200;
@@ -127,7 +128,7 @@ where
 /// Makes enumerations of the model readable from their names.
 macro_rules! choices {
     ($($type:ty),+) => {$(
-        impl $crate::api::json::read::Reader for $crate::api::json::read::Of<$type> {
+        impl $crate::api::json::read::reader::Reader for $crate::api::json::read::reader::Of<$type> {
             type Value = $type;
 
             fn expected(&self) -> String {
@@ -137,7 +138,7 @@ macro_rules! choices {
             fn text(
                 self,
                 name: &str,
-                at: &mut $crate::api::json::read::Reading,
+                at: &mut $crate::api::json::read::reading::Reading,
             ) -> Option<$type> {
                 use $crate::model::named::Named;
                 let value = <$type>::of_name(name);
@@ -171,7 +172,7 @@ macro_rules! names {
             }
         }
 
-        impl $crate::api::json::read::Reader for $crate::api::json::read::Of<$type> {
+        impl $crate::api::json::read::reader::Reader for $crate::api::json::read::reader::Of<$type> {
             type Value = $type;
 
             fn expected(&self) -> String {
@@ -181,7 +182,7 @@ macro_rules! names {
             fn text(
                 self,
                 name: &str,
-                at: &mut $crate::api::json::read::Reading,
+                at: &mut $crate::api::json::read::reading::Reading,
             ) -> Option<$type> {
                 match name {
                     $($name => return Some(Self::Value::$variant),)+
