@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::fit::method::Method;
+use super::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::fit::invalid::{Place, Setting};
+use crate::fit::method::{Local, Method};
 
 /// A method as it is asked for.
 #[derive(Clone, Debug)]
@@ -18,4 +20,22 @@ impl From<Method> for MethodSpec {
         let selected = None;
         Self { method, selected }
     }
+}
+
+impl MethodSpec {
+    /// Local PIA, which adjusts some points, or all of them row by row.
+    pub fn local(selected: Option<Arc<[usize]>>, row_by_row: bool) -> OrMistakes<Self> {
+        if selected.is_none() && !row_by_row {
+            let detail = "local needs the indices of the points to adjust, or row_by_row";
+            return Err(Mistake::at(SpecPart::Fit(Place::Method), detail).into());
+        }
+        let method = Method::Local(Local { row_by_row });
+        Ok(Self { method, selected })
+    }
+}
+
+/// A step μ is given with a variant of least squares that has none.
+pub fn mu_without_lspia() -> Mistake {
+    let detail = "mu is a setting of the variant \"lspia\"";
+    Mistake::at(SpecPart::Fit(Place::Setting(Setting::Mu)), detail)
 }

@@ -7,7 +7,7 @@ use crate::fit::method::{
     Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,
 };
 use crate::fit::system::Forecast;
-use crate::model::method::MethodSpec;
+use crate::model::method::{MethodSpec, mu_without_lspia};
 use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 
 /// What a method is for.
@@ -58,18 +58,9 @@ fn local(local: m::Local, scope: MethodTarget) -> OrMistakes<MethodSpec> {
         let detail = format!("{} is not one of the {points} points", local.indices[k]);
         return Err(Mistake::at(model::SpecPart::Fit(Place::Index(k)), detail).into());
     }
-    let row_by_row = local.row_by_row;
     let indices = some(local.indices);
-    if indices.is_none() && !row_by_row {
-        let place = model::SpecPart::Fit(Place::Method);
-        let detail = "local needs the indices of the points to adjust, or row_by_row";
-        return Err(Mistake::at(place, detail).into());
-    }
     let selected = indices.map(|indices| indices.into_iter().map(|it| it as usize).collect());
-    Ok(MethodSpec {
-        method: Method::Local(Local { row_by_row }),
-        selected,
-    })
+    MethodSpec::local(selected, local.row_by_row)
 }
 
 /// Without a number for v both directions have that for u.
@@ -79,16 +70,14 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
         m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
         m::Variant::Cg => Variant::ConjugateGradients,
     };
-    let wrong =
-        |setting: Place, detail| Err(Mistake::at(model::SpecPart::Fit(setting), detail).into());
     if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
-        let detail = "mu is a setting of the variant \"lspia\"";
-        return wrong(Place::Setting(Setting::Mu), detail);
+        return Err(mu_without_lspia().into());
     }
     let (u, v) = (settings.control_points_u, settings.control_points_v);
     if v != 0 && !scope.surface {
         let detail = "a curve has one number of control points";
-        return wrong(Place::ControlPoints(Axis::U), detail);
+        let place = model::SpecPart::Fit(Place::ControlPoints(Axis::U));
+        return Err(Mistake::at(place, detail).into());
     }
     let v = if v == 0 { u } else { v };
     Ok(LeastSquares {

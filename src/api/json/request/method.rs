@@ -16,7 +16,7 @@ use crate::fit::method::{
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
-use crate::model::method::MethodSpec;
+use crate::model::method::{MethodSpec, mu_without_lspia};
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 
 /// The settings of the methods that have some.
@@ -192,7 +192,9 @@ impl MethodRequest {
                     Some(Omega::Given(omega)) => Some(omega),
                 },
             }),
-            MethodKind::Local => self.local(selected.is_some())?,
+            MethodKind::Local => {
+                return MethodSpec::local(selected, self.row_by_row.unwrap_or(false));
+            }
             MethodKind::Adaptive => match self.threshold {
                 Some(threshold) => Method::Adaptive(Adaptive { threshold }),
                 None => return incomplete("adaptive needs a threshold, in data units"),
@@ -247,18 +249,9 @@ impl MethodRequest {
         }
         let lspia = self.variant == Some(VariantRequest::Lspia);
         if self.kind == MethodKind::LeastSquares && self.mu.is_some() && !lspia {
-            let detail = "mu is a setting of the variant \"lspia\"";
-            mistakes.push(Mistake::at_text("/method/mu", detail));
+            mistakes.push(mu_without_lspia());
         }
         mistakes.or(())
-    }
-
-    fn local(&self, selects: bool) -> OrMistakes<Method> {
-        let row_by_row = self.row_by_row.unwrap_or(false);
-        if !selects && !row_by_row {
-            return incomplete("local needs the indices of the points to adjust, or row_by_row");
-        }
-        Ok(Method::Local(Local { row_by_row }))
     }
 
     fn selected(&self, grid: Grid, surface: bool) -> OrMistakes<Option<Arc<[usize]>>> {
