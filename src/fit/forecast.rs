@@ -9,10 +9,11 @@
 pub struct Forecast {
     /// The least eigenvalue of the collocation matrix.
     pub lambda_min: Option<f64>,
-    /// The relaxation of weighted PIA.
+    /// The relaxation of weighted, local and adaptive PIA.
     pub omega: Option<f64>,
     /// By how much the error shrinks in each iteration, asymptotically. For adaptive fits, and
-    /// local ones of many points, an upper bound: principal submatrices have larger eigenvalues.
+    /// local ones of many points, an upper bound: principal submatrices have eigenvalues between
+    /// those of the matrix.
     pub rate: Option<f64>,
     /// Local: the least eigenvalue of the block of the matrix that belongs to the adjusted points.
     pub block: Option<f64>,

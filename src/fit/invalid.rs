@@ -145,7 +145,7 @@ pub enum Invalid {
     )]
     NotSeparable,
     /// The relaxation ω does not lie between 0 and 2 (Deng13, Corollary 2.3).
-    #[error("omega is {value}; weighted PIA converges for omega between 0 and 2 only")]
+    #[error("omega is {value}; PIA converges for omega between 0 and 2 only")]
     Omega { value: f64 },
     /// A setting is not a finite number greater than 0.
     #[error("{name} is {value}; it must be a finite number greater than 0", name = setting.name())]

@@ -65,7 +65,7 @@ pub enum Place {
 /// A setting of a method that can be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
-    /// The relaxation ω of weighted PIA.
+    /// The relaxation ω of weighted, local and adaptive PIA.
     Omega,
     /// The threshold of adaptive PIA.
     Threshold,

@@ -26,9 +26,9 @@ const CHECKED: usize = 60;
 /// near the ends of their range it may not end.
 const MOST_QR_STEPS: usize = 100;
 
-/// The most steps of the inverse iteration for the least eigenvalue of a block.
+/// The most steps of the iterations for the extreme eigenvalues of a block.
 const BLOCK_STEPS: usize = 500;
-/// The relative accuracy at which that iteration ends.
+/// The relative accuracy at which they end.
 const BLOCK_ACCURACY: f64 = 1e-9;
 
 /// The largest imaginary part of an eigenvalue that can be rounding.
@@ -142,22 +142,60 @@ fn extremes(over: &[f64], under: &[f64]) -> (f64, f64) {
     })
 }
 
-/// The least eigenvalue of the block `B_II` of a square matrix that belongs to some points I, by
-/// inverse iteration on its dense LU decomposition, in O(|I|³). Principal blocks of totally
-/// positive matrices are totally positive, so that it is real and positive. `None` if the block is
-/// singular.
-pub(super) fn least_eigenvalue_of_block(matrix: &Tensor, points: &[usize]) -> Option<f64> {
+/// The extreme eigenvalues of a block of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct BlockSpectrum {
+    /// The least one.
+    pub least: f64,
+    /// The largest one.
+    pub largest: f64,
+}
+
+impl BlockSpectrum {
+    /// By how much a relaxation with ω reduces errors in each level, in the long run.
+    pub(super) fn rate(&self, omega: f64) -> f64 {
+        relaxed_rate(omega, self.least, self.largest)
+    }
+}
+
+/// `max |1 − ω λ|` over eigenvalues λ from `least` to `largest`. Up to ω = 1 the least one decides,
+/// as no eigenvalue is above one.
+pub(super) fn relaxed_rate(omega: f64, least: f64, largest: f64) -> f64 {
+    let slow = 1.0 - omega * least;
+    if omega <= 1.0 {
+        return slow;
+    }
+    slow.abs().max((1.0 - omega * largest).abs())
+}
+
+/// The extreme eigenvalues of the block `B_II` of a square matrix that belongs to some points I, by
+/// inverse iteration on its dense LU decomposition, in O(|I|³), and power iteration. Principal
+/// blocks of totally positive matrices are totally positive, so that they are real and positive.
+/// `None` if the block is singular.
+pub(super) fn of_block(matrix: &Tensor, points: &[usize]) -> Option<BlockSpectrum> {
     let mut points = points.to_vec();
     points.sort_unstable();
     let mut place = vec![None; matrix.data_grid().count()];
     for (k, &index) in points.iter().enumerate() {
         place[index] = Some(k);
     }
-    let lu = matrix.principal_block(&points, &place).lu();
-    let mut x = DVector::from_fn(points.len(), |i, _| alternating(i));
+    let block = matrix.principal_block(&points, &place);
+    let lu = block.clone().lu();
+    let n = points.len();
+    let inverse = growth(DVector::from_fn(n, |i, _| alternating(i)), |x| lu.solve(x))?;
+    // The entries are not negative, and neither are those of the vector.
+    let largest = growth(DVector::from_element(n, 1.0), |x| Some(&block * x))?;
+    let least = (1.0 / inverse).min(1.0);
+    let largest = largest.clamp(least, 1.0);
+    (least > 0.0).then_some(BlockSpectrum { least, largest })
+}
+
+/// By which factor a map makes vectors grow in the long run, by power iteration from `x`. `None`
+/// where it has no value.
+fn growth(mut x: DVector<f64>, map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>) -> Option<f64> {
     let mut largest = 0.0;
     for _ in 0..BLOCK_STEPS {
-        let next = lu.solve(&x)?;
+        let next = map(&x)?;
         let growth = next.norm() / x.norm();
         x = next.normalize();
         let settled = (growth / largest - 1.0_f64).abs() < BLOCK_ACCURACY;
@@ -166,8 +204,7 @@ pub(super) fn least_eigenvalue_of_block(matrix: &Tensor, points: &[usize]) -> Op
             break;
         }
     }
-    let least = (1.0 / largest).min(1.0);
-    (least > 0.0).then_some(least)
+    Some(largest)
 }
 
 /// The largest absolute value of an eigenvalue of `B⁻¹` by power iteration, for matrices that are

@@ -24,12 +24,12 @@ impl From<Method> for MethodSpec {
 
 impl MethodSpec {
     /// Local PIA, which adjusts some points, or all of them row by row.
-    pub fn local(selected: Option<Arc<[usize]>>, row_by_row: bool) -> OrMistakes<Self> {
-        if selected.is_none() && !row_by_row {
+    pub fn local(selected: Option<Arc<[usize]>>, settings: Local) -> OrMistakes<Self> {
+        if selected.is_none() && !settings.row_by_row {
             let detail = "local needs the indices of the points to adjust, or row_by_row";
             return Err(Mistake::at(SpecPart::Fit(Place::Method), detail).into());
         }
-        let method = Method::Local(Local { row_by_row });
+        let method = Method::Local(settings);
         Ok(Self { method, selected })
     }
 }

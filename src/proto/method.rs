@@ -4,7 +4,8 @@ use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{check_count, count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Variant,
+    Weighted,
 };
 use crate::fit::system::Forecast;
 use crate::model::method::{MethodSpec, mu_without_lspia};
@@ -33,7 +34,10 @@ pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Optio
         Kind::Global(_) => Method::Global,
         Kind::Weighted(m::Weighted { omega }) => Method::Weighted(Weighted { omega }),
         Kind::Local(local) => return self::local(local, scope).map(Some),
-        Kind::Adaptive(m::Adaptive { threshold }) => Method::Adaptive(Adaptive { threshold }),
+        Kind::Adaptive(m::Adaptive { threshold, omega }) => {
+            let omega = omega.unwrap_or(1.0);
+            Method::Adaptive(Adaptive { threshold, omega })
+        }
         Kind::Extended(extended) => Method::Extended(Extended {
             start: match known(extended.start, "method.extended.start")? {
                 m::Start::Unspecified | m::Start::Transformed => Start::Transformed,
@@ -58,9 +62,23 @@ fn local(local: m::Local, scope: MethodTarget) -> OrMistakes<MethodSpec> {
         let detail = format!("{} is not one of the {points} points", local.indices[k]);
         return Err(Mistake::at(model::SpecPart::Fit(Place::Index(k)), detail).into());
     }
+    let method = local_settings(&local)?;
     let indices = some(local.indices);
     let selected = indices.map(|indices| indices.into_iter().map(|it| it as usize).collect());
-    MethodSpec::local(selected, local.row_by_row)
+    MethodSpec::local(selected, method)
+}
+
+/// The settings of a local fit besides its points.
+fn local_settings(local: &m::Local) -> Result<Local, Mistake> {
+    if local.omega.is_some() && local.auto_omega {
+        let place = model::SpecPart::Fit(Place::Setting(Setting::Omega));
+        return Err(Mistake::at(place, "a number is given beside auto_omega"));
+    }
+    let given = local.omega.map_or_else(Omega::default, Omega::Given);
+    Ok(Local {
+        omega: if local.auto_omega { Omega::Best } else { given },
+        row_by_row: local.row_by_row,
+    })
 }
 
 /// Without a number for v both directions have that for u.
@@ -91,9 +109,7 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
 /// of matrices.
 pub fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
     match method.as_ref().and_then(|method| method.kind.as_ref()) {
-        Some(Kind::Local(local)) => Ok(Method::Local(Local {
-            row_by_row: local.row_by_row,
-        })),
+        Some(Kind::Local(local)) => Ok(Method::Local(local_settings(local)?)),
         Some(Kind::Custom(_)) => Ok(Method::Custom(Custom::new(Vec::new(), None))),
         _ => {
             let target = MethodTarget {
@@ -134,13 +150,21 @@ pub struct SettingsLayout {
     columns: (usize, usize),
     /// The directions have numbers of control points each.
     each: bool,
+    /// The name of the method.
+    kind: &'static str,
 }
 
 impl SettingsLayout {
     /// The layout of a method.
     pub fn of(method: Option<&pb::Method>) -> Self {
         let mut layout = Self::default();
-        match method.and_then(|method| method.kind.as_ref()) {
+        let kind = method.and_then(|method| method.kind.as_ref());
+        layout.kind = match kind {
+            Some(Kind::Local(_)) => "local",
+            Some(Kind::Adaptive(_)) => "adaptive",
+            _ => "weighted",
+        };
+        match kind {
             Some(Kind::Custom(custom)) => {
                 let columns = |entries: &[f64]| entries.len().isqrt();
                 layout.columns = (columns(&custom.transform_u), columns(&custom.transform_v));
@@ -166,7 +190,7 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
     match place {
         Place::Setting(setting) => {
             let kind = match setting {
-                Setting::Omega => "weighted",
+                Setting::Omega => layout.kind,
                 Setting::Threshold => "adaptive",
                 Setting::Mu => "least_squares",
                 Setting::Indices | Setting::RowByRow => "local",
@@ -207,11 +231,11 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
         Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {
             omega: forecast.and_then(|it| it.omega).or(omega),
         }),
-        Method::Local(Local { row_by_row }) => Kind::Local(m::Local {
-            indices: Vec::new(),
-            row_by_row,
+        Method::Local(settings) => Kind::Local(local_message(settings, forecast)),
+        Method::Adaptive(Adaptive { threshold, omega }) => Kind::Adaptive(m::Adaptive {
+            threshold,
+            omega: (omega != 1.0).then_some(omega),
         }),
-        Method::Adaptive(Adaptive { threshold }) => Kind::Adaptive(m::Adaptive { threshold }),
         Method::Extended(Extended { start }) => Kind::Extended(m::Extended {
             start: match start {
                 Start::Transformed => m::Start::Transformed,
@@ -229,6 +253,19 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
         Method::Custom(_) => Kind::Custom(m::Custom::default()),
     };
     pb::Method { kind: Some(kind) }
+}
+
+/// Without the indices of points.
+fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
+    let Local { omega, row_by_row } = settings;
+    let given = omega.other_than_one().and_then(Omega::given);
+    let omega_used = forecast.and_then(|it| it.omega).or(given);
+    m::Local {
+        indices: Vec::new(),
+        row_by_row,
+        omega: omega_used,
+        auto_omega: omega == Omega::Best && omega_used.is_none(),
+    }
 }
 
 fn least_squares_message(settings: LeastSquares, surface: bool) -> m::LeastSquares {

@@ -461,7 +461,7 @@ fn wrong_rules() -> Vec<Bad> {
         bad(
             method(json!({"kind": "global", "omega": 1})),
             "/method/omega",
-            "a setting of the method \"weighted\"",
+            "a setting of the methods weighted, local, adaptive",
         ),
         bad(
             stop(json!({"tolerance": -1})),

@@ -164,7 +164,7 @@ fn too_much() -> Vec<(String, &'static str)> {
 fn job_with_indices() -> pb::JobInput {
     let local = pb::method::Local {
         indices: vec![0; BODY],
-        row_by_row: false,
+        ..pb::method::Local::default()
     };
     pb::JobInput {
         method: Some(pb::Method {

@@ -46,6 +46,7 @@ mod methods;
 mod metrics;
 mod milestones;
 mod nets;
+mod omega;
 mod one_answer;
 mod openapi;
 mod peers;

@@ -354,6 +354,7 @@ async fn methods_have_the_settings_that_capabilities_tell() {
     let fields = schema["properties"].as_object().unwrap();
     let capabilities = server.json("/v1/capabilities").await;
     let mut told = BTreeSet::from(["kind"]);
+    let (mut owned, mut count) = (BTreeMap::new(), 0);
     for method in capabilities["methods"].as_array().unwrap() {
         let kind = method["kind"].as_str().unwrap();
         let meaning = schema["description"].as_str().unwrap();
@@ -361,13 +362,18 @@ async fn methods_have_the_settings_that_capabilities_tell() {
         for name in method["settings"].as_array().unwrap() {
             let name = name.as_str().unwrap();
             let setting = fields[name]["description"].as_str().unwrap();
-            assert!(
-                setting.ends_with(&format!("Only with `{kind}`.")),
-                "{setting}"
-            );
+            let (_, owners) = setting.rsplit_once("Only with ").unwrap();
+            assert!(owners.contains(&format!("`{kind}`")), "{setting}");
+            owned.insert(name, owners);
             told.insert(name);
+            count += 1;
         }
     }
+    // And with no other: each name that is told is one of those above.
+    let named = owned
+        .values()
+        .map(|owners| owners.matches(", ").count() + 1);
+    assert_eq!(named.sum::<usize>(), count);
     assert_eq!(told, fields.keys().map(String::as_str).collect());
 }
 

@@ -559,7 +559,7 @@ async fn errors_name_the_fields_that_are_wrong() {
     let local = |indices: &[u32]| {
         with(pb::method::Kind::Local(pb::method::Local {
             indices: indices.to_vec(),
-            row_by_row: false,
+            ..pb::method::Local::default()
         }))
     };
     let weighted = pb::method::Weighted {

@@ -287,9 +287,19 @@ impl<'a> Choices<'a> {
                     indices.push(other);
                 }
                 let row_by_row = shape.columns.is_some() && self.often();
-                json!({"kind": "local", "indices": indices, "row_by_row": row_by_row})
+                let mut method =
+                    json!({"kind": "local", "indices": indices, "row_by_row": row_by_row});
+                match self.below(3) {
+                    0 => {}
+                    1 => method["omega"] = json!("auto"),
+                    _ => method["omega"] = json!(self.positive()),
+                }
+                method
             }
-            9 => json!({"kind": "adaptive", "threshold": self.positive()}),
+            9 if self.often() => json!({"kind": "adaptive", "threshold": self.positive()}),
+            9 => {
+                json!({"kind": "adaptive", "threshold": self.positive(), "omega": self.positive()})
+            }
             10 => {
                 let u = self.matrix(shape.rows);
                 match shape.columns {

@@ -1,16 +1,17 @@
 //! Adaptive PIA: only the control points of data points that are far away move.
 //!
 //! ```text
-//! X⁰ = P,   X ← X + Sᵏ (P − B X),   Sᵏ = diag(1 where ‖Δ_i‖ > threshold, else 0)
+//! X⁰ = P,   X ← X + ω Sᵏ (P − B X),   Sᵏ = diag(1 where ‖Δ_i‖ > threshold, else 0)
 //! ```
 //!
-//! (Lin10, section 6). The points are chosen anew at every level: points that were near enough can
+//! (Lin10, section 6), with ω = 1 unless another relaxation is given, 0 < ω < 2. The points are chosen anew at every level: points that were near enough can
 //! move away again, and freezing them for ever does not converge. A level costs as much as the
-//! supports of the points that move, fewer and fewer of them. The rate of classical PIA,
-//! `1 − λ_min`, is an upper bound. The fit ends when no point is further away than the threshold,
+//! supports of the points that move, fewer and fewer of them. The rate of weighted PIA with this ω,
+//! `max(|1 − ω λ_min|, |1 − ω|)` and `1 − λ_min` for ω = 1, is an upper bound. The fit ends when no point is further away than the threshold,
 //! even if the tolerance is less.
 
 use super::eigenvalues;
+use super::omega::Omega;
 use super::scheme::{Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
@@ -30,11 +31,13 @@ pub(super) const ABOUT: About = About {
     source: "Lin10, section 6",
 };
 
-/// Adaptive PIA with its threshold.
+/// Adaptive PIA with its threshold and its relaxation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive {
     /// In data units, greater than 0: points that are no further away stay.
     pub threshold: f64,
+    /// The relaxation ω, between 0 and 2; that of the papers is 1.
+    pub omega: f64,
 }
 
 impl Scheme for Adaptive {
@@ -44,7 +47,8 @@ impl Scheme for Adaptive {
 
     /// At 0 all points would move for ever.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
-        Invalid::unless_positive(Setting::Threshold, self.threshold)
+        Invalid::unless_positive(Setting::Threshold, self.threshold)?;
+        Omega::Given(self.omega).check()
     }
 
     /// Points that are nearer than the threshold are left alone.
@@ -52,9 +56,9 @@ impl Scheme for Adaptive {
         asked.max(self.threshold)
     }
 
-    /// That of classical PIA, as an upper bound: principal blocks have larger eigenvalues.
+    /// That of all points, as an upper bound: principal blocks have larger eigenvalues.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
-        eigenvalues::classical(setup, collocation)
+        eigenvalues::relaxed(setup, collocation, Omega::Given(self.omega))
     }
 
     fn update(&self, equations: &Equations) -> Box<dyn Update> {

@@ -4,6 +4,7 @@
 //! always compute it; others only for their forecast, unless there are many points. An edit of a
 //! fit passes on what is known, as points that move do not change the matrix while parameters stay.
 
+use super::omega::Omega;
 use crate::fit::forecast::Forecast;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;
@@ -37,6 +38,20 @@ pub(super) fn classical(setup: &Setup, collocation: &Tensor) -> Forecast {
     Forecast {
         lambda_min: Some(lambda),
         rate: Some(1.0 - lambda),
+        ..Forecast::default()
+    }
+}
+
+/// The forecast of fits that move only some control points with ω: that of classical PIA with this
+/// relaxation is a bound. λ_min is also computed of many points if ω depends on it.
+pub(super) fn relaxed(setup: &Setup, collocation: &Tensor, omega: Omega) -> Forecast {
+    let needed = omega == Omega::Best || is_small(setup);
+    let lambda_min = needed.then(|| least(setup, collocation));
+    let omega = omega.of(lambda_min);
+    Forecast {
+        lambda_min,
+        omega: Some(omega),
+        rate: lambda_min.map(|least| spectrum::relaxed_rate(omega, least, 1.0)),
         ..Forecast::default()
     }
 }

@@ -1,21 +1,23 @@
 //! Local PIA: only the control points of selected data points move.
 //!
 //! ```text
-//! X⁰ = P,   X ← X + S (P − B X),   U = S = diag(0 or 1)
+//! X⁰ = P,   X ← X + ω S (P − B X),   U = ω S,   S = diag(0 or 1)
 //! ```
 //!
-//! (Lin10, sections 2–5). The difference vectors of the selected points I fall to zero, those of
+//! (Lin10, sections 2–5, with ω = 1; section 6 proposes a relaxation, 0 < ω < 2). The difference vectors of the selected points I fall to zero, those of
 //! the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::fit::limit`]).
 //! Errors and the stop rule are those of the selected points; the largest difference vector of the
-//! others is told apart. The rate is `1 − λ_min(B_II)`, where principal blocks of totally positive
-//! matrices have larger eigenvalues than the matrix; for one point l it is `1 − B_l(t_l)`. A level
-//! costs as much as the supports of the selected points.
+//! others is told apart. The rate is `max |1 − ω λ|` over the eigenvalues λ of `B_II`: for ω = 1 it is
+//! `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger eigenvalues
+//! than the matrix; for one point l it is `|1 − ω B_l(t_l)|`. The best ω for eigenvalues up to one
+//! is `2 / (1 + λ_min(B_II))`. A level costs as much as the supports of the selected points.
 //!
 //! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9): a row until it is
 //! within the tolerance, then the next one. One pass is not enough, as later rows disturb earlier
 //! ones, so that the sweeps are repeated until all rows are.
 
 use super::eigenvalues;
+use super::omega::Omega;
 use super::scheme::{Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
@@ -40,8 +42,11 @@ pub(super) const ABOUT: About = About {
 const BLOCK: usize = 200;
 
 /// Local PIA. Which points are selected is a part of the request, as there can be many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Local {
+    /// The relaxation. The best one is `2 / (1 + λ_min)` of the block of up to 200 points, and of
+    /// the whole matrix for more of them: that is nearer to 2, and as fast as weighted PIA.
+    pub omega: Omega,
     /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
     pub row_by_row: bool,
 }
@@ -53,6 +58,7 @@ impl Scheme for Local {
 
     /// Rows are for surfaces, and indices are those of points, each once.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        self.omega.check()?;
         if self.row_by_row && !scope.is_surface {
             return Err(Invalid::RowsOfCurve);
         }
@@ -62,17 +68,20 @@ impl Scheme for Local {
         }
     }
 
-    /// Few points have the least eigenvalue of their block; for many that of the matrix is a bound.
+    /// Few points have the eigenvalues of their block; for many those of the matrix are bounds.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let few = setup.selected().filter(|points| points.len() <= BLOCK);
         let Some(adjusted) = few else {
-            return eigenvalues::classical(setup, collocation);
+            return eigenvalues::relaxed(setup, collocation, self.omega);
         };
-        let block = spectrum::least_eigenvalue_of_block(collocation, adjusted);
+        let block = spectrum::of_block(collocation, adjusted);
+        let least = block.map(|block| block.least);
+        let omega = self.omega.of(least);
         Forecast {
             lambda_min: setup.lambda_min(),
-            rate: block.map(|least| 1.0 - least),
-            block,
+            omega: Some(omega),
+            rate: block.map(|block| block.rate(omega)),
+            block: least,
             ..Forecast::default()
         }
     }

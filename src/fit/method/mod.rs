@@ -6,7 +6,7 @@
 //! |---|---|---|---|---|
 //! | `global` | I | P | by 1 − λ_min | LBW05 (2.9), DP07 (1) |
 //! | `weighted` | ω I, ω = 2/(1 + λ_min) | P | by (1 − λ_min)/(1 + λ_min) | Lu 2010; Deng13, Cor. 2.3 |
-//! | `local` | diagonal of 0 and 1 | P | at the selected points | Lin10, sections 2–5 |
+//! | `local` | ω S, S diagonal of 0 and 1 | P | at the selected points | Lin10, sections 2–5 |
 //! | `adaptive` | such a one at every level | P | to the threshold | Lin10, section 6 |
 //! | `extended` | H Qᵀ, B = Q R | U P or P | exact after n + 1 levels | Deng13 (9) |
 //! | `transpose` | Bᵀ/ρ(B Bᵀ) | P | for any nonsingular B | Deng13, Lemma 2.1 |
@@ -46,6 +46,7 @@ mod global;
 mod least_squares;
 mod linear;
 mod local;
+mod omega;
 mod recurrence;
 mod rehearsal;
 pub(super) mod relaxation;
@@ -65,6 +66,7 @@ pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub use least_squares::{LeastSquares, Variant};
 pub use local::Local;
+pub use omega::Omega;
 pub(super) use scheme::{Progress, Scheme, Scope};
 pub use weighted::Weighted;
 

@@ -3,7 +3,7 @@
 //! Moving control point i by δ changes the residual only in the support of its basis function:
 //!
 //! ```text
-//! X_i ← X_i + Δ_i,   Δ ← Δ − B e_i Δ_i     for all i that move
+//! X_i ← X_i + ω Δ_i,   Δ ← Δ − B e_i ω Δ_i     for all i that move
 //! ```
 //!
 //! So an update costs as much as the supports of the moved points, about `|I| (p + 1)`
@@ -34,15 +34,17 @@ pub(super) trait Choice: Debug + Send {
     fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>);
 }
 
-/// Moves the chosen control points by their adjusting vectors.
+/// Moves the chosen control points by ω times their adjusting vectors.
 #[derive(Debug)]
 pub(super) struct Selection<C> {
     choice: C,
+    /// The relaxation ω.
+    omega: f64,
     /// The control points that the next update moves, increasing.
     active: Vec<usize>,
     /// Those that the last one moved, where each update has its own.
     moved: Vec<usize>,
-    /// Their adjusting vectors, one coordinate.
+    /// Their steps, one coordinate.
     deltas: Vec<f64>,
     matrix: Arc<TensorColumns>,
     /// The number of the update that last changed the residual of each point, 0 if none has.
@@ -61,7 +63,8 @@ pub(super) fn all_points(equations: &Equations) -> Norms {
 }
 
 impl<C: Choice> Selection<C> {
-    /// Before the first update, which moves `active` (increasing) unless the choice varies.
+    /// Before the first update, which moves `active` (increasing) unless the choice varies. The
+    /// relaxation is that of the forecast.
     pub(super) fn new(equations: &Equations, choice: C, active: Vec<usize>) -> Self {
         let grid = equations.setup.grid();
         let matrix = Arc::clone(equations.collocation.columns());
@@ -71,6 +74,7 @@ impl<C: Choice> Selection<C> {
         let whole = width_u + width_v.unwrap_or(0);
         Self {
             choice,
+            omega: equations.forecast.omega.unwrap_or(1.0),
             active,
             moved: Vec::new(),
             deltas: Vec::new(),
@@ -92,7 +96,11 @@ impl<C: Choice> Selection<C> {
             .zip(state.residual.lanes_mut())
         {
             deltas.clear();
-            deltas.extend(self.active.iter().map(|&index| residual[index]));
+            let steps = self
+                .active
+                .iter()
+                .map(|&index| self.omega * residual[index]);
+            deltas.extend(steps);
             for (&index, delta) in self.active.iter().zip(&deltas) {
                 x[index] += delta;
                 self.matrix.visit(index, columns, |row, value| {
@@ -135,7 +143,7 @@ impl<C: Choice> Update for Selection<C> {
         let lanes = state.control_points.lanes_mut().iter_mut();
         for (x, residual) in lanes.zip(state.residual.lanes()) {
             for &index in &self.active {
-                x[index] += residual[index];
+                x[index] += self.omega * residual[index];
             }
         }
         state.changed.clear();

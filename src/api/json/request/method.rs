@@ -10,9 +10,10 @@ use super::settings::{ControlPoints, Index, Matrix, Omega};
 use crate::api::json::per_direction::{PerDirection, direction};
 use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
-use crate::fit::invalid::Place as P;
+use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start, Variant, Weighted,
+    self as fit, Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start, Variant,
+    Weighted,
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
@@ -22,8 +23,8 @@ use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 /// The settings of the methods that have some.
 const SETTINGS: [(&str, &[&str]); 6] = [
     ("weighted", &["omega"]),
-    ("local", &["indices", "row_by_row"]),
-    ("adaptive", &["threshold"]),
+    ("local", &["indices", "row_by_row", "omega"]),
+    ("adaptive", &["threshold", "omega"]),
     ("extended", &["start"]),
     ("least_squares", &["control_points", "variant", "mu"]),
     ("custom", &["transform"]),
@@ -35,13 +36,21 @@ pub(in crate::api) fn settings(kind: &str) -> &'static [&'static str] {
     entry.map_or(&[], |(_, settings)| settings)
 }
 
+/// The methods that have a setting.
+fn owners(setting: &str) -> Vec<&'static str> {
+    let own = SETTINGS.iter().filter(|(_, own)| own.contains(&setting));
+    own.map(|(kind, _)| *kind).collect()
+}
+
 /// Says in the schema which kinds of methods there are, and to which of them a setting belongs.
 fn explain(schema: &mut Schema) {
     schema::explain(schema, &METHODS);
-    for (kind, settings) in SETTINGS {
-        settings
-            .iter()
-            .for_each(|name| schema::belongs(schema, name, kind));
+    let mut said = Vec::new();
+    for name in SETTINGS.iter().flat_map(|(_, settings)| *settings) {
+        if !said.contains(name) {
+            schema::belongs(schema, name, &owners(name));
+            said.push(*name);
+        }
     }
 }
 
@@ -53,7 +62,7 @@ fn explain(schema: &mut Schema) {
 pub(in crate::api) struct MethodRequest {
     /// The kind of the method.
     pub(in crate::api) kind: MethodKind,
-    /// The relaxation. The best one is computed if it is `auto`.
+    /// The relaxation. Without one it is `auto` for `weighted`, and 1 for the others.
     pub(in crate::api) omega: Option<Omega>,
     /// The data points whose control points may move.
     #[schemars(length(min = 1), extend("uniqueItems" = true))]
@@ -193,12 +202,17 @@ impl MethodRequest {
                 },
             }),
             MethodKind::Local => {
-                return MethodSpec::local(selected, self.row_by_row.unwrap_or(false));
+                let settings = Local {
+                    omega: match self.omega {
+                        None => fit::Omega::default(),
+                        Some(Omega::Auto) => fit::Omega::Best,
+                        Some(Omega::Given(omega)) => fit::Omega::Given(omega),
+                    },
+                    row_by_row: self.row_by_row.unwrap_or(false),
+                };
+                return MethodSpec::local(selected, settings);
             }
-            MethodKind::Adaptive => match self.threshold {
-                Some(threshold) => Method::Adaptive(Adaptive { threshold }),
-                None => return incomplete("adaptive needs a threshold, in data units"),
-            },
+            MethodKind::Adaptive => Method::Adaptive(self.adaptive()?),
             MethodKind::Extended => Method::Extended(Extended {
                 start: match self.start {
                     None | Some(StartRequest::Transformed) => Start::Transformed,
@@ -240,10 +254,7 @@ impl MethodRequest {
         let mut mistakes = Mistakes::default();
         for (name, given) in given {
             if given && !own.contains(&name) {
-                let mut kinds = MethodKind::NAMES.iter();
-                let method = kinds.find(|kind| settings(kind).contains(&name));
-                let method = method.unwrap_or(&"");
-                let detail = format!("{name} is a setting of the method {method:?}");
+                let detail = format!("{name} is a setting of {}", methods(&owners(name)));
                 mistakes.push(Mistake::at_text(format!("/method/{name}"), detail));
             }
         }
@@ -252,6 +263,22 @@ impl MethodRequest {
             mistakes.push(mu_without_lspia());
         }
         mistakes.or(())
+    }
+
+    fn adaptive(&self) -> OrMistakes<Adaptive> {
+        let omega = match self.omega {
+            None => 1.0,
+            Some(Omega::Given(omega)) => omega,
+            Some(Omega::Auto) => {
+                let detail = "adaptive needs a number: the best omega is another one for each choice of points";
+                let place = P::Setting(Setting::Omega);
+                return Err(Mistake::at(SpecPart::Fit(place), detail).into());
+            }
+        };
+        match self.threshold {
+            Some(threshold) => Ok(Adaptive { threshold, omega }),
+            None => incomplete("adaptive needs a threshold, in data units"),
+        }
     }
 
     fn selected(&self, grid: Grid, surface: bool) -> OrMistakes<Option<Arc<[usize]>>> {
@@ -284,6 +311,14 @@ impl MethodRequest {
             Some(VariantRequest::Cg) => Variant::ConjugateGradients,
         };
         Ok(LeastSquares { u, v, variant })
+    }
+}
+
+/// The methods of a setting, as a message names them.
+fn methods(names: &[&str]) -> String {
+    match names {
+        [name] => format!("the method {name:?}"),
+        _ => format!("the methods {}", names.join(", ")),
     }
 }
 
@@ -338,7 +373,10 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
         Method::Weighted(Weighted { omega }) => {
             set("omega", omega.map_or(json!("auto"), Value::from))
         }
-        Method::Local(Local { row_by_row }) => {
+        Method::Local(Local { omega, row_by_row }) => {
+            if let Some(omega) = omega.other_than_one() {
+                set("omega", omega.given().map_or(json!("auto"), Value::from));
+            }
             if let Some(selected) = problem.selected() {
                 let indices = selected
                     .iter()
@@ -347,7 +385,12 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             }
             set("row_by_row", json!(row_by_row));
         }
-        Method::Adaptive(Adaptive { threshold }) => set("threshold", json!(threshold)),
+        Method::Adaptive(Adaptive { threshold, omega }) => {
+            set("threshold", json!(threshold));
+            if omega != 1.0 {
+                set("omega", json!(omega));
+            }
+        }
         Method::Extended(Extended { start }) => set("start", json!(start_name(start))),
         Method::LeastSquares(LeastSquares { u, v, variant }) => {
             set(

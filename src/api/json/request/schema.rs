@@ -10,7 +10,7 @@ use crate::fit::basis::BASES;
 pub(super) fn basis(schema: &mut Schema) {
     explain(schema, &BASES);
     for name in ["degree", "knots"] {
-        belongs(schema, name, "bspline");
+        belongs(schema, name, &["bspline"]);
     }
 }
 
@@ -24,11 +24,12 @@ pub(super) fn explain(schema: &mut Schema, kinds: &[&About]) {
     }
 }
 
-/// Adds to the description of a field to which kind it belongs.
-pub(super) fn belongs(schema: &mut Schema, field: &str, kind: &str) {
+/// Adds to the description of a field to which kinds it belongs.
+pub(super) fn belongs(schema: &mut Schema, field: &str, kinds: &[&str]) {
     let field = schema.pointer_mut(&format!("/properties/{field}/description"));
     if let Some(Value::String(description)) = field {
-        description.push_str(&format!(" Only with `{kind}`."));
+        let kinds: Vec<String> = kinds.iter().map(|kind| format!("`{kind}`")).collect();
+        description.push_str(&format!(" Only with {}.", kinds.join(", ")));
     }
 }
 

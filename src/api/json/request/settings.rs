@@ -12,7 +12,7 @@ use crate::fit::method::LARGEST;
 use crate::fit::points::Grid;
 use crate::model::short::quoted;
 
-/// The relaxation of weighted PIA: a number or `"auto"`.
+/// A relaxation: a number or `"auto"`.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::api) enum Omega {
     Auto,
@@ -176,12 +176,11 @@ schema_of!(
     Omega,
     "Omega",
     json_schema!({
-        "description": "A relaxation between 0 and 2, or \"auto\": 2 / (1 + λ_min), the best one.",
+        "description": "A relaxation between 0 and 2, or \"auto\": 2 / (1 + λ_min), the best one; of `local` fits of up to 200 points with λ_min of their block, of others of the whole matrix. `adaptive` needs a number.",
         "oneOf": [
             {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 2},
             {"type": "string", "const": "auto"},
         ],
-        "default": "auto",
         "examples": ["auto", 1.5],
     })
 );

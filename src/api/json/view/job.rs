@@ -161,7 +161,7 @@ pub(super) struct AppliedMethod {
     /// The kind.
     #[schemars(with = "MethodKind")]
     kind: &'static str,
-    /// Weighted: the relaxation; null until it is computed.
+    /// Weighted, local and adaptive: the relaxation; null until it is computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     omega: Option<Option<f64>>,
     /// Local: how many control points may move.
@@ -207,11 +207,16 @@ impl AppliedMethod {
             Method::Weighted(Weighted { omega }) => {
                 view.omega = Some(forecast.and_then(|it| it.omega).or(*omega));
             }
-            Method::Local(Local { row_by_row }) => {
+            Method::Local(Local { omega, row_by_row }) => {
+                let used = forecast.and_then(|it| it.omega);
+                view.omega = Some(used.or(omega.given()));
                 view.adjusted = outline.adjusted;
                 view.row_by_row = Some(*row_by_row);
             }
-            Method::Adaptive(Adaptive { threshold }) => view.threshold = Some(*threshold),
+            Method::Adaptive(Adaptive { threshold, omega }) => {
+                view.threshold = Some(*threshold);
+                view.omega = Some(Some(*omega));
+            }
             Method::Extended(Extended { start }) => {
                 view.start = Some(start_name(*start));
             }

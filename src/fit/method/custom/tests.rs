@@ -9,7 +9,7 @@ use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{Invalid, Place};
 use crate::fit::iteration::Iteration;
 use crate::fit::linear::LineMap;
-use crate::fit::method::{Local, Method, Weighted};
+use crate::fit::method::{Local, Method, Omega, Weighted};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
@@ -152,15 +152,27 @@ fn the_scaled_transpose_is_transpose() {
 /// A selection has eigenvalues 0: its spectral radius is one, and it does not diverge.
 #[test]
 fn a_selection_is_local() {
-    for (n, m) in GRIDS {
+    for ((n, m), omega) in GRIDS.into_iter().flat_map(|it| [(it, 1.0), (it, 1.3)]) {
         let adjusted = |i: usize| i % 3 == 1 || i == 2;
-        let select = |n| DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j && adjusted(i))));
+        let factor = if m > 1 { f64::sqrt(omega) } else { omega };
+        let select = |n| {
+            let chosen = |i, j| i == j && adjusted(i);
+            DMatrix::from_fn(n, n, |i, j| if chosen(i, j) { factor } else { 0.0 })
+        };
         let matrices = if m > 1 {
             vec![select(n), select(m)]
         } else {
             vec![select(n)]
         };
-        let mut local = request(n, m, cubic(), Method::Local(Local { row_by_row: false }));
+        let mut local = request(
+            n,
+            m,
+            cubic(),
+            Method::Local(Local {
+                omega: Omega::Given(omega),
+                ..Local::default()
+            }),
+        );
         let selected = (0..n * m).filter(|k| adjusted(k / m) && (m == 1 || adjusted(k % m)));
         local.selected = Some(selected.collect());
         assert_alike(request(n, m, cubic(), custom(&matrices)), local, 1e-13);

@@ -241,8 +241,14 @@ impl MethodMessage {
         Ok(match self.kind.ok_or_else(|| damaged("no method"))? {
             Kind::Global(()) => Method::Global,
             Kind::Weighted(Number { value: omega }) => Method::Weighted(Weighted { omega }),
-            Kind::Local(row_by_row) => Method::Local(Local { row_by_row }),
-            Kind::Adaptive(threshold) => Method::Adaptive(Adaptive { threshold }),
+            Kind::Local(row_by_row) => Method::Local(Local {
+                row_by_row,
+                ..Local::default()
+            }),
+            Kind::Adaptive(threshold) => Method::Adaptive(Adaptive {
+                threshold,
+                omega: 1.0,
+            }),
             Kind::Extended(from_data) => Method::Extended(Extended {
                 start: match from_data {
                     true => Start::Data,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -107,11 +107,19 @@ pub(super) fn record(problem: &Problem) -> Record {
 
 /// Every method, with the points that it selects.
 fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
+    let adaptive = Adaptive {
+        threshold: 1e-3,
+        omega: 1.0,
+    };
     let mut methods = vec![
         Method::Global,
         Method::Weighted(Weighted { omega: None }),
         Method::Weighted(Weighted { omega: Some(0.1) }),
-        Method::Adaptive(Adaptive { threshold: 1e-3 }),
+        Method::Adaptive(adaptive),
+        Method::Adaptive(Adaptive {
+            omega: 1.5,
+            ..adaptive
+        }),
         Method::Extended(Extended { start: Start::Data }),
         Method::Extended(Extended {
             start: Start::Transformed,
@@ -138,8 +146,20 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
         methods.extend([custom(None), Method::Convex]);
     }
     let mut methods: Vec<_> = methods.into_iter().map(|method| (method, None)).collect();
-    let local = |row_by_row| Method::Local(Local { row_by_row });
+    let local = |row_by_row| {
+        Method::Local(Local {
+            row_by_row,
+            ..Local::default()
+        })
+    };
     methods.push((local(false), Some([5, 2, 3].into())));
+    for omega in [Omega::Given(0.5), Omega::Best] {
+        let relaxed = Local {
+            omega,
+            ..Local::default()
+        };
+        methods.push((Method::Local(relaxed), Some([1, 4].into())));
+    }
     if surface {
         methods.push((local(true), None));
         methods.push((local(true), Some([30, 2].into())));
