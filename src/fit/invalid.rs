@@ -150,6 +150,12 @@ pub enum Invalid {
     /// A setting is not a finite number greater than 0.
     #[error("{name} is {value}; it must be a finite number greater than 0", name = setting.name())]
     NotPositive { setting: Setting, value: f64 },
+    /// The number of thresholds is not that of the data points.
+    #[error("{given} thresholds for {expected} points")]
+    ThresholdCount { given: usize, expected: usize },
+    /// The threshold of a point is not a finite number greater than 0.
+    #[error("threshold {index} is {value}; thresholds are finite and greater than 0")]
+    Threshold { index: usize, value: f64 },
     /// A local fit selects no point.
     #[error("there is no index to adjust")]
     NoIndices,

@@ -9,7 +9,7 @@
 //! | rule | outcome |
 //! |---|---|
 //! | the residual is not finite | overflow |
-//! | the largest distance is within the tolerance | converged |
+//! | the largest distance is within the tolerance, and the method has nothing left to do | converged |
 //! | the stop rule of the method | stationary, or stalled |
 //! | the update of the method can do no more | stalled |
 //! | the last allowed level is reached | exhausted |
@@ -281,7 +281,7 @@ impl Iteration {
             iteration, error, ..
         } = self.level;
         let problem = self.system.problem();
-        if error.max <= problem.tolerance() {
+        if self.is_within() {
             return Some(iteration);
         }
         match self.system.foreseen() {
@@ -355,16 +355,22 @@ impl Iteration {
         points.extents().iter().all(|extent| extent.is_finite)
     }
 
+    /// Whether the curve is as near to the data as was asked for. A method may have a larger
+    /// tolerance, and find points that are still to be moved.
+    fn is_within(&self) -> bool {
+        let (problem, largest) = (self.system.problem(), self.level.error.max);
+        let unfinished = || self.update().is_some_and(Update::is_unfinished);
+        largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
+    }
+
     /// Whether the iteration ends at the current level, and why.
     pub fn outcome(&self) -> Option<Outcome> {
         let problem = self.system.problem();
-        let Level {
-            iteration, error, ..
-        } = self.level;
+        let iteration = self.level.iteration;
         // Homogeneous distances can be infinite where a weight is not positive; residuals cannot.
         if !self.length.is_finite() {
             Some(Outcome::Overflow)
-        } else if error.max <= problem.tolerance() {
+        } else if self.is_within() {
             Some(self.success(Outcome::Converged))
         } else if let Some(outcome) = problem.method().scheme().stop(&self.progress()) {
             match outcome {

@@ -56,6 +56,8 @@ pub enum Place {
     TransformEntry(Axis, usize, usize),
     /// One of the indices of a local fit.
     Index(usize),
+    /// The threshold of the data point with this index.
+    Threshold(usize),
     /// The absolute tolerance.
     Tolerance,
     /// The tolerance relative to the bounding box.

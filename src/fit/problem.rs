@@ -122,6 +122,11 @@ impl Problem {
         &self.setup
     }
 
+    /// The tolerance in data units as it was asked for: at most that of the fit.
+    pub(super) fn asked_tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     /// The method.
     pub fn method(&self) -> &Method {
         &self.request.method

@@ -4,8 +4,8 @@ use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{check_count, count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Variant,
-    Weighted,
+    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Threshold,
+    Variant, Weighted,
 };
 use crate::fit::system::Forecast;
 use crate::model::method::{MethodSpec, mu_without_lspia};
@@ -34,10 +34,7 @@ pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Optio
         Kind::Global(_) => Method::Global,
         Kind::Weighted(m::Weighted { omega }) => Method::Weighted(Weighted { omega }),
         Kind::Local(local) => return self::local(local, scope).map(Some),
-        Kind::Adaptive(m::Adaptive { threshold, omega }) => {
-            let omega = omega.unwrap_or(1.0);
-            Method::Adaptive(Adaptive { threshold, omega })
-        }
+        Kind::Adaptive(settings) => Method::Adaptive(adaptive(settings, scope)?),
         Kind::Extended(extended) => Method::Extended(Extended {
             start: match known(extended.start, "method.extended.start")? {
                 m::Start::Unspecified | m::Start::Transformed => Start::Transformed,
@@ -81,6 +78,28 @@ fn local_settings(local: &m::Local) -> Result<Local, Mistake> {
     })
 }
 
+/// One threshold, or one for each point.
+fn adaptive(settings: m::Adaptive, scope: MethodTarget) -> OrMistakes<Adaptive> {
+    let field = "method.adaptive.thresholds";
+    let m::Adaptive {
+        threshold,
+        omega,
+        thresholds,
+    } = settings;
+    check_count(thresholds.len(), scope.most, "thresholds", field)?;
+    if threshold != 0.0 && !thresholds.is_empty() {
+        let detail = "one threshold is given for all points, and one for each";
+        return Err(Mistake::at_text(field, detail).into());
+    }
+    Ok(Adaptive {
+        threshold: match thresholds.is_empty() {
+            true => Threshold::All(threshold),
+            false => Threshold::Each(thresholds.into()),
+        },
+        omega: omega.unwrap_or(1.0),
+    })
+}
+
 /// Without a number for v both directions have that for u.
 fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
     let variant = match known(settings.variant, "method.least_squares.variant")? {
@@ -105,12 +124,18 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
     })
 }
 
-/// The method as outlines of jobs have it, of its message without the indices of points and the entries
-/// of matrices.
+/// The method as outlines of jobs have it, of its message without the indices and thresholds of points
+/// and the entries of matrices.
 pub fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
     match method.as_ref().and_then(|method| method.kind.as_ref()) {
         Some(Kind::Local(local)) => Ok(Method::Local(local_settings(local)?)),
         Some(Kind::Custom(_)) => Ok(Method::Custom(Custom::new(Vec::new(), None))),
+        Some(Kind::Adaptive(adaptive)) if adaptive.threshold == 0.0 => {
+            Ok(Method::Adaptive(Adaptive {
+                threshold: Threshold::Each([].into()),
+                omega: adaptive.omega.unwrap_or(1.0),
+            }))
+        }
         _ => {
             let target = MethodTarget {
                 points: usize::MAX,
@@ -148,7 +173,7 @@ fn matrix(entries: &[f64], field: &str) -> Result<Vec<Vec<f64>>, Mistake> {
 pub struct SettingsLayout {
     /// The numbers of columns of the square matrices of a transform for u and v.
     columns: (usize, usize),
-    /// The directions have numbers of control points each.
+    /// The directions have numbers of control points each, or the points thresholds.
     each: bool,
     /// The name of the method.
     kind: &'static str,
@@ -170,6 +195,7 @@ impl SettingsLayout {
                 layout.columns = (columns(&custom.transform_u), columns(&custom.transform_v));
             }
             Some(Kind::LeastSquares(settings)) => layout.each = settings.control_points_v != 0,
+            Some(Kind::Adaptive(settings)) => layout.each = !settings.thresholds.is_empty(),
             _ => {}
         }
         layout
@@ -188,6 +214,10 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
         format!("method.custom.{name}{}", entry.unwrap_or_default())
     };
     match place {
+        Place::Setting(Setting::Threshold) if layout.each => {
+            "method.adaptive.thresholds".to_owned()
+        }
+        Place::Threshold(index) => format!("method.adaptive.thresholds[{index}]"),
         Place::Setting(setting) => {
             let kind = match setting {
                 Setting::Omega => layout.kind,
@@ -214,6 +244,11 @@ pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {
         (Some(Kind::Local(local)), _) => local.indices = indices,
+        (Some(Kind::Adaptive(message)), Method::Adaptive(adaptive)) => {
+            if let Threshold::Each(each) = &adaptive.threshold {
+                message.thresholds = each.to_vec();
+            }
+        }
         (Some(Kind::Custom(message)), Method::Custom(custom)) => {
             message.transform_u = custom.u().concat();
             message.transform_v = custom.v().map(<[Vec<f64>]>::concat).unwrap_or_default();
@@ -223,8 +258,8 @@ pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     message
 }
 
-/// The method with its settings, and the ω that was computed for it; without the indices of points and
-/// the entries of matrices.
+/// The method with its settings, and the ω that was computed for it; without the indices and thresholds
+/// of points and the entries of matrices.
 pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb::Method {
     let kind = match *method {
         Method::Global => Kind::Global(m::Global {}),
@@ -232,9 +267,16 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
             omega: forecast.and_then(|it| it.omega).or(omega),
         }),
         Method::Local(settings) => Kind::Local(local_message(settings, forecast)),
-        Method::Adaptive(Adaptive { threshold, omega }) => Kind::Adaptive(m::Adaptive {
-            threshold,
+        Method::Adaptive(Adaptive {
+            ref threshold,
+            omega,
+        }) => Kind::Adaptive(m::Adaptive {
+            threshold: match threshold {
+                Threshold::All(threshold) => *threshold,
+                Threshold::Each(_) => 0.0,
+            },
             omega: (omega != 1.0).then_some(omega),
+            thresholds: Vec::new(),
         }),
         Method::Extended(Extended { start }) => Kind::Extended(m::Extended {
             start: match start {

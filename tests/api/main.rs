@@ -67,6 +67,7 @@ mod streams;
 mod support;
 mod suspects;
 mod texts;
+mod thresholds;
 mod views;
 mod warnings;
 

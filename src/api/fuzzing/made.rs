@@ -297,8 +297,16 @@ impl<'a> Choices<'a> {
                 method
             }
             9 if self.often() => json!({"kind": "adaptive", "threshold": self.positive()}),
-            9 => {
+            9 if self.often() => {
                 json!({"kind": "adaptive", "threshold": self.positive(), "omega": self.positive()})
+            }
+            9 => {
+                let mut line = |count| (0..count).map(|_| self.positive()).collect::<Vec<_>>();
+                let each = match shape.columns {
+                    None => json!(line(shape.rows)),
+                    Some(columns) => (0..shape.rows).map(|_| json!(line(columns))).collect(),
+                };
+                json!({"kind": "adaptive", "threshold": each})
             }
             10 => {
                 let u = self.matrix(shape.rows);

@@ -87,7 +87,7 @@ impl Reader for Of<WeightList> {
             || WeightReader(&values),
             |length, at| {
                 if *columns.get_or_insert(length) != length {
-                    at.wrong("all rows of weights must have the same length");
+                    at.wrong("all rows must have the same length");
                     return None;
                 }
                 Some(())
@@ -108,7 +108,7 @@ impl Reader for WeightReader<'_> {
     type Value = Option<usize>;
 
     fn expected(&self) -> String {
-        "a weight or a row of weights".to_owned()
+        "a number or a row of numbers".to_owned()
     }
 
     fn null(self, at: &mut Reading) -> Option<Option<usize>> {

@@ -5,20 +5,22 @@
 //! ```
 //!
 //! (Lin10, section 6), with ω = 1 unless another relaxation is given, 0 < ω < 2. The points are chosen anew at every level: points that were near enough can
-//! move away again, and freezing them for ever does not converge. A level costs as much as the
+//! move away again, and freezing them for ever does not converge. Each point can have a threshold of
+//! its own. A level costs as much as the
 //! supports of the points that move, fewer and fewer of them. The rate of weighted PIA with this ω,
-//! `max(|1 − ω λ_min|, |1 − ω|)` and `1 − λ_min` for ω = 1, is an upper bound. The fit ends when no point is further away than the threshold,
-//! even if the tolerance is less.
+//! `max(|1 − ω λ_min|, |1 − ω|)` and `1 − λ_min` for ω = 1, is an upper bound. The fit ends when no point is further away than its
+//! threshold, even if the tolerance is less, or when all are within the tolerance.
 
 use super::eigenvalues;
 use super::omega::Omega;
-use super::scheme::{Scheme, Scope};
+use super::scheme::{Demand, Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
+use super::threshold::Threshold;
 use super::update::{State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::invalid::{Invalid, Setting};
+use crate::fit::invalid::Invalid;
 use crate::fit::norms::Norms;
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
@@ -32,12 +34,23 @@ pub(super) const ABOUT: About = About {
 };
 
 /// Adaptive PIA with its threshold and its relaxation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Adaptive {
     /// In data units, greater than 0: points that are no further away stay.
-    pub threshold: f64,
+    pub threshold: Threshold,
     /// The relaxation ω, between 0 and 2; that of the papers is 1.
     pub omega: f64,
+}
+
+impl Adaptive {
+    /// The same without the thresholds of points.
+    pub(super) fn outline(&self) -> Self {
+        let threshold = match self.threshold {
+            Threshold::Each(_) => Threshold::Each([].into()),
+            Threshold::All(_) => self.threshold.clone(),
+        };
+        Self { threshold, ..*self }
+    }
 }
 
 impl Scheme for Adaptive {
@@ -46,14 +59,27 @@ impl Scheme for Adaptive {
     }
 
     /// At 0 all points would move for ever.
-    fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
-        Invalid::unless_positive(Setting::Threshold, self.threshold)?;
+    fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        self.threshold.check(scope.grid.count())?;
         Omega::Given(self.omega).check()
     }
 
-    /// Points that are nearer than the threshold are left alone.
+    /// Points that are nearer than the threshold are left alone; no distance above the largest one
+    /// is.
     fn tolerance(&self, asked: f64) -> f64 {
-        asked.max(self.threshold)
+        asked.max(self.threshold.largest())
+    }
+
+    /// As other methods, and the thresholds of points.
+    fn demand(&self) -> Demand {
+        let each = match &self.threshold {
+            Threshold::All(_) => 0,
+            Threshold::Each(each) => size_of_val(&**each),
+        };
+        Demand {
+            bytes: each,
+            ..Demand::default()
+        }
     }
 
     /// That of all points, as an upper bound: principal blocks have larger eigenvalues.
@@ -63,7 +89,7 @@ impl Scheme for Adaptive {
 
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
         let far = Far {
-            threshold: self.threshold,
+            threshold: self.threshold.clone(),
             norms: all_points(equations),
         };
         Box::new(Selection::new(equations, far, Vec::new()))
@@ -73,17 +99,27 @@ impl Scheme for Adaptive {
     fn rate_is_sharp(&self) -> bool {
         false
     }
+
+    /// The largest distance says little of points with thresholds of their own.
+    fn decays(&self) -> bool {
+        !self.threshold.is_each()
+    }
 }
 
 /// The points whose data point is further away than the threshold.
 #[derive(Debug)]
 struct Far {
-    threshold: f64,
+    threshold: Threshold,
     norms: Norms,
 }
 
 impl Choice for Far {
     const VARIES: bool = true;
+
+    /// With one threshold for all points the largest distance tells the end.
+    fn decides_the_end(&self) -> bool {
+        self.threshold.is_each()
+    }
 
     /// At level 0 all points have changed.
     fn begin(&mut self, state: &mut State) {
@@ -94,7 +130,7 @@ impl Choice for Far {
         let data = equations.setup.data();
         let distance = |index: usize| self.norms.distance(data, &state.residual, index);
         // A point whose residual has not changed is as near as it was.
-        let far = |index: &usize| distance(*index) > self.threshold;
+        let far = |index: &usize| distance(*index) > self.threshold.of(*index);
         active.clear();
         active.extend(state.changed.iter().copied().filter(far));
     }

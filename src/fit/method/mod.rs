@@ -53,6 +53,7 @@ pub(super) mod relaxation;
 mod scheme;
 mod selection;
 mod stability;
+mod threshold;
 mod transpose;
 pub(super) mod update;
 mod weighted;
@@ -68,6 +69,7 @@ pub use least_squares::{LeastSquares, Variant};
 pub use local::Local;
 pub use omega::Omega;
 pub(super) use scheme::{Progress, Scheme, Scope};
+pub use threshold::Threshold;
 pub use weighted::Weighted;
 
 /// A method with its settings.
@@ -139,11 +141,12 @@ impl Method {
         }
     }
 
-    /// The same without matrices, as lists of fits show it.
+    /// The same without matrices and thresholds of points, as lists of fits show it.
     #[must_use]
     pub fn outline(&self) -> Self {
         match self {
             Self::Custom(_) => Self::Custom(Custom::new(Vec::new(), None)),
+            Self::Adaptive(method) => Self::Adaptive(method.outline()),
             _ => self.clone(),
         }
     }

@@ -54,6 +54,17 @@ pub(in crate::fit) struct Demand {
     pub bytes: usize,
 }
 
+impl Default for Demand {
+    /// A vector, and factorizations for λ_min.
+    fn default() -> Self {
+        Self {
+            vectors: 1,
+            matrices: 4,
+            bytes: 0,
+        }
+    }
+}
+
 /// The errors so far, for the stop rule of a method.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::fit) struct Progress {
@@ -103,18 +114,15 @@ pub(in crate::fit) trait Scheme: Debug {
         false
     }
 
-    /// The tolerance of the fit, in data units, if this one is asked for.
+    /// The largest distance at which the fit may end, in data units, if this tolerance is asked
+    /// for.
     fn tolerance(&self, asked: f64) -> f64 {
         asked
     }
 
     /// What it needs of memory.
     fn demand(&self) -> Demand {
-        Demand {
-            vectors: 1,
-            matrices: 4,
-            bytes: 0,
-        }
+        Demand::default()
     }
 
     /// The multiplications of a level besides those of its residual, as far as they matter.

@@ -26,6 +26,12 @@ pub(super) trait Choice: Debug + Send {
     /// Whether each update has its own, rather than all of them the same.
     const VARIES: bool;
 
+    /// Whether a fit goes on while there are points to move, although no distance is above the
+    /// tolerance.
+    fn decides_the_end(&self) -> bool {
+        false
+    }
+
     /// Prepares the choice at level 0.
     fn begin(&mut self, _state: &mut State) {}
 
@@ -161,6 +167,11 @@ impl<C: Choice> Update for Selection<C> {
             std::mem::swap(&mut self.active, &mut self.moved);
             self.choice.choose(equations, state, &mut self.active);
         }
+    }
+
+    /// While a choice that decides the end has points to move.
+    fn is_unfinished(&self) -> bool {
+        self.choice.decides_the_end() && !self.active.is_empty()
     }
 
     /// The points that the last update moved: of a choice that varies not those of the next one.

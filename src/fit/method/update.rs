@@ -67,6 +67,12 @@ pub(in crate::fit) trait Update: Debug + Send {
         None
     }
 
+    /// Whether there is something left to do, although no distance is above the tolerance of the
+    /// method.
+    fn is_unfinished(&self) -> bool {
+        false
+    }
+
     /// Whether another update would change nothing, and why.
     fn stalled(&self) -> Option<Stall> {
         None

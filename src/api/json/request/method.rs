@@ -6,14 +6,14 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
 use super::schema;
-use super::settings::{ControlPoints, Index, Matrix, Omega};
+use super::settings::{ControlPoints, Index, Matrix, Omega, Thresholds};
 use crate::api::json::per_direction::{PerDirection, direction};
 use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start, Variant,
-    Weighted,
+    self as fit, Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start,
+    Threshold, Variant, Weighted,
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
@@ -70,8 +70,7 @@ pub(in crate::api) struct MethodRequest {
     /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
     pub(in crate::api) row_by_row: Option<bool>,
     /// Only control points move whose data point is further away than this, in data units.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(in crate::api) threshold: Option<f64>,
+    pub(in crate::api) threshold: Option<Thresholds>,
     /// What iteration 0 is.
     pub(in crate::api) start: Option<StartRequest>,
     /// The number of control points; on surfaces of both directions, or one for each.
@@ -212,7 +211,7 @@ impl MethodRequest {
                 };
                 return MethodSpec::local(selected, settings);
             }
-            MethodKind::Adaptive => Method::Adaptive(self.adaptive()?),
+            MethodKind::Adaptive => Method::Adaptive(self.adaptive(grid, surface)?),
             MethodKind::Extended => Method::Extended(Extended {
                 start: match self.start {
                     None | Some(StartRequest::Transformed) => Start::Transformed,
@@ -265,7 +264,7 @@ impl MethodRequest {
         mistakes.or(())
     }
 
-    fn adaptive(&self) -> OrMistakes<Adaptive> {
+    fn adaptive(self, grid: Grid, surface: bool) -> OrMistakes<Adaptive> {
         let omega = match self.omega {
             None => 1.0,
             Some(Omega::Given(omega)) => omega,
@@ -275,10 +274,13 @@ impl MethodRequest {
                 return Err(Mistake::at(SpecPart::Fit(place), detail).into());
             }
         };
-        match self.threshold {
-            Some(threshold) => Ok(Adaptive { threshold, omega }),
-            None => incomplete("adaptive needs a threshold, in data units"),
-        }
+        let Some(threshold) = self.threshold else {
+            return incomplete("adaptive needs a threshold, in data units");
+        };
+        let place = P::Setting(Setting::Threshold);
+        let wrong = |detail| Mistake::at(SpecPart::Fit(place), detail);
+        let threshold = threshold.of_points(grid, surface).map_err(wrong)?;
+        Ok(Adaptive { threshold, omega })
     }
 
     fn selected(&self, grid: Grid, surface: bool) -> OrMistakes<Option<Arc<[usize]>>> {
@@ -361,6 +363,18 @@ pub(in crate::api) fn variant_name(variant: Variant) -> &'static str {
     }
 }
 
+/// One threshold, one for each point of a curve, or rows of them.
+fn written_threshold(threshold: &Threshold, problem: &Problem) -> Value {
+    match (threshold, problem.v()) {
+        (Threshold::All(threshold), _) => json!(threshold),
+        (Threshold::Each(each), None) => json!(&each[..]),
+        (Threshold::Each(each), Some(_)) => {
+            let rows = each.chunks(problem.grid().columns);
+            rows.map(|row| json!(row)).collect()
+        }
+    }
+}
+
 /// The method of a problem as it was asked for.
 pub(in crate::api) fn written(problem: &Problem) -> Value {
     let mut value = Map::new();
@@ -385,8 +399,11 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             }
             set("row_by_row", json!(row_by_row));
         }
-        Method::Adaptive(Adaptive { threshold, omega }) => {
-            set("threshold", json!(threshold));
+        Method::Adaptive(Adaptive {
+            ref threshold,
+            omega,
+        }) => {
+            set("threshold", written_threshold(threshold, problem));
             if omega != 1.0 {
                 set("omega", json!(omega));
             }

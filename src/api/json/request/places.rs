@@ -68,10 +68,19 @@ impl Places {
 
     /// A point or its weight in a list or a grid.
     fn element(&self, name: &str, index: usize) -> String {
-        let root = self.root;
+        format!("{}/{name}/{}", self.root, self.index(index))
+    }
+
+    /// What a setting of the method has for a point.
+    fn setting(&self, name: &str, index: usize) -> String {
+        format!("/method/{name}/{}", self.index(index))
+    }
+
+    /// The place of a point in a list or a grid.
+    fn index(&self, index: usize) -> String {
         match self.columns {
-            None => format!("{root}/{name}/{index}"),
-            Some(columns) => format!("{root}/{name}/{}/{}", index / columns, index % columns),
+            None => index.to_string(),
+            Some(columns) => format!("{}/{}", index / columns, index % columns),
         }
     }
 
@@ -95,6 +104,7 @@ impl Places {
             P::Weight(index) => self.element("weights", index),
             P::AxisWeights(axis) => self.weights(axis),
             P::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
+            P::Threshold(index) => self.setting("threshold", index),
             P::Tolerance => "/stop/tolerance".to_owned(),
             P::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
             place => method::pointer(place, self.method_each),

@@ -4,11 +4,12 @@
 use schemars::json_schema;
 use serde::de::SeqAccess;
 
+use crate::api::json::numbers::WeightList;
 use crate::api::json::per_direction::Pair;
 use crate::api::json::read::values::{Count, Element};
 use crate::api::json::read::{ListLimits, Most, Numeral, Of, Read, Reader, Reading};
 use crate::api::json::schema::schema_of;
-use crate::fit::method::LARGEST;
+use crate::fit::method::{LARGEST, Threshold};
 use crate::fit::points::Grid;
 use crate::model::short::quoted;
 
@@ -36,6 +37,59 @@ impl Reader for Of<Omega> {
         }
         at.mismatch(&self.expected(), &quoted(value));
         None
+    }
+}
+
+/// The thresholds of adaptive PIA: one for all points, or one for each.
+#[derive(Clone, Debug)]
+pub(in crate::api) enum Thresholds {
+    All(f64),
+    Each(WeightList),
+}
+
+impl Thresholds {
+    /// The thresholds of points that are arranged in a grid, row by row. Whether a curve has as many
+    /// of them as points is checked with the problem.
+    pub(super) fn of_points(self, grid: Grid, surface: bool) -> Result<Threshold, String> {
+        match (self, surface) {
+            (Self::All(threshold), _) => Ok(Threshold::All(threshold)),
+            (Self::Each(WeightList::Line(each)), false) => Ok(Threshold::Each(each.into())),
+            (Self::Each(WeightList::Grid { values, columns }), true) => {
+                let rows = values.len() / columns.max(1);
+                if (rows, columns) == (grid.rows, grid.columns) {
+                    return Ok(Threshold::Each(values.into()));
+                }
+                let Grid {
+                    rows: needed,
+                    columns: each,
+                } = grid;
+                Err(format!(
+                    "{rows} rows of {columns} thresholds for {needed} rows of {each} points"
+                ))
+            }
+            (_, false) => Err("the thresholds of a curve are a list of numbers".to_owned()),
+            (_, true) => Err("the thresholds of a surface are rows of numbers".to_owned()),
+        }
+    }
+}
+
+impl Reader for Of<Thresholds> {
+    type Value = Thresholds;
+
+    fn expected(&self) -> String {
+        "a number, or one for each point".to_owned()
+    }
+
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<Thresholds> {
+        Some(Thresholds::All(value.real()))
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<Thresholds>, A::Error> {
+        Ok(WeightList::reader().list(list, at)?.map(Thresholds::Each))
     }
 }
 
@@ -184,6 +238,20 @@ schema_of!(
         "examples": ["auto", 1.5],
     })
 );
+
+schema_of!(Thresholds, "Thresholds", {
+    let number = json_schema!({"type": "number", "exclusiveMinimum": 0});
+    let line = json_schema!({"type": "array", "items": number, "minItems": 2});
+    json_schema!({
+        "description": "A distance in data units, or one for each data point: of a curve a list, of a surface rows of numbers.",
+        "oneOf": [
+            number,
+            {"title": "Line", "type": "array", "items": number, "minItems": 2},
+            {"title": "Rows", "type": "array", "items": line, "minItems": 2},
+        ],
+        "examples": [0.01, [0.01, 0.02, 0.01]],
+    })
+});
 
 schema_of!(
     Index,

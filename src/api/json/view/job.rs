@@ -16,7 +16,7 @@ use crate::api::json::request::method::{
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
-use crate::fit::method::{Adaptive, Extended, LeastSquares, Local, Method, Weighted};
+use crate::fit::method::{Adaptive, Extended, LeastSquares, Local, Method, Threshold, Weighted};
 use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
 use crate::job::Job;
@@ -172,7 +172,7 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
     row_by_row: Option<bool>,
-    /// Adaptive: the distance beyond which control points move.
+    /// Adaptive: the distance beyond which control points move; left out if each point has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     threshold: Option<f64>,
@@ -214,7 +214,10 @@ impl AppliedMethod {
                 view.row_by_row = Some(*row_by_row);
             }
             Method::Adaptive(Adaptive { threshold, omega }) => {
-                view.threshold = Some(*threshold);
+                view.threshold = match threshold {
+                    Threshold::All(threshold) => Some(*threshold),
+                    Threshold::Each(_) => None,
+                };
                 view.omega = Some(Some(*omega));
             }
             Method::Extended(Extended { start }) => {

@@ -12,7 +12,7 @@ use super::points::PointsMessage;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::problem::{Request, Tolerance, Weights};
@@ -246,7 +246,7 @@ impl MethodMessage {
                 ..Local::default()
             }),
             Kind::Adaptive(threshold) => Method::Adaptive(Adaptive {
-                threshold,
+                threshold: Threshold::All(threshold),
                 omega: 1.0,
             }),
             Kind::Extended(from_data) => Method::Extended(Extended {

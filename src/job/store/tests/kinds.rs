@@ -6,7 +6,8 @@ use std::sync::Arc;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Variant, Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Threshold, Variant,
+    Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -107,18 +108,23 @@ pub(super) fn record(problem: &Problem) -> Record {
 
 /// Every method, with the points that it selects.
 fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
+    let grid = if surface { SURFACE } else { CURVE };
     let adaptive = Adaptive {
-        threshold: 1e-3,
+        threshold: Threshold::All(1e-3),
         omega: 1.0,
     };
     let mut methods = vec![
         Method::Global,
         Method::Weighted(Weighted { omega: None }),
         Method::Weighted(Weighted { omega: Some(0.1) }),
-        Method::Adaptive(adaptive),
+        Method::Adaptive(adaptive.clone()),
         Method::Adaptive(Adaptive {
             omega: 1.5,
             ..adaptive
+        }),
+        Method::Adaptive(Adaptive {
+            threshold: Threshold::Each((1..=grid.count()).map(|i| 1e-4 * i as f64).collect()),
+            omega: 1.0,
         }),
         Method::Extended(Extended { start: Start::Data }),
         Method::Extended(Extended {
@@ -138,7 +144,6 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
         ]
         .map(|variant| Method::LeastSquares(LeastSquares { u: 5, v, variant })),
     );
-    let grid = if surface { SURFACE } else { CURVE };
     let custom = |v| Method::Custom(Custom::new(nearly_identity(grid.rows), v));
     if surface {
         methods.push(custom(Some(nearly_identity(grid.columns))));
