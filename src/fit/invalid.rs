@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::method::Sweeps;
 pub use super::place::{Axis, Place, Setting};
 
 /// Why a problem is refused. The text names the index, the value and the rule; fields have the
@@ -169,9 +170,9 @@ pub enum Invalid {
     /// A local fit selects a point twice.
     #[error("index {index} repeats an earlier one")]
     IndexRepeated { index: usize },
-    /// A curve is to be fitted row by row.
-    #[error("row_by_row is for surfaces; a curve has no rows")]
-    RowsOfCurve,
+    /// A curve is to be fitted row by row, or column by column.
+    #[error("sweeps are for surfaces; a curve has no rows and no columns")]
+    SweepsOfCurve { sweeps: Sweeps },
     /// A method for planar curves is asked for a surface, or for points with other coordinates.
     #[error("{method} fits only planar curves (two coordinates, not homogeneous): {found}")]
     NotPlanar {

@@ -77,6 +77,8 @@ pub enum Setting {
     Indices,
     /// Whether local PIA goes row by row.
     RowByRow,
+    /// The lines that local PIA goes by.
+    Sweeps,
 }
 
 impl Setting {
@@ -88,6 +90,7 @@ impl Setting {
             Self::Mu => "mu",
             Self::Indices => "indices",
             Self::RowByRow => "row_by_row",
+            Self::Sweeps => "sweeps",
         }
     }
 }

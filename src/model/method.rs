@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::fit::invalid::{Place, Setting};
-use crate::fit::method::{Local, Method};
+use crate::fit::method::{Local, Method, Sweeps};
 
 /// A method as it is asked for.
 #[derive(Clone, Debug)]
@@ -23,14 +23,38 @@ impl From<Method> for MethodSpec {
 }
 
 impl MethodSpec {
-    /// Local PIA, which adjusts some points, or all of them row by row.
+    /// Local PIA, which adjusts some points, or all of them in sweeps.
     pub fn local(selected: Option<Arc<[usize]>>, settings: Local) -> OrMistakes<Self> {
-        if selected.is_none() && !settings.row_by_row {
-            let detail = "local needs the indices of the points to adjust, or row_by_row";
+        if selected.is_none() && settings.sweeps.is_none() {
+            let detail = "local needs the indices of the points to adjust, or sweeps";
             return Err(Mistake::at(SpecPart::Fit(Place::Method), detail).into());
         }
         let method = Method::Local(settings);
         Ok(Self { method, selected })
+    }
+}
+
+/// The sweeps of local PIA: the lines that are asked for, or rows if it goes `row_by_row`.
+pub fn sweeps(
+    sweeps: Option<Sweeps>,
+    row_by_row: Option<bool>,
+    surface: bool,
+) -> Result<Option<Sweeps>, Mistake> {
+    let wrong = |detail| Mistake::at(SpecPart::Fit(Place::Setting(Setting::Sweeps)), detail);
+    match (sweeps, row_by_row) {
+        (None, Some(true)) => Ok(Some(Sweeps::Rows)),
+        (None, _) => Ok(None),
+        // Of curves the setting is named that was given.
+        (Some(_), _) if !surface => Err(wrong(
+            "sweeps are for surfaces; a curve has no rows and no columns",
+        )),
+        (Some(Sweeps::Columns), Some(true)) => {
+            Err(wrong("sweeps go by columns, but row_by_row is true"))
+        }
+        (Some(Sweeps::Rows), Some(false)) => {
+            Err(wrong("sweeps go by rows, but row_by_row is false"))
+        }
+        (Some(sweeps), _) => Ok(Some(sweeps)),
     }
 }
 

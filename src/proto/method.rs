@@ -4,11 +4,11 @@ use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{check_count, count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Threshold,
-    Variant, Weighted,
+    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Sweeps,
+    Threshold, Variant, Weighted,
 };
 use crate::fit::system::Forecast;
-use crate::model::method::{MethodSpec, mu_without_lspia};
+use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
 use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 
 /// What a method is for.
@@ -59,22 +59,28 @@ fn local(local: m::Local, scope: MethodTarget) -> OrMistakes<MethodSpec> {
         let detail = format!("{} is not one of the {points} points", local.indices[k]);
         return Err(Mistake::at(model::SpecPart::Fit(Place::Index(k)), detail).into());
     }
-    let method = local_settings(&local)?;
+    let method = local_settings(&local, scope.surface)?;
     let indices = some(local.indices);
     let selected = indices.map(|indices| indices.into_iter().map(|it| it as usize).collect());
     MethodSpec::local(selected, method)
 }
 
 /// The settings of a local fit besides its points.
-fn local_settings(local: &m::Local) -> Result<Local, Mistake> {
+fn local_settings(local: &m::Local, surface: bool) -> Result<Local, Mistake> {
     if local.omega.is_some() && local.auto_omega {
         let place = model::SpecPart::Fit(Place::Setting(Setting::Omega));
         return Err(Mistake::at(place, "a number is given beside auto_omega"));
     }
+    let lines = match known(local.sweeps, "method.local.sweeps")? {
+        m::Sweeps::Unspecified => None,
+        m::Sweeps::Rows => Some(Sweeps::Rows),
+        m::Sweeps::Columns => Some(Sweeps::Columns),
+    };
     let given = local.omega.map_or_else(Omega::default, Omega::Given);
     Ok(Local {
         omega: if local.auto_omega { Omega::Best } else { given },
-        row_by_row: local.row_by_row,
+        // Without a value it is not known whether it was said that it is false.
+        sweeps: sweeps(lines, local.row_by_row.then_some(true), surface)?,
     })
 }
 
@@ -128,7 +134,7 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
 /// and the entries of matrices.
 pub fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
     match method.as_ref().and_then(|method| method.kind.as_ref()) {
-        Some(Kind::Local(local)) => Ok(Method::Local(local_settings(local)?)),
+        Some(Kind::Local(local)) => Ok(Method::Local(local_settings(local, surface)?)),
         Some(Kind::Custom(_)) => Ok(Method::Custom(Custom::new(Vec::new(), None))),
         Some(Kind::Adaptive(adaptive)) if adaptive.threshold == 0.0 => {
             Ok(Method::Adaptive(Adaptive {
@@ -223,7 +229,7 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
                 Setting::Omega => layout.kind,
                 Setting::Threshold => "adaptive",
                 Setting::Mu => "least_squares",
-                Setting::Indices | Setting::RowByRow => "local",
+                Setting::Indices | Setting::RowByRow | Setting::Sweeps => "local",
             };
             format!("method.{kind}.{}", setting.name())
         }
@@ -299,14 +305,20 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
 
 /// Without the indices of points.
 fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
-    let Local { omega, row_by_row } = settings;
+    let Local { omega, sweeps } = settings;
     let given = omega.other_than_one().and_then(Omega::given);
     let omega_used = forecast.and_then(|it| it.omega).or(given);
     m::Local {
         indices: Vec::new(),
-        row_by_row,
+        row_by_row: sweeps == Some(Sweeps::Rows),
         omega: omega_used,
         auto_omega: omega == Omega::Best && omega_used.is_none(),
+        sweeps: match sweeps {
+            None => m::Sweeps::Unspecified,
+            Some(Sweeps::Rows) => m::Sweeps::Rows,
+            Some(Sweeps::Columns) => m::Sweeps::Columns,
+        }
+        .into(),
     }
 }
 

@@ -66,6 +66,7 @@ mod stream_object;
 mod streams;
 mod support;
 mod suspects;
+mod sweeps;
 mod texts;
 mod thresholds;
 mod views;

@@ -136,6 +136,10 @@ fn methods(surface: bool) -> Vec<(&'static str, Value)> {
             "local, row by row",
             json!({"kind": "local", "row_by_row": true}),
         ));
+        methods.push((
+            "local, column by column",
+            json!({"kind": "local", "sweeps": "columns"}),
+        ));
     }
     methods
 }
@@ -377,6 +381,7 @@ async fn capabilities_readme_and_code_agree() {
             "omega",
             "indices",
             "row_by_row",
+            "sweeps",
             "threshold",
             "start",
             "control_points",

@@ -286,9 +286,13 @@ impl<'a> Choices<'a> {
                 if !indices.contains(&other) {
                     indices.push(other);
                 }
-                let row_by_row = shape.columns.is_some() && self.often();
-                let mut method =
-                    json!({"kind": "local", "indices": indices, "row_by_row": row_by_row});
+                let surface = shape.columns.is_some();
+                let mut method = json!({"kind": "local", "indices": indices});
+                if surface && self.often() {
+                    method["sweeps"] = json!(self.one_of(&["rows", "columns"]));
+                } else {
+                    method["row_by_row"] = json!(surface && self.often());
+                }
                 match self.below(3) {
                     0 => {}
                     1 => method["omega"] = json!("auto"),

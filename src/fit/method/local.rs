@@ -12,9 +12,9 @@
 //! than the matrix; for one point l it is `|1 − ω B_l(t_l)|`. The best ω for eigenvalues up to one
 //! is `2 / (1 + λ_min(B_II))`. A level costs as much as the supports of the selected points.
 //!
-//! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9): a row until it is
-//! within the tolerance, then the next one. One pass is not enough, as later rows disturb earlier
-//! ones, so that the sweeps are repeated until all rows are.
+//! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9), or column by column: a
+//! line until it is within the tolerance, then the next one. One pass is not enough, as later lines
+//! disturb earlier ones, so that the sweeps are repeated until all lines are.
 
 use super::eigenvalues;
 use super::omega::Omega;
@@ -47,8 +47,17 @@ pub struct Local {
     /// The relaxation. The best one is `2 / (1 + λ_min)` of the block of up to 200 points, and of
     /// the whole matrix for more of them: that is nearer to 2, and as fast as weighted PIA.
     pub omega: Omega,
-    /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
-    pub row_by_row: bool,
+    /// Surfaces: one line of points after the other, in sweeps until all are within the tolerance.
+    pub sweeps: Option<Sweeps>,
+}
+
+/// The lines of points that sweeps go by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sweeps {
+    /// Row by row.
+    Rows,
+    /// Column by column.
+    Columns,
 }
 
 impl Scheme for Local {
@@ -56,11 +65,11 @@ impl Scheme for Local {
         &ABOUT
     }
 
-    /// Rows are for surfaces, and indices are those of points, each once.
+    /// Sweeps are for surfaces, and indices are those of points, each once.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         self.omega.check()?;
-        if self.row_by_row && !scope.is_surface {
-            return Err(Invalid::RowsOfCurve);
+        if let Some(sweeps) = self.sweeps.filter(|_| !scope.is_surface) {
+            return Err(Invalid::SweepsOfCurve { sweeps });
         }
         match scope.selected {
             None => Ok(()),
@@ -89,16 +98,11 @@ impl Scheme for Local {
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
         let setup = &equations.setup;
         let adjusted = adjusted(setup);
-        if !self.row_by_row {
+        let Some(sweeps) = self.sweeps else {
             return Box::new(Selection::new(equations, Fixed, adjusted));
-        }
-        let columns = setup.grid().columns;
-        let rows = adjusted
-            .chunk_by(|a, b| a / columns == b / columns)
-            .map(<[usize]>::to_vec)
-            .collect();
-        let sweep = RowSweep {
-            rows,
+        };
+        let sweep = LineSweep {
+            lines: sweeps.lines(adjusted, setup.grid().columns),
             current: 0,
             norms: all_points(equations),
         };
@@ -108,6 +112,20 @@ impl Scheme for Local {
     /// The selected points: the errors of all others do not count.
     fn adjusted(&self, setup: &Setup) -> Option<Vec<usize>> {
         Some(adjusted(setup))
+    }
+}
+
+impl Sweeps {
+    /// The lines of these points, given in increasing order, of a grid with so many columns. Those
+    /// of each line increase, too.
+    fn lines(self, mut points: Vec<usize>, columns: usize) -> Vec<Vec<usize>> {
+        let line = |index: usize| match self {
+            Self::Rows => index / columns,
+            Self::Columns => index % columns,
+        };
+        points.sort_by_key(|&index| line(index));
+        let lines = points.chunk_by(|a, b| line(*a) == line(*b));
+        lines.map(<[usize]>::to_vec).collect()
     }
 }
 
@@ -153,30 +171,30 @@ impl Choice for Fixed {
     fn choose(&mut self, _equations: &Equations, _state: &State, _active: &mut Vec<usize>) {}
 }
 
-/// The points of one row, until they are within the tolerance; then those of the next row.
+/// The points of one line, until they are within the tolerance; then those of the next line.
 #[derive(Debug)]
-struct RowSweep {
-    /// The rows with something to adjust.
-    rows: Vec<Vec<usize>>,
+struct LineSweep {
+    /// The lines with something to adjust.
+    lines: Vec<Vec<usize>>,
     current: usize,
     norms: Norms,
 }
 
-impl Choice for RowSweep {
+impl Choice for LineSweep {
     const VARIES: bool = true;
 
     fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>) {
         let setup = &equations.setup;
         let (data, tolerance) = (setup.data(), setup.tolerance());
         let distance = |index: usize| self.norms.distance(data, &state.residual, index);
-        let done = |row: &[usize]| row.iter().all(|&index| distance(index) <= tolerance);
+        let done = |line: &[usize]| line.iter().all(|&index| distance(index) <= tolerance);
         // At most once around: if all are done, the fit has converged.
-        for _ in 0..self.rows.len() {
-            if !done(&self.rows[self.current]) {
+        for _ in 0..self.lines.len() {
+            if !done(&self.lines[self.current]) {
                 break;
             }
-            self.current = (self.current + 1) % self.rows.len();
+            self.current = (self.current + 1) % self.lines.len();
         }
-        active.clone_from(&self.rows[self.current]);
+        active.clone_from(&self.lines[self.current]);
     }
 }

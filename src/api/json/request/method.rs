@@ -12,18 +12,18 @@ use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start,
+    self as fit, Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start, Sweeps,
     Threshold, Variant, Weighted,
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
-use crate::model::method::{MethodSpec, mu_without_lspia};
+use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 
 /// The settings of the methods that have some.
 const SETTINGS: [(&str, &[&str]); 6] = [
     ("weighted", &["omega"]),
-    ("local", &["indices", "row_by_row", "omega"]),
+    ("local", &["indices", "row_by_row", "sweeps", "omega"]),
     ("adaptive", &["threshold", "omega"]),
     ("extended", &["start"]),
     ("least_squares", &["control_points", "variant", "mu"]),
@@ -67,8 +67,12 @@ pub(in crate::api) struct MethodRequest {
     /// The data points whose control points may move.
     #[schemars(length(min = 1), extend("uniqueItems" = true))]
     pub(in crate::api) indices: Option<Vec<Index>>,
-    /// Surfaces: one row after the other, in sweeps until all are within the tolerance.
+    /// Surfaces: one row after the other, in sweeps until all are within the tolerance; short for the
+    /// sweeps `rows`.
     pub(in crate::api) row_by_row: Option<bool>,
+    /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
+    /// tolerance.
+    pub(in crate::api) sweeps: Option<SweepsRequest>,
     /// Only control points move whose data point is further away than this, in data units.
     pub(in crate::api) threshold: Option<Thresholds>,
     /// What iteration 0 is.
@@ -113,6 +117,15 @@ pub(in crate::api) enum StartRequest {
     Data,
 }
 
+/// The lines of points of a surface that sweeps go by.
+#[derive(Clone, Copy, Debug, JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+#[schemars(rename = "Sweeps", example = &"columns")]
+pub(in crate::api) enum SweepsRequest {
+    Rows,
+    Columns,
+}
+
 /// The step of a least-squares fit: with a diagonal matrix, with one number, or of conjugate
 /// gradients, which is the fastest.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
@@ -132,6 +145,7 @@ object!(
         omega,
         indices,
         row_by_row,
+        sweeps,
         threshold,
         start,
         control_points,
@@ -158,6 +172,10 @@ names!(StartRequest, "start of the method extended", [
     "transformed" => Transformed,
     "data" => Data,
 ]);
+names!(SweepsRequest, "kind of sweeps", [
+    "rows" => Rows,
+    "columns" => Columns,
+]);
 names!(VariantRequest, "variant of the method least_squares", [
     "diagonal" => Diagonal,
     "lspia" => Lspia,
@@ -172,6 +190,7 @@ impl MethodRequest {
             omega: None,
             indices: None,
             row_by_row: None,
+            sweeps: None,
             threshold: None,
             start: None,
             control_points: None,
@@ -207,7 +226,7 @@ impl MethodRequest {
                         Some(Omega::Auto) => fit::Omega::Best,
                         Some(Omega::Given(omega)) => fit::Omega::Given(omega),
                     },
-                    row_by_row: self.row_by_row.unwrap_or(false),
+                    sweeps: sweeps(self.sweeps.map(Sweeps::from), self.row_by_row, surface)?,
                 };
                 return MethodSpec::local(selected, settings);
             }
@@ -242,6 +261,7 @@ impl MethodRequest {
             ("omega", self.omega.is_some()),
             ("indices", self.indices.is_some()),
             ("row_by_row", self.row_by_row.is_some()),
+            ("sweeps", self.sweeps.is_some()),
             ("threshold", self.threshold.is_some()),
             ("start", self.start.is_some()),
             ("control_points", self.control_points.is_some()),
@@ -354,6 +374,23 @@ pub(in crate::api) fn start_name(start: Start) -> &'static str {
     }
 }
 
+impl From<SweepsRequest> for Sweeps {
+    fn from(request: SweepsRequest) -> Self {
+        match request {
+            SweepsRequest::Rows => Self::Rows,
+            SweepsRequest::Columns => Self::Columns,
+        }
+    }
+}
+
+/// The name of the lines of sweeps.
+pub(in crate::api) fn sweeps_name(sweeps: Sweeps) -> &'static str {
+    match sweeps {
+        Sweeps::Rows => "rows",
+        Sweeps::Columns => "columns",
+    }
+}
+
 /// The name of a least-squares variant.
 pub(in crate::api) fn variant_name(variant: Variant) -> &'static str {
     match variant {
@@ -387,7 +424,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
         Method::Weighted(Weighted { omega }) => {
             set("omega", omega.map_or(json!("auto"), Value::from))
         }
-        Method::Local(Local { omega, row_by_row }) => {
+        Method::Local(Local { omega, sweeps }) => {
             if let Some(omega) = omega.other_than_one() {
                 set("omega", omega.given().map_or(json!("auto"), Value::from));
             }
@@ -397,7 +434,10 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                     .map(|&index| json!(PointIndex::new(index, problem)));
                 set("indices", indices.collect());
             }
-            set("row_by_row", json!(row_by_row));
+            match sweeps {
+                Some(Sweeps::Columns) => set("sweeps", json!(sweeps_name(Sweeps::Columns))),
+                _ => set("row_by_row", json!(sweeps.is_some())),
+            }
         }
         Method::Adaptive(Adaptive {
             ref threshold,

@@ -11,12 +11,14 @@ use super::warning::WarningView;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::read::values::Count;
 use crate::api::json::request::method::{
-    MethodKind, StartRequest, VariantRequest, start_name, variant_name,
+    MethodKind, StartRequest, SweepsRequest, VariantRequest, start_name, sweeps_name, variant_name,
 };
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
-use crate::fit::method::{Adaptive, Extended, LeastSquares, Local, Method, Threshold, Weighted};
+use crate::fit::method::{
+    Adaptive, Extended, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
+};
 use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
 use crate::job::Job;
@@ -172,6 +174,10 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
     row_by_row: Option<bool>,
+    /// Local: the lines of points that are swept one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "SweepsRequest")]
+    sweeps: Option<&'static str>,
     /// Adaptive: the distance beyond which control points move; left out if each point has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
@@ -207,11 +213,12 @@ impl AppliedMethod {
             Method::Weighted(Weighted { omega }) => {
                 view.omega = Some(forecast.and_then(|it| it.omega).or(*omega));
             }
-            Method::Local(Local { omega, row_by_row }) => {
+            Method::Local(Local { omega, sweeps }) => {
                 let used = forecast.and_then(|it| it.omega);
                 view.omega = Some(used.or(omega.given()));
                 view.adjusted = outline.adjusted;
-                view.row_by_row = Some(*row_by_row);
+                view.row_by_row = Some(*sweeps == Some(Sweeps::Rows));
+                view.sweeps = sweeps.map(sweeps_name);
             }
             Method::Adaptive(Adaptive { threshold, omega }) => {
                 view.threshold = match threshold {

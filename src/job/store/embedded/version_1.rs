@@ -12,7 +12,8 @@ use super::points::PointsMessage;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Threshold, Variant, Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Sweeps, Threshold, Variant,
+    Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::problem::{Request, Tolerance, Weights};
@@ -242,7 +243,7 @@ impl MethodMessage {
             Kind::Global(()) => Method::Global,
             Kind::Weighted(Number { value: omega }) => Method::Weighted(Weighted { omega }),
             Kind::Local(row_by_row) => Method::Local(Local {
-                row_by_row,
+                sweeps: row_by_row.then_some(Sweeps::Rows),
                 ..Local::default()
             }),
             Kind::Adaptive(threshold) => Method::Adaptive(Adaptive {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Threshold, Variant,
-    Weighted,
+    Adaptive, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps, Threshold,
+    Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -151,13 +151,13 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
         methods.extend([custom(None), Method::Convex]);
     }
     let mut methods: Vec<_> = methods.into_iter().map(|method| (method, None)).collect();
-    let local = |row_by_row| {
+    let local = |sweeps| {
         Method::Local(Local {
-            row_by_row,
+            sweeps,
             ..Local::default()
         })
     };
-    methods.push((local(false), Some([5, 2, 3].into())));
+    methods.push((local(None), Some([5, 2, 3].into())));
     for omega in [Omega::Given(0.5), Omega::Best] {
         let relaxed = Local {
             omega,
@@ -166,8 +166,10 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
         methods.push((Method::Local(relaxed), Some([1, 4].into())));
     }
     if surface {
-        methods.push((local(true), None));
-        methods.push((local(true), Some([30, 2].into())));
+        for sweeps in [Sweeps::Rows, Sweeps::Columns] {
+            methods.push((local(Some(sweeps)), None));
+            methods.push((local(Some(sweeps)), Some([30, 2].into())));
+        }
     }
     methods
 }
