@@ -69,7 +69,7 @@ pub enum Place {
 pub enum Setting {
     /// The relaxation ω of weighted, local and adaptive PIA.
     Omega,
-    /// The threshold of adaptive PIA.
+    /// The threshold of adaptive or of convexity-preserving PIA.
     Threshold,
     /// The step μ of least-squares PIA.
     Mu,

@@ -4,7 +4,7 @@ use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{check_count, count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Sweeps,
+    Adaptive, Convex, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Sweeps,
     Threshold, Variant, Weighted,
 };
 use crate::fit::system::Forecast;
@@ -42,7 +42,9 @@ pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Optio
             },
         }),
         Kind::Transpose(_) => Method::Transpose,
-        Kind::Convex(_) => Method::Convex,
+        Kind::Convex(m::Convex { threshold }) => {
+            Method::Convex(threshold.map_or_else(Convex::default, |threshold| Convex { threshold }))
+        }
         Kind::Chebyshev(_) => Method::Chebyshev,
         Kind::Direct(_) => Method::Direct,
         Kind::LeastSquares(settings) => Method::LeastSquares(least_squares(settings, scope)?),
@@ -193,6 +195,7 @@ impl SettingsLayout {
         layout.kind = match kind {
             Some(Kind::Local(_)) => "local",
             Some(Kind::Adaptive(_)) => "adaptive",
+            Some(Kind::Convex(_)) => "convex",
             _ => "weighted",
         };
         match kind {
@@ -226,8 +229,7 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
         Place::Threshold(index) => format!("method.adaptive.thresholds[{index}]"),
         Place::Setting(setting) => {
             let kind = match setting {
-                Setting::Omega => layout.kind,
-                Setting::Threshold => "adaptive",
+                Setting::Omega | Setting::Threshold => layout.kind,
                 Setting::Mu => "least_squares",
                 Setting::Indices | Setting::RowByRow | Setting::Sweeps => "local",
             };
@@ -292,7 +294,9 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
             .into(),
         }),
         Method::Transpose => Kind::Transpose(m::Transpose {}),
-        Method::Convex => Kind::Convex(m::Convex {}),
+        Method::Convex(convex) => Kind::Convex(m::Convex {
+            threshold: (convex != Convex::default()).then_some(convex.threshold),
+        }),
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),
         Method::LeastSquares(settings) => {

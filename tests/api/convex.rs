@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use crate::support::{Server, Story};
+use crate::messages as pb;
+use crate::rpc::connect;
+use crate::support::{Server, Story, base};
 
 /// The signs of the turns of the control polygon, end copies left out.
 fn turns(iteration: &Value) -> Vec<i8> {
@@ -93,4 +95,126 @@ async fn convexity_is_kept_at_every_level() {
         }
     }
     assert!(lost > 0);
+}
+
+/// Five points of an ellipse whose interpolant has a control polygon that is not convex.
+fn elliptic(method: &Value) -> Value {
+    let points: Vec<[f64; 2]> = (0..5)
+        .map(|i| 0.75 * PI * f64::from(i) / 4.0)
+        .map(|a| [2.0 * a.cos(), a.sin()])
+        .collect();
+    json!({
+        "curve": {"points": points},
+        "method": method,
+        "stop": {"tolerance": 1e-6},
+    })
+}
+
+/// The length of the step to level `k`, by the first coordinate that it changes.
+fn step(story: &Story, k: usize) -> f64 {
+    let x = |k: usize, i: usize| {
+        let point = &story.iterations[k]["control_points"][i];
+        point[0].as_f64().unwrap()
+    };
+    (x(k, 2) - x(k - 1, 2)).abs()
+}
+
+/// The first step that is cut short, as a part of the plain one, falls short of the longest one that
+/// keeps the turns by no more than the threshold. The default is 1e-6.
+#[tokio::test]
+async fn a_threshold_says_how_near_bisection_goes() {
+    let server = Server::start().await;
+    let plain = server.stream(&elliptic(&json!("global"))).await;
+    let with = async |threshold: f64| {
+        let method = json!({"kind": "convex", "threshold": threshold});
+        server.stream(&elliptic(&method)).await
+    };
+    let exact = with(1e-15).await;
+    let same = |k: &usize| {
+        exact.iterations[*k]["control_points"] == plain.iterations[*k]["control_points"]
+    };
+    let cut = (1..).find(|k| !same(k)).unwrap();
+    let longest = step(&exact, cut) / step(&plain, cut);
+    assert!(longest < 1.0);
+    let signs = turns(&plain.iterations[0]);
+    for threshold in [0.9, 0.3, 0.1, 1e-2, 1e-4] {
+        let story = with(threshold).await;
+        assert_eq!(story.job["method"]["threshold"], threshold);
+        assert_eq!(story.state(), "stalled");
+        assert!(story.iterations.iter().all(|it| turns(it) == signs));
+        let part = step(&story, cut) / step(&plain, cut);
+        let short = longest - part;
+        assert!(
+            short > -1e-9 && short <= threshold + 1e-9,
+            "{threshold}: {short}"
+        );
+    }
+    let (default, given) = (
+        server.stream(&elliptic(&json!("convex"))).await,
+        with(1e-6).await,
+    );
+    assert_eq!(default.iterations, given.iterations);
+    assert_eq!(default.job["method"], given.job["method"]);
+}
+
+/// As it was asked for; edits take it, too.
+#[tokio::test]
+async fn a_threshold_is_kept() {
+    let server = Server::start().await;
+    let method = json!({"kind": "convex", "threshold": 0.125});
+    let job = server.fit(&elliptic(&method)).await;
+    let input = server.json(&format!("{}/input", base(&job))).await;
+    assert_eq!(input["method"], method);
+    let edits = server.post(&format!("{}/edits", base(&job)));
+    let edit = json!({"method": {"kind": "convex", "threshold": 0.25}});
+    let edited = edits.header("prefer", "wait=30").json(&edit).send().await;
+    let edited: Value = edited.unwrap().json().await.unwrap();
+    assert_eq!(edited["method"]["threshold"], 0.25);
+    let usual = server.fit(&elliptic(&json!("convex"))).await;
+    let input = server.json(&format!("{}/input", base(&usual))).await;
+    assert_eq!(input["method"], json!({"kind": "convex"}));
+    let mut client = connect(&server).await;
+    let id = job["id"].as_str().unwrap().to_owned();
+    let input = client.get_input(pb::GetInputRequest { id }).await.unwrap();
+    let method = input.into_inner().input.unwrap().method.unwrap();
+    let threshold = Some(0.125);
+    let expected = pb::method::Kind::Convex(pb::method::Convex { threshold });
+    assert_eq!(method.kind, Some(expected));
+}
+
+#[tokio::test]
+async fn wrong_thresholds_are_refused() {
+    let server = Server::start().await;
+    for (threshold, reason) in [
+        (json!(0), "greater than 0 and less than 1"),
+        (json!(1), "less than 1"),
+        (json!(-0.5), "less than 1"),
+        (json!([0.1, 0.1, 0.1, 0.1, 0.1]), "one threshold"),
+        (json!("small"), "number"),
+    ] {
+        let method = json!({"kind": "convex", "threshold": threshold});
+        server
+            .assert_refused(&elliptic(&method), "/method/threshold", reason)
+            .await;
+    }
+    let mut client = connect(&server).await;
+    let threshold = Some(2.0);
+    let kind = pb::method::Kind::Convex(pb::method::Convex { threshold });
+    let curve = pb::Curve {
+        dimension: 2,
+        points: vec![0.0, 0.0, 1.0, 1.0, 2.0, 0.0],
+        ..pb::Curve::default()
+    };
+    let input = pb::JobInput {
+        geometry: Some(pb::job_input::Geometry::Curve(curve)),
+        method: Some(pb::Method { kind: Some(kind) }),
+        ..pb::JobInput::default()
+    };
+    let request = pb::CreateJobRequest {
+        input: Some(input),
+        ..Default::default()
+    };
+    let refused = client.create_job(request).await.unwrap_err();
+    let field = "input.method.convex.threshold";
+    assert!(refused.message().contains(field), "{refused:?}");
 }

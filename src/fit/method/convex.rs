@@ -5,7 +5,9 @@
 //! ```
 //!
 //! (LWD04, Algorithm 1). A plain step, ε = 1, is taken if the turning angles of the control polygon
-//! keep their signs; else bisection finds the longest step that keeps them, but for [`NEARNESS`].
+//! keep their signs; else bisection finds the longest step that keeps them, but for a threshold: the
+//! search ends where the step that keeps them and the one that does not differ by no more than this
+//! part of the plain step.
 //! The signs of data that are no convex polygon are kept as they are. Where the control polygon of
 //! the interpolant turns otherwise, steps become shorter and shorter, and the fit stalls with a
 //! positive error. A level costs one application of B, and O(n) for each bisection.
@@ -31,26 +33,39 @@ pub(super) const ABOUT: About = About {
 /// Most halvings of each search; taken literally, both could go on for ever in floating point.
 const HALVINGS: usize = 60;
 
-/// How near to the turning point the search goes, in steps.
-const NEARNESS: f64 = 1e-6;
-
 /// A step that moves the polygon by less than this part of the plain step is no progress.
 const PROGRESS: f64 = 1e-9;
 
 /// Steps without progress after which the fit has stalled.
 const PATIENCE: usize = 3;
 
-/// The method, which has no settings.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Convex;
+/// Convexity-preserving PIA with its threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Convex {
+    /// How near to the turning point the bisection goes, as a part of the plain step, between 0 and
+    /// 1 (LWD04, Algorithm 1).
+    pub threshold: f64,
+}
+
+impl Default for Convex {
+    /// A millionth of the step.
+    fn default() -> Self {
+        Self { threshold: 1e-6 }
+    }
+}
 
 impl Scheme for Convex {
     fn about(&self) -> &'static About {
         &ABOUT
     }
 
-    /// Turning angles are those of planar polygons.
+    /// Turning angles are those of planar polygons. A threshold of 0 would take bisection to its
+    /// limit at every level, and with 1 it would not begin.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        let value = self.threshold;
+        if !(value > 0.0 && value < 1.0) {
+            return Err(Invalid::PartOfStep { value });
+        }
         let found = if scope.is_surface {
             "this is a surface"
         } else if scope.dimension != 2 {
@@ -76,7 +91,7 @@ impl Scheme for Convex {
     }
 
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
-        Box::new(Steps::new(&equations.setup))
+        Box::new(Steps::new(&equations.setup, self.threshold))
     }
 
     /// When no step keeps the turns any more.
@@ -88,6 +103,8 @@ impl Scheme for Convex {
 /// Plain steps where they keep the turns, else the part of a step that does.
 #[derive(Debug)]
 struct Steps {
+    /// How near to the turning point the search goes, in steps.
+    threshold: f64,
     /// Whether the polygon turns at its ends, too.
     closed: bool,
     /// A power of two that keeps products of lengths within the range of numbers.
@@ -104,9 +121,10 @@ struct Steps {
 
 impl Steps {
     /// Before the first update.
-    fn new(setup: &Setup) -> Self {
+    fn new(setup: &Setup, threshold: f64) -> Self {
         let data = setup.data();
         Self {
+            threshold,
             closed: setup.u().is_closed(),
             scale: normalizing_scale(setup.diagonal()),
             before: Points::zeros(data.dimension(), data.len()),
@@ -135,7 +153,7 @@ impl Steps {
         turns(control_points, self.closed, self.scale).eq(self.turns.iter().copied())
     }
 
-    /// The largest ε in (0, 1], but for [`NEARNESS`], that keeps the turns; 0 if there is none.
+    /// The largest ε in (0, 1], but for the threshold, that keeps the turns; 0 if there is none.
     fn admissible_part(&self, control_points: &mut Points) -> f64 {
         if self.keeps_turns(1.0, control_points) {
             return 1.0;
@@ -152,7 +170,7 @@ impl Steps {
         // Back towards the whole step, as near as the turns allow.
         let mut lost = 1.0;
         for _ in 0..HALVINGS {
-            if lost - kept <= NEARNESS {
+            if lost - kept <= self.threshold {
                 break;
             }
             let middle = f64::midpoint(kept, lost);

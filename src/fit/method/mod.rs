@@ -63,6 +63,7 @@ use super::forecast::Forecast;
 use super::warning::Warning;
 
 pub use adaptive::Adaptive;
+pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub use least_squares::{LeastSquares, Variant};
@@ -88,7 +89,7 @@ pub enum Method {
     /// U = Bᵀ / ρ(B Bᵀ).
     Transpose,
     /// Steps as long as the control polygon keeps the turns of the data.
-    Convex,
+    Convex(Convex),
     /// Chebyshev semi-iteration on [λ_min, 1].
     Chebyshev,
     /// U = B⁻¹: level 1 is the limit.
@@ -133,7 +134,7 @@ impl Method {
             Self::Adaptive(method) => method,
             Self::Extended(method) => method,
             Self::Transpose => &transpose::Transpose,
-            Self::Convex => &convex::Convex,
+            Self::Convex(method) => method,
             Self::Chebyshev => &chebyshev::Chebyshev,
             Self::Direct => &direct::Direct,
             Self::LeastSquares(method) => method,

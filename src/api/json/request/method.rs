@@ -12,8 +12,8 @@ use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Custom, Extended, LeastSquares, Local, METHODS, Method, Start, Sweeps,
-    Threshold, Variant, Weighted,
+    self as fit, Adaptive, Convex, Custom, Extended, LeastSquares, Local, METHODS, Method, Start,
+    Sweeps, Threshold, Variant, Weighted,
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
@@ -21,10 +21,11 @@ use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 
 /// The settings of the methods that have some.
-const SETTINGS: [(&str, &[&str]); 6] = [
+const SETTINGS: [(&str, &[&str]); 7] = [
     ("weighted", &["omega"]),
     ("local", &["indices", "row_by_row", "sweeps", "omega"]),
     ("adaptive", &["threshold", "omega"]),
+    ("convex", &["threshold"]),
     ("extended", &["start"]),
     ("least_squares", &["control_points", "variant", "mu"]),
     ("custom", &["transform"]),
@@ -73,7 +74,9 @@ pub(in crate::api) struct MethodRequest {
     /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
     /// tolerance.
     pub(in crate::api) sweeps: Option<SweepsRequest>,
-    /// Only control points move whose data point is further away than this, in data units.
+    /// With `adaptive` only control points move whose data point is further away than this, in data
+    /// units. With `convex` bisection ends as near as this part of the plain step to the longest one
+    /// that keeps the turns: a number below 1, by default 1e-6.
     pub(in crate::api) threshold: Option<Thresholds>,
     /// What iteration 0 is.
     pub(in crate::api) start: Option<StartRequest>,
@@ -238,7 +241,7 @@ impl MethodRequest {
                 },
             }),
             MethodKind::Transpose => Method::Transpose,
-            MethodKind::Convex => Method::Convex,
+            MethodKind::Convex => Method::Convex(self.convex()?),
             MethodKind::Chebyshev => Method::Chebyshev,
             MethodKind::Direct => Method::Direct,
             MethodKind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
@@ -282,6 +285,18 @@ impl MethodRequest {
             mistakes.push(mu_without_lspia());
         }
         mistakes.or(())
+    }
+
+    fn convex(&self) -> OrMistakes<Convex> {
+        match self.threshold {
+            None => Ok(Convex::default()),
+            Some(Thresholds::All(threshold)) => Ok(Convex { threshold }),
+            Some(Thresholds::Each(_)) => {
+                let place = P::Setting(Setting::Threshold);
+                let detail = "convex has one threshold, a part of its step";
+                Err(Mistake::at(SpecPart::Fit(place), detail).into())
+            }
+        }
     }
 
     fn adaptive(self, grid: Grid, surface: bool) -> OrMistakes<Adaptive> {
@@ -462,6 +477,9 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                 set("mu", json!(mu));
             }
         }
+        Method::Convex(convex) if convex != Convex::default() => {
+            set("threshold", json!(convex.threshold));
+        }
         Method::Custom(ref custom) => {
             let transform = match custom.v() {
                 None => json!(custom.u()),
@@ -471,7 +489,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
         }
         Method::Global
         | Method::Transpose
-        | Method::Convex
+        | Method::Convex(_)
         | Method::Chebyshev
         | Method::Direct => {}
     }

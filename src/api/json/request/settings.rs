@@ -40,7 +40,7 @@ impl Reader for Of<Omega> {
     }
 }
 
-/// The thresholds of adaptive PIA: one for all points, or one for each.
+/// Thresholds: one for all points, or one for each.
 #[derive(Clone, Debug)]
 pub(in crate::api) enum Thresholds {
     All(f64),
@@ -243,7 +243,7 @@ schema_of!(Thresholds, "Thresholds", {
     let number = json_schema!({"type": "number", "exclusiveMinimum": 0});
     let line = json_schema!({"type": "array", "items": number, "minItems": 2});
     json_schema!({
-        "description": "A distance in data units, or one for each data point: of a curve a list, of a surface rows of numbers.",
+        "description": "One number greater than 0, or one for each data point: of a curve a list, of a surface rows of numbers.",
         "oneOf": [
             number,
             {"title": "Line", "type": "array", "items": number, "minItems": 2},

@@ -17,7 +17,7 @@ use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
 use crate::fit::method::{
-    Adaptive, Extended, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
+    Adaptive, Convex, Extended, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
 };
 use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
@@ -178,7 +178,8 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "SweepsRequest")]
     sweeps: Option<&'static str>,
-    /// Adaptive: the distance beyond which control points move; left out if each point has one.
+    /// Adaptive: the distance beyond which control points move; left out if each point has one. Convex:
+    /// how near bisection goes to the longest step that keeps the turns, as a part of the plain step.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     threshold: Option<f64>,
@@ -227,6 +228,7 @@ impl AppliedMethod {
                 };
                 view.omega = Some(Some(*omega));
             }
+            Method::Convex(Convex { threshold }) => view.threshold = Some(*threshold),
             Method::Extended(Extended { start }) => {
                 view.start = Some(start_name(*start));
             }

@@ -12,8 +12,8 @@ use super::points::PointsMessage;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Start, Sweeps, Threshold, Variant,
-    Weighted,
+    Adaptive, Convex, Custom, Extended, LeastSquares, Local, Method, Start, Sweeps, Threshold,
+    Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::problem::{Request, Tolerance, Weights};
@@ -257,7 +257,7 @@ impl MethodMessage {
                 },
             }),
             Kind::Transpose(()) => Method::Transpose,
-            Kind::Convex(()) => Method::Convex,
+            Kind::Convex(()) => Method::Convex(Convex::default()),
             Kind::Chebyshev(()) => Method::Chebyshev,
             Kind::Direct(()) => Method::Direct,
             Kind::LeastSquares(ControlPoints { u, v, variant, mu }) => {

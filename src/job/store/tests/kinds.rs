@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps, Threshold,
-    Variant, Weighted,
+    Adaptive, Convex, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
+    Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -148,7 +148,9 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
     if surface {
         methods.push(custom(Some(nearly_identity(grid.columns))));
     } else {
-        methods.extend([custom(None), Method::Convex]);
+        let rough = Convex { threshold: 0.1 };
+        methods.extend([custom(None)]);
+        methods.extend([Convex::default(), rough].map(Method::Convex));
     }
     let mut methods: Vec<_> = methods.into_iter().map(|method| (method, None)).collect();
     let local = |sweeps| {
