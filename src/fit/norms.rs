@@ -40,12 +40,20 @@ pub struct FitError {
     pub homogeneous: Option<f64>,
     /// Least-squares fits: `‖Aᵀr‖² / ‖Aᵀr⁰‖²`, zero at the minimum.
     pub gradient: Option<f64>,
+    /// Extended fits that are asked for it: the largest length of a step, `max_i ‖(U Δ)_i‖`, in data
+    /// units, of homogeneous fits in homogeneous coordinates.
+    pub transformed: Option<f64>,
 }
 
 impl FitError {
     /// Whether all of them are finite.
     pub fn is_finite(&self) -> bool {
-        let more = [self.fixed_max, self.homogeneous, self.gradient];
+        let more = [
+            self.fixed_max,
+            self.homogeneous,
+            self.gradient,
+            self.transformed,
+        ];
         let all = [self.max, self.rms, self.sum]
             .into_iter()
             .chain(more.into_iter().flatten());
@@ -165,6 +173,7 @@ impl Norms {
             fixed_max: None,
             homogeneous: None,
             gradient: None,
+            transformed: None,
         }
     }
 

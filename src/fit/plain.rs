@@ -49,6 +49,7 @@ impl Plain {
         plain.update.begin(equations, &mut plain.state);
         let mut error = plain.norms.measure(data, &plain.state.residual);
         error.gradient = plain.update.gradient();
+        error.transformed = plain.update.transformed_error();
         (plain, error)
     }
 
@@ -76,6 +77,7 @@ impl Plain {
             }
         };
         error.gradient = update.gradient();
+        error.transformed = update.transformed_error();
         (moved, error)
     }
 

@@ -40,6 +40,7 @@ pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Optio
                 m::Start::Unspecified | m::Start::Transformed => Start::Transformed,
                 m::Start::Data => Start::Data,
             },
+            transformed_error: extended.transformed_error,
         }),
         Kind::Transpose(_) => Method::Transpose,
         Kind::Convex(m::Convex { threshold }) => {
@@ -286,12 +287,16 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
             omega: (omega != 1.0).then_some(omega),
             thresholds: Vec::new(),
         }),
-        Method::Extended(Extended { start }) => Kind::Extended(m::Extended {
+        Method::Extended(Extended {
+            start,
+            transformed_error,
+        }) => Kind::Extended(m::Extended {
             start: match start {
                 Start::Transformed => m::Start::Transformed,
                 Start::Data => m::Start::Data,
             }
             .into(),
+            transformed_error,
         }),
         Method::Transpose => Kind::Transpose(m::Transpose {}),
         Method::Convex(convex) => Kind::Convex(m::Convex {

@@ -69,6 +69,7 @@ mod suspects;
 mod sweeps;
 mod texts;
 mod thresholds;
+mod transformed;
 mod views;
 mod warnings;
 

@@ -384,6 +384,7 @@ async fn capabilities_readme_and_code_agree() {
             "sweeps",
             "threshold",
             "start",
+            "transformed_error",
             "control_points",
             "variant",
             "mu",

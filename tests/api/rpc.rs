@@ -159,6 +159,7 @@ pub fn assert_same_iteration(message: &pb::Iteration, json: &Value, columns: u32
         ("fixed_max", error.fixed_max),
         ("homogeneous", error.homogeneous),
         ("gradient", error.gradient),
+        ("transformed", error.transformed),
     ] {
         assert_eq!(json["error"][name].as_f64(), number, "{name}");
     }

@@ -132,6 +132,7 @@ pub fn distances(error: &FitError, method: &Method) -> pb::Distances {
         fixed_max: error.fixed_max.filter(|_| local),
         homogeneous: error.homogeneous,
         gradient: error.gradient,
+        transformed: error.transformed,
     }
 }
 

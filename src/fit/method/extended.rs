@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use super::linear::Linear;
 use super::rehearsal;
-use super::scheme::Scheme;
+use super::scheme::{Demand, Scheme};
 use super::update::Update;
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
@@ -38,16 +38,20 @@ pub(super) const ABOUT: About = About {
 };
 
 /// Extended PIA with its start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extended {
     /// The control points of level 0.
     pub start: Start,
+    /// Whether the error is told in transformed coordinates, too: `max_i ‖(U Δ)_i‖`, which is how far
+    /// control points move in the next update.
+    pub transformed_error: bool,
 }
 
 /// Level 0 of the extended method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Start {
     /// `X⁰ = U P`.
+    #[default]
     Transformed,
     /// `X⁰ = P`.
     Data,
@@ -71,6 +75,15 @@ impl Extended {
 impl Scheme for Extended {
     fn about(&self) -> &'static About {
         &ABOUT
+    }
+
+    /// The step, if its length is told.
+    fn demand(&self) -> Demand {
+        let usual = Demand::default();
+        Demand {
+            vectors: usual.vectors + usize::from(self.transformed_error),
+            ..usual
+        }
     }
 
     /// The level at which the error is zero, but for rounding.
@@ -107,7 +120,11 @@ impl Scheme for Extended {
 
     /// It stalls when nothing is left of `(I − U B)ᵏ`: what remains is rounding.
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
-        Box::new(Linear::nilpotent_after(equations.forecast.exact_after))
+        let update = Linear::nilpotent_after(equations.forecast.exact_after);
+        Box::new(match self.transformed_error {
+            true => update.with_transformed_error(equations),
+            false => update,
+        })
     }
 
     /// Control points between can be larger than the data by many orders of magnitude.

@@ -67,6 +67,11 @@ pub(in crate::fit) trait Update: Debug + Send {
         None
     }
 
+    /// The largest distance in transformed coordinates, `max_i ‖(U Δ)_i‖`, if it is asked for.
+    fn transformed_error(&self) -> Option<f64> {
+        None
+    }
+
     /// Whether there is something left to do, although no distance is above the tolerance of the
     /// method.
     fn is_unfinished(&self) -> bool {

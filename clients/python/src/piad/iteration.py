@@ -35,12 +35,15 @@ class Deviation:
     """Homogeneous fits: the largest distance in homogeneous coordinates."""
     gradient: Optional[float] = None
     """Least squares: zero at the minimum."""
+    transformed: Optional[float] = None
+    """Extended fits with `transformed_error`: how far a control point moves in the next iteration."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Deviation:
         """Reads `error`."""
         at = value["at"]
-        more = {name: value.get(name) for name in ("fixed_max", "homogeneous", "gradient")}
+        names = ("fixed_max", "homogeneous", "gradient", "transformed")
+        more = {name: value.get(name) for name in names}
         place = (at[0], at[1]) if isinstance(at, list) else at
         return cls(value["max"], value["rms"], value["sum"], place, **more)
 

@@ -26,7 +26,7 @@ const SETTINGS: [(&str, &[&str]); 7] = [
     ("local", &["indices", "row_by_row", "sweeps", "omega"]),
     ("adaptive", &["threshold", "omega"]),
     ("convex", &["threshold"]),
-    ("extended", &["start"]),
+    ("extended", &["start", "transformed_error"]),
     ("least_squares", &["control_points", "variant", "mu"]),
     ("custom", &["transform"]),
 ];
@@ -80,6 +80,10 @@ pub(in crate::api) struct MethodRequest {
     pub(in crate::api) threshold: Option<Thresholds>,
     /// What iteration 0 is.
     pub(in crate::api) start: Option<StartRequest>,
+    /// Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
+    /// control point moves in the next one.
+    #[schemars(extend("default" = false))]
+    pub(in crate::api) transformed_error: Option<bool>,
     /// The number of control points; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<ControlPoints>")]
     pub(in crate::api) control_points: Option<PerDirection<usize>>,
@@ -151,6 +155,7 @@ object!(
         sweeps,
         threshold,
         start,
+        transformed_error,
         control_points,
         variant,
         mu,
@@ -196,6 +201,7 @@ impl MethodRequest {
             sweeps: None,
             threshold: None,
             start: None,
+            transformed_error: None,
             control_points: None,
             variant: None,
             mu: None,
@@ -239,6 +245,7 @@ impl MethodRequest {
                     None | Some(StartRequest::Transformed) => Start::Transformed,
                     Some(StartRequest::Data) => Start::Data,
                 },
+                transformed_error: self.transformed_error.unwrap_or(false),
             }),
             MethodKind::Transpose => Method::Transpose,
             MethodKind::Convex => Method::Convex(self.convex()?),
@@ -267,6 +274,7 @@ impl MethodRequest {
             ("sweeps", self.sweeps.is_some()),
             ("threshold", self.threshold.is_some()),
             ("start", self.start.is_some()),
+            ("transformed_error", self.transformed_error.is_some()),
             ("control_points", self.control_points.is_some()),
             ("variant", self.variant.is_some()),
             ("mu", self.mu.is_some()),
@@ -463,7 +471,12 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                 set("omega", json!(omega));
             }
         }
-        Method::Extended(Extended { start }) => set("start", json!(start_name(start))),
+        Method::Extended(settings) => {
+            set("start", json!(start_name(settings.start)));
+            if settings.transformed_error {
+                set("transformed_error", json!(true));
+            }
+        }
         Method::LeastSquares(LeastSquares { u, v, variant }) => {
             set(
                 "control_points",

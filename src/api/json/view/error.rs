@@ -61,6 +61,10 @@ pub struct ErrorView {
     /// Least squares: the gradient, which is zero at the minimum.
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<f64>,
+    /// Extended fits with `transformed_error`: the largest length of U Δ, which is how far a control point
+    /// moves in the next iteration; of homogeneous fits in homogeneous coordinates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    transformed: Option<f64>,
 }
 
 impl ErrorView {
@@ -75,6 +79,7 @@ impl ErrorView {
             fixed_max: error.fixed_max.filter(|_| of.local),
             homogeneous: error.homogeneous,
             gradient: error.gradient,
+            transformed: error.transformed,
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
 use crate::fit::method::{
-    Adaptive, Convex, Extended, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
+    Adaptive, Convex, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
 };
 use crate::fit::outcome::Stall;
 use crate::fit::system::Forecast;
@@ -187,6 +187,10 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "StartRequest")]
     start: Option<&'static str>,
+    /// Extended: whether `error.transformed` is told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "bool")]
+    transformed_error: Option<bool>,
     /// Least squares: the number of control points.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "PerDirection<Count>")]
@@ -229,8 +233,9 @@ impl AppliedMethod {
                 view.omega = Some(Some(*omega));
             }
             Method::Convex(Convex { threshold }) => view.threshold = Some(*threshold),
-            Method::Extended(Extended { start }) => {
-                view.start = Some(start_name(*start));
+            Method::Extended(settings) => {
+                view.start = Some(start_name(settings.start));
+                view.transformed_error = settings.transformed_error.then_some(true);
             }
             Method::LeastSquares(LeastSquares { u, v, variant }) => {
                 view.control_points = Some(match outline.surface {

@@ -61,6 +61,8 @@ struct LevelMessage {
     bad_weight: f64,
     #[prost(uint64, optional, tag = "13")]
     predicted: Option<u64>,
+    #[prost(double, optional, tag = "14")]
+    transformed: Option<f64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Message)]
@@ -149,6 +151,7 @@ impl From<Level> for LevelMessage {
             fixed_max: error.fixed_max,
             homogeneous: error.homogeneous,
             gradient: error.gradient,
+            transformed: error.transformed,
             rate: level.rate,
             moved: level.moved as u64,
             bad_weight_at: level.bad_weight.map(|(index, _)| index as u64),
@@ -173,6 +176,7 @@ impl TryFrom<LevelMessage> for Level {
                 fixed_max: message.fixed_max,
                 homogeneous: message.homogeneous,
                 gradient: message.gradient,
+                transformed: message.transformed,
             },
             rate: message.rate,
             moved: number(message.moved)?,

@@ -255,6 +255,7 @@ impl MethodMessage {
                     true => Start::Data,
                     false => Start::Transformed,
                 },
+                transformed_error: false,
             }),
             Kind::Transpose(()) => Method::Transpose,
             Kind::Convex(()) => Method::Convex(Convex::default()),

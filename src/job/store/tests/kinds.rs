@@ -126,9 +126,10 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
             threshold: Threshold::Each((1..=grid.count()).map(|i| 1e-4 * i as f64).collect()),
             omega: 1.0,
         }),
-        Method::Extended(Extended { start: Start::Data }),
+        Method::Extended(Extended::default()),
         Method::Extended(Extended {
-            start: Start::Transformed,
+            start: Start::Data,
+            transformed_error: true,
         }),
         Method::Transpose,
         Method::Chebyshev,
