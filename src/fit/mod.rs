@@ -161,6 +161,7 @@ pub mod spectrum;
 pub mod sweep;
 pub mod system;
 pub mod tensor;
+pub mod tolerance;
 mod transform;
 pub mod warning;
 mod weights;

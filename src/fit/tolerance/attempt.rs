@@ -1,0 +1,122 @@
+//! An attempt with some number of control points: what its redistributions have brought so far.
+
+use std::sync::Arc;
+
+use super::Level;
+use super::monitor::Monitor;
+
+/// So many redistributions without gain end an attempt.
+const PATIENCE: usize = 6;
+
+/// A gain is a largest distance below this part of the lowest before.
+const GAIN: f64 = 0.98;
+
+/// After this many redistributions an attempt that is still [`HOPELESS`] tolerances away ends.
+const ENOUGH: usize = 3;
+
+/// See [`ENOUGH`].
+const HOPELESS: f64 = 4.0;
+
+/// Redistributions of some number of control points.
+#[derive(Debug)]
+pub struct Attempt {
+    count: usize,
+    /// What the next knots come from.
+    monitor: Monitor,
+    /// The level with the lowest largest distance, and what its distances ask for.
+    lowest: Option<(Arc<Level>, Monitor)>,
+    /// The last level of the weights.
+    weighed: Option<Arc<Level>>,
+    tries: usize,
+    /// Redistributions since the last gain.
+    without_gain: usize,
+}
+
+impl Attempt {
+    /// Nothing tried yet.
+    pub fn new(count: usize, monitor: Monitor) -> Self {
+        Self {
+            count,
+            monitor,
+            lowest: None,
+            weighed: None,
+            tries: 0,
+            without_gain: 0,
+        }
+    }
+
+    /// The number of control points.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether nothing was tried yet.
+    pub fn is_fresh(&self) -> bool {
+        self.tries == 0
+    }
+
+    /// What the next knots come from.
+    pub fn monitor(&self) -> &Monitor {
+        &self.monitor
+    }
+
+    /// The largest distance of the lowest level.
+    pub fn lowest(&self) -> f64 {
+        self.lowest
+            .as_ref()
+            .map_or(f64::INFINITY, |(level, _)| level.distances.max)
+    }
+
+    /// The level with the lowest largest distance.
+    pub fn lowest_level(&self) -> Option<&Arc<Level>> {
+        self.lowest.as_ref().map(|(level, _)| level)
+    }
+
+    /// Takes the outcome of a redistribution, and what its distances ask for; returns whether it is
+    /// the lowest so far.
+    pub fn take(&mut self, level: &Arc<Level>, monitor: Monitor) -> bool {
+        let (largest, before) = (level.distances.max, self.lowest());
+        self.tries += 1;
+        self.without_gain = if largest < GAIN * before {
+            0
+        } else {
+            self.without_gain + 1
+        };
+        let lower = largest < before;
+        if lower {
+            self.lowest = Some((Arc::clone(level), monitor.clone()));
+        }
+        self.monitor = monitor;
+        lower
+    }
+
+    /// Whether more redistributions are not worth it.
+    pub fn is_over(&self, tolerance: f64) -> bool {
+        self.without_gain >= PATIENCE
+            || self.tries >= ENOUGH && self.lowest() > HOPELESS * tolerance
+    }
+
+    /// The last level of the weights.
+    pub fn weighed(&self) -> Option<&Arc<Level>> {
+        self.weighed.as_ref()
+    }
+
+    /// Remembers a level of the weights.
+    pub fn with_weighed(mut self, level: Arc<Level>) -> Self {
+        self.weighed = Some(level);
+        self
+    }
+
+    /// What the distances of the last redistribution ask for.
+    pub fn into_last_monitor(self) -> Monitor {
+        self.monitor
+    }
+
+    /// What the distances of the lowest level ask for.
+    pub fn into_lowest_monitor(self) -> Monitor {
+        match self.lowest {
+            Some((_, monitor)) => monitor,
+            None => self.monitor,
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Knots of one direction while they are looked for: simple ones, between both ends of the
+//! parameters.
+//!
+//! *Breaks* are the ends and the knots between them, each once; successive ones bound a *span*.
+//!
+//! ```text
+//! open     spans + p control points, both ends p + 1 times
+//! closed   as many control points as spans; function j has control point j mod spans
+//! ```
+
+use std::sync::Arc;
+
+use crate::fit::basis::bspline;
+
+/// The knots of one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnotLine {
+    degree: usize,
+    closed: bool,
+    breaks: Vec<f64>,
+}
+
+impl KnotLine {
+    /// Knots at some breaks, which must increase; `None` if they do not, or if a closed curve has
+    /// too few of them for its degree.
+    pub fn new(degree: usize, closed: bool, breaks: Vec<f64>) -> Option<Self> {
+        let spans = breaks.len().checked_sub(1)?;
+        let least = if closed { degree + 1 } else { 1 };
+        let increase = breaks.windows(2).all(|pair| pair[0] < pair[1]);
+        (spans >= least && increase).then_some(Self {
+            degree,
+            closed,
+            breaks,
+        })
+    }
+
+    /// The fewest control points, p + 1, on equal spans.
+    pub fn coarsest(degree: usize, closed: bool, start: f64, end: f64) -> Option<Self> {
+        let spans = if closed { degree + 1 } else { 1 };
+        let at = |k: usize| start + (end - start) * (k as f64 / spans as f64);
+        let mut breaks: Vec<f64> = (0..spans).map(at).collect();
+        breaks.push(end);
+        Self::new(degree, closed, breaks)
+    }
+
+    /// The degree p.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// Whether the last span is followed by the first.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// Both ends and the knots between them.
+    pub fn breaks(&self) -> &[f64] {
+        &self.breaks
+    }
+
+    /// The number of spans.
+    pub fn spans(&self) -> usize {
+        self.breaks.len() - 1
+    }
+
+    /// The number of control points.
+    pub fn control_points(&self) -> usize {
+        self.spans() + control_points_beyond_spans(self.degree, self.closed)
+    }
+
+    /// The control point that function `j` is multiplied with.
+    pub fn control_point(&self, j: usize) -> usize {
+        if self.closed { j % self.spans() } else { j }
+    }
+
+    /// Knot `i` of the clamped or periodic vector, of which index p is the start of the parameters.
+    /// Beyond both ends a closed line goes on periodically, an open one repeats its ends.
+    pub fn knot(&self, i: isize) -> f64 {
+        let (spans, k) = (self.spans() as isize, i - self.degree as isize);
+        if self.closed {
+            let period = self.breaks[self.spans()] - self.breaks[0];
+            self.breaks[k.rem_euclid(spans) as usize] + k.div_euclid(spans) as f64 * period
+        } else {
+            self.breaks[k.clamp(0, spans) as usize]
+        }
+    }
+
+    /// All spans + 2 p + 1 knots.
+    pub fn knots(&self) -> Arc<Vec<f64>> {
+        let count = (self.spans() + 2 * self.degree + 1) as isize;
+        Arc::new((0..count).map(|i| self.knot(i)).collect())
+    }
+
+    /// Where the parameters of each span start among `t`, which increases, and after them the
+    /// number of parameters. The end of an open line belongs to its last span.
+    pub fn starts(&self, t: &[f64]) -> Vec<usize> {
+        let mut starts = Vec::with_capacity(self.breaks.len());
+        let mut at = 0;
+        for &knot in &self.breaks[..self.spans()] {
+            at += t[at..].partition_point(|&t| t < knot);
+            starts.push(at);
+        }
+        starts[0] = 0;
+        starts.push(t.len());
+        starts
+    }
+
+    /// Whether every control point has a parameter of its own (Schoenberg–Whitney), so that least
+    /// squares have one solution. The ends of an open line count for its first and last control
+    /// point.
+    pub fn is_determined(&self, t: &[f64]) -> bool {
+        let count = self.control_points();
+        if count > t.len() {
+            return false;
+        }
+        if self.closed {
+            return self.is_determined_around(t);
+        }
+        let mut i = 1;
+        (1..count - 1).all(|j| {
+            let (low, high) = (
+                self.knot(j as isize),
+                self.knot((j + self.degree + 1) as isize),
+            );
+            while i + 1 < t.len() && t[i] <= low {
+                i += 1;
+            }
+            let inside = i + 1 < t.len() && t[i] < high;
+            i += 1;
+            inside
+        })
+    }
+
+    /// The same for a closed line: the functions take turns from some first parameter on.
+    fn is_determined_around(&self, t: &[f64]) -> bool {
+        let count = self.control_points();
+        let period = self.breaks[self.spans()] - self.breaks[0];
+        let turned = |i: usize| t[i % t.len()] + (i / t.len()) as f64 * period;
+        // Whichever parameter the first function takes, a greedy choice does for the others.
+        let first = t.partition_point(|&t| t <= self.knot(self.degree as isize));
+        (0..=self.degree).any(|skip| {
+            let mut i = first + skip;
+            let end = i + t.len();
+            (0..count).all(|j| {
+                let low = self.knot((j + self.degree) as isize);
+                let high = self.knot((j + 2 * self.degree + 1) as isize);
+                while i < end && turned(i) <= low {
+                    i += 1;
+                }
+                let inside = i < end && turned(i) < high;
+                i += 1;
+                inside
+            })
+        })
+    }
+}
+
+/// How many more control points than spans there are.
+pub fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
+    if closed { 0 } else { degree }
+}
+
+/// The values of the functions at parameters: p + 1 numbers for each of them, of those of its span
+/// on.
+#[derive(Clone, Debug)]
+pub struct Values {
+    width: usize,
+    /// Where the parameters of each span start.
+    starts: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Values {
+    /// Evaluates all functions at increasing parameters.
+    pub fn new(line: &KnotLine, t: &[f64]) -> Self {
+        let (degree, knots, starts) = (line.degree, line.knots(), line.starts(t));
+        let width = degree + 1;
+        let mut values = vec![0.0; t.len() * width];
+        for (span, range) in starts.windows(2).enumerate() {
+            let rows = values[range[0] * width..range[1] * width].chunks_exact_mut(width);
+            for (&t, row) in t[range[0]..range[1]].iter().zip(rows) {
+                bspline::evaluate(degree, &knots, span + degree, t, row);
+            }
+        }
+        Self {
+            width,
+            starts,
+            values,
+        }
+    }
+
+    /// p + 1.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Where the parameters of each span start, and the number of parameters.
+    pub fn starts(&self) -> &[usize] {
+        &self.starts
+    }
+
+    /// For each span which parameters lie in it, and the p + 1 values at each of them, of functions
+    /// span … span + p.
+    pub fn spans(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>, &[f64])> {
+        self.starts.windows(2).enumerate().map(|(span, range)| {
+            let rows = &self.values[range[0] * self.width..range[1] * self.width];
+            (span, range[0]..range[1], rows)
+        })
+    }
+
+    /// `y = A x` for one coordinate of the control points.
+    pub fn apply(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
+        let mut local = vec![0.0; self.width];
+        for (span, range, rows) in self.spans() {
+            for (k, local) in local.iter_mut().enumerate() {
+                *local = x[line.control_point(span + k)];
+            }
+            for (y, row) in y[range].iter_mut().zip(rows.chunks_exact(self.width)) {
+                *y = row.iter().zip(&local).map(|(b, x)| b * x).sum();
+            }
+        }
+    }
+
+    /// `y = Aᵀ x` for one coordinate of the data.
+    pub fn apply_transposed(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        let mut local = vec![0.0; self.width];
+        for (span, range, rows) in self.spans() {
+            local.fill(0.0);
+            for (x, row) in x[range].iter().zip(rows.chunks_exact(self.width)) {
+                for (sum, b) in local.iter_mut().zip(row) {
+                    *sum += b * x;
+                }
+            }
+            for (k, sum) in local.iter().enumerate() {
+                y[line.control_point(span + k)] += sum;
+            }
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! As few control points as a tolerance needs.
+//!
+//! What users of CAD systems mean by fitting: the fewest control points with which the largest
+//! distance is within a tolerance. No rule gives them at once, so the fit goes there by *levels*,
+//! each of which is a whole B-spline through the ends of the data:
+//!
+//! 1. **Growth.** From p + 1 control points on: steps of conjugate gradients towards the
+//!    least-squares fit ([`steps`]); then a knot in the middle of every span whose largest distance
+//!    is above the tolerance ([`growth`]). Insertion is exact ([`insertion`]): the fit goes on from
+//!    the same curve, until it is within the tolerance.
+//! 2. **Redistribution and removal.** The distances of the spans are a density of knots
+//!    ([`monitor`]). Knots at equal shares of it make these distances equal, and then far fewer do:
+//!    the number of control points falls as long as some round of redistribution stays within the
+//!    tolerance ([`schedule`]).
+//! 3. **The last control point.** Least squares make the sum of squares small and not the largest
+//!    distance. Where one control point less comes close to the tolerance, weights that grow with
+//!    the distances (Lawson) often bring it there ([`minimax`]).
+//!
+//! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
+//! [`correction`]).
+//!
+//! What is minimized is behind [`equations::Minimum`]: constraints and fairness are the business of
+//! the equations, knots that of the schedule.
+//!
+//! # What can be relied on
+//!
+//! - Levels are pure functions of data, parameters and options, the same to the last bit.
+//! - The first level has p + 1 control points (of fewer data than that one for each datum raised to
+//!   the degree), and the last one is within the tolerance if any was, with the fewest control
+//!   points found.
+//! - Insertion does not change the curve, but for rounding. While knots stay where they are, and in
+//!   redistribution while their number does, the largest distance never rises.
+//! - A level costs O(n p²) for n data, and their number does not grow with n.
+//!
+//! Sources: de Boor, *Good approximation by splines with variable knots* (1973); Deng, Lin,
+//! *Progressive and iterative approximation for least squares B-spline curve and surface fitting*,
+//! CAD 47 (2014), section 4; Hoschek, *Intrinsic parametrization for approximation*, CAGD 5 (1988);
+//! Lawson, *Contributions to the theory of linear least maximum approximation* (1961); Cohen, Lyche,
+//! Riesenfeld, *Discrete B-splines and subdivision techniques* (1980).
+
+mod attempt;
+pub mod correction;
+pub mod equations;
+mod gram;
+pub mod growth;
+pub mod insertion;
+pub mod line;
+pub mod minimax;
+pub mod monitor;
+pub mod placement;
+pub mod schedule;
+pub mod steps;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use self::equations::Distances;
+use self::line::KnotLine;
+use super::points::Points;
+
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The degree p ≥ 1.
+    pub degree: usize,
+    /// The period of a closed curve, after which it is back at its first datum.
+    pub period: Option<f64>,
+    /// The largest distance that is accepted, in data units.
+    pub tolerance: f64,
+    /// The most control points; never more than data.
+    pub max_control_points: usize,
+    /// Whether parameters move to the foot points of their data.
+    pub correct_parameters: bool,
+}
+
+/// What a level has done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Moved control points towards the least-squares fit, with the knots of the level before.
+    Steps,
+    /// Inserted knots: the same curve.
+    Insertion,
+    /// Moved knots.
+    Redistribution,
+    /// Moved knots, of which there are fewer than in the level before.
+    Removal,
+    /// Moved control points to lower the largest distance, with the knots of the level before.
+    Minimax,
+    /// Gone back to the best level, as what was tried since is not within the tolerance.
+    Result,
+}
+
+/// A B-spline on the way.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// What was done since the level before.
+    pub phase: Phase,
+    /// The knots.
+    pub line: KnotLine,
+    /// The control points.
+    pub control_points: Points,
+    /// The distances from the data.
+    pub distances: Distances,
+    /// Where the data lie on the curve.
+    pub parameters: Arc<Vec<f64>>,
+}

@@ -1,0 +1,116 @@
+//! The fits of a tolerance, against what other programs need.
+
+mod table;
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use super::equations::LeastSquares;
+use super::schedule::Schedule;
+use super::{Level, Options};
+use crate::fit::outcome::Outcome;
+use crate::fit::points::Points;
+
+/// Points of a function of numbers from one end to the other.
+pub(super) fn sampled<const D: usize>(
+    count: usize,
+    from: f64,
+    to: f64,
+    f: impl Fn(f64) -> [f64; D],
+) -> Points {
+    let mut points = Points::new(D);
+    for i in 0..count {
+        let s = i as f64 / (count - 1) as f64;
+        points.push(&f(from + (to - from) * s));
+    }
+    points
+}
+
+/// Chord lengths.
+pub(super) fn chord(points: &Points) -> Vec<f64> {
+    let mut t = vec![0.0];
+    for i in 1..points.len() {
+        t.push(t[i - 1] + points.distance(i - 1, i));
+    }
+    t
+}
+
+/// Cubic, with chord lengths.
+pub(super) fn cubic(tolerance: f64) -> Options {
+    Options {
+        degree: 3,
+        period: None,
+        tolerance,
+        max_control_points: usize::MAX,
+        correct_parameters: false,
+    }
+}
+
+/// All levels of a fit, and how it ended.
+pub(super) fn levels(
+    points: &Points,
+    t: Vec<f64>,
+    options: Options,
+) -> (Vec<Arc<Level>>, Option<Outcome>) {
+    let points = Arc::new(points.clone());
+    let minimum = LeastSquares {
+        points: Arc::clone(&points),
+        data_weights: None,
+    };
+    let mut schedule = Schedule::new(points, Arc::new(t), options, minimum);
+    let mut levels = Vec::new();
+    while let Some(level) = schedule.next_level() {
+        levels.push(level);
+    }
+    (levels, schedule.outcome())
+}
+
+/// The profile NACA 2412 with a closed trailing edge, from there over the upper side.
+pub(super) fn profile() -> Points {
+    sampled(401, 0.0, 2.0 * PI, |a| {
+        let x: f64 = (1.0 + a.cos()) / 2.0;
+        let x = x.max(0.0);
+        let side = if a <= PI { 1.0 } else { -1.0 };
+        let half = 0.6
+            * (0.2969 * x.sqrt() - 0.126 * x - 0.3516 * x * x + 0.2843 * x.powi(3)
+                - 0.1036 * x.powi(4));
+        let (m, p) = (0.02, 0.4);
+        let (camber, slope) = if x < p {
+            (
+                m / (p * p) * (2.0 * p * x - x * x),
+                2.0 * m / (p * p) * (p - x),
+            )
+        } else {
+            let q = m / ((1.0 - p) * (1.0 - p));
+            (q * (1.0 - 2.0 * p + 2.0 * p * x - x * x), 2.0 * q * (p - x))
+        };
+        let turn = slope.atan();
+        [
+            x - side * half * turn.sin(),
+            camber + side * half * turn.cos(),
+        ]
+    })
+}
+
+/// Half a lemniscate of Gerono.
+pub(super) fn lemniscate() -> Points {
+    sampled(500, -PI / 2.0, PI / 2.0, |a| [a.cos(), a.sin() * a.cos()])
+}
+
+/// r = 2 + 4 cos(2θ + π/4) + cos(3θ + π/4).
+pub(super) fn rose(count: usize) -> Points {
+    sampled(count, 0.0, 2.0 * PI, |a| {
+        let r = 2.0 + 4.0 * (2.0 * a + PI / 4.0).cos() + (3.0 * a + PI / 4.0).cos();
+        [r * a.cos(), r * a.sin()]
+    })
+}
+
+/// A helix of three turns.
+pub(super) fn helix() -> Points {
+    sampled(1000, 0.0, 6.0 * PI, |a| [a.cos(), a.sin(), a / 2.0])
+}
+
+/// A steep step.
+pub(super) fn step() -> Points {
+    sampled(400, -2.0, 2.0, |x| [x, (50.0 * x).tanh()])
+}
