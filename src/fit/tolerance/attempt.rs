@@ -11,11 +11,15 @@ const PATIENCE: usize = 6;
 /// A gain is a largest distance below this part of the lowest before.
 const GAIN: f64 = 0.98;
 
-/// After this many redistributions an attempt that is still [`HOPELESS`] tolerances away ends.
+/// An attempt that is still so many tolerances away ends after [`ENOUGH`] redistributions, unless
+/// the last ones have brought the largest distance to [`FAST`] of what it was.
+const HOPELESS: f64 = 4.0;
+
+/// See [`HOPELESS`].
 const ENOUGH: usize = 3;
 
-/// See [`ENOUGH`].
-const HOPELESS: f64 = 4.0;
+/// See [`HOPELESS`].
+const FAST: f64 = 0.75;
 
 /// Redistributions of some number of control points.
 #[derive(Debug)]
@@ -30,6 +34,8 @@ pub struct Attempt {
     tries: usize,
     /// Redistributions since the last gain.
     without_gain: usize,
+    /// Redistributions since the last fast one.
+    slow: usize,
 }
 
 impl Attempt {
@@ -42,6 +48,7 @@ impl Attempt {
             weighed: None,
             tries: 0,
             without_gain: 0,
+            slow: 0,
         }
     }
 
@@ -82,6 +89,11 @@ impl Attempt {
         } else {
             self.without_gain + 1
         };
+        self.slow = if largest < FAST * before {
+            0
+        } else {
+            self.slow + 1
+        };
         let lower = largest < before;
         if lower {
             self.lowest = Some((Arc::clone(level), monitor.clone()));
@@ -93,7 +105,13 @@ impl Attempt {
     /// Whether more redistributions are not worth it.
     pub fn is_over(&self, tolerance: f64) -> bool {
         self.without_gain >= PATIENCE
-            || self.tries >= ENOUGH && self.lowest() > HOPELESS * tolerance
+            || self.is_hopeless(tolerance) && self.tries >= ENOUGH && self.slow > 1
+    }
+
+    /// Whether the tolerance is so far away that distances tell little about how many control
+    /// points are needed.
+    pub fn is_hopeless(&self, tolerance: f64) -> bool {
+        self.lowest() > HOPELESS * tolerance
     }
 
     /// The last level of the weights.

@@ -61,6 +61,8 @@ pub struct Schedule<M> {
     best: Option<Arc<Level>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<Level>>,
+    /// What the distances of the best level ask for.
+    within: Option<Monitor>,
     /// This many control points, or fewer, are known not to do.
     low: usize,
     /// This many are known to do, or too many.
@@ -111,6 +113,7 @@ impl<M: Minimum> Schedule<M> {
             last: None,
             best: None,
             closest: None,
+            within: None,
             spent: 0,
             outcome: None,
         }
@@ -242,6 +245,7 @@ impl<M: Minimum> Schedule<M> {
         let monitor = Monitor::new(&nearest.line, values.starts(), each, 1.0);
         if let Some(best) = &self.best {
             self.high = best.line.control_points();
+            self.within = Some(monitor.clone());
         }
         self.next_attempt(asked, monitor);
     }
@@ -342,6 +346,7 @@ impl<M: Minimum> Schedule<M> {
         if level.distances.max <= self.options.tolerance {
             let monitor = attempt.into_lowest_monitor();
             self.high = level.line.control_points();
+            self.within = Some(monitor.clone());
             self.next_attempt(self.high - 1, monitor);
         } else {
             let attempt = attempt.with_weighed(level);
@@ -352,6 +357,7 @@ impl<M: Minimum> Schedule<M> {
     /// Goes on with fewer control points.
     fn succeed(&mut self, level: &Level, monitor: Monitor) {
         self.high = level.line.control_points();
+        self.within = Some(monitor.clone());
         let asked = self
             .asked(&level.line, level.distances.max)
             .min(self.high - 1);

@@ -74,3 +74,13 @@ fn steep_step() {
         ],
     );
 }
+
+#[test]
+fn trace() {
+    let p = step();
+    let tol = 1e-5;
+    let (l, _) = levels(&p, chord(&p), cubic(tol));
+    for l in l {
+        println!("{:?} {} {:.3} {:.3e}", l.phase, l.line.control_points(), l.distances.max / tol, l.distances.rms);
+    }
+}
