@@ -109,6 +109,7 @@
 //! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
 //! - [`limit`]: where local fits end, in closed form;
+//! - [`tolerance`]: as few control points as a tolerance needs;
 //! - [`warning`]: what is doubtful about a fit.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,

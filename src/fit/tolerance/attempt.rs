@@ -102,10 +102,11 @@ impl Attempt {
         lower
     }
 
-    /// Whether more redistributions are not worth it.
-    pub fn is_over(&self, tolerance: f64) -> bool {
-        self.without_gain >= PATIENCE
-            || self.is_hopeless(tolerance) && self.tries >= ENOUGH && self.slow > 1
+    /// Whether more redistributions are not worth it. With the `most` control points that are
+    /// allowed there is no other way to get closer.
+    pub fn is_over(&self, tolerance: f64, most: usize) -> bool {
+        let elsewhere = self.count < most && self.is_hopeless(tolerance);
+        self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
     }
 
     /// Whether the tolerance is so far away that distances tell little about how many control

@@ -34,6 +34,9 @@ const SLOW: f64 = 0.9;
 /// The largest distance may rise by this part, which is rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// Levels that gain less than this part are not worth a level.
+const GAIN: f64 = 1e-6;
+
 /// How far knots go towards equal distances in a redistribution.
 const DAMPING: f64 = 0.7;
 
@@ -191,7 +194,7 @@ impl<M: Minimum> Schedule<M> {
         let alone = last.line.control_points() > self.points.len();
         let most = if alone { STEPS_ALONE } else { STEPS };
         let falls = distances.max <= last.distances.max * (1.0 + ROUNDING)
-            && distances.rms < last.distances.rms;
+            && distances.rms < last.distances.rms * (1.0 - GAIN);
         let slow = distances.rms > SLOW * last.distances.rms && !alone;
         if falls {
             self.issue(level);
@@ -212,7 +215,7 @@ impl<M: Minimum> Schedule<M> {
         let mut nearest = Arc::clone(&last);
         if let Some(control_points) = self.minimum.minimum(&last.line, values, None) {
             nearest = self.level(Phase::Steps, last.line.clone(), values, control_points);
-            if nearest.distances.max < last.distances.max {
+            if nearest.distances.max < last.distances.max * (1.0 - GAIN) {
                 self.issue(Arc::clone(&nearest));
             }
         }
@@ -278,7 +281,7 @@ impl<M: Minimum> Schedule<M> {
         }
         if level.distances.max <= self.options.tolerance {
             self.succeed(&level, attempt.into_last_monitor());
-        } else if !attempt.is_over(self.options.tolerance) {
+        } else if !attempt.is_over(self.options.tolerance, self.high - 1) {
             self.stage = Stage::Attempt(attempt);
         } else if attempt.lowest() < NEAR * self.options.tolerance {
             let weights = Weights::new(self.points.len());
@@ -340,7 +343,7 @@ impl<M: Minimum> Schedule<M> {
             control_points,
             parameters,
         );
-        if level.distances.max < last.distances.max {
+        if level.distances.max < last.distances.max * (1.0 - GAIN) {
             self.issue(Arc::clone(&level));
         }
         if level.distances.max <= self.options.tolerance {

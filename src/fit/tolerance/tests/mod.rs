@@ -1,5 +1,6 @@
 //! The fits of a tolerance, against what other programs need.
 
+mod rules;
 mod table;
 
 use std::f64::consts::PI;
@@ -7,7 +8,7 @@ use std::sync::Arc;
 
 use super::equations::LeastSquares;
 use super::schedule::Schedule;
-use super::{Level, Options};
+use super::{Level, Options, Phase};
 use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
 
@@ -63,6 +64,39 @@ pub(super) fn levels(
         levels.push(level);
     }
     (levels, schedule.outcome())
+}
+
+/// Checks the rules of levels: they start with the fewest control points, go through the ends of
+/// open curves, insertion keeps the curve, and the largest distance never rises while the knots
+/// stay, or their number in redistribution.
+pub(super) fn valid(points: &Points, levels: &[Arc<Level>]) {
+    let first = &levels[0].line;
+    assert_eq!(first.control_points(), first.degree() + 1);
+    let size = points.bounding_diagonal();
+    for pair in levels.windows(2) {
+        let (before, after) = (&pair[0].distances, &pair[1].distances);
+        let (coarse, fine) = (&pair[0].line, &pair[1].line);
+        let rises = after.max > before.max * (1.0 + 1e-9) + 1e-14 * size;
+        let (from, to) = (coarse.control_points(), fine.control_points());
+        match pair[1].phase {
+            Phase::Steps | Phase::Minimax => assert!(coarse == fine && !rises),
+            Phase::Insertion => {
+                assert!(to > from);
+                let mut pairs = before.each.iter().zip(&after.each);
+                assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-12 * size));
+            }
+            Phase::Redistribution => assert!(to > from || to == from && !rises),
+            Phase::Removal => assert!(to < from),
+            Phase::Result => {}
+        }
+    }
+    for level in levels.iter().filter(|level| !level.line.is_closed()) {
+        let last = level.line.control_points() - 1;
+        for (end, datum) in [(0, 0), (last, points.len() - 1)] {
+            let mut pairs = level.control_points.point(end).zip(points.point(datum));
+            assert!(pairs.all(|(x, p)| x == p));
+        }
+    }
 }
 
 /// The profile NACA 2412 with a closed trailing edge, from there over the upper side.
