@@ -203,13 +203,9 @@ fn inverses_and_orthogonal_transforms_are_what_they_say() {
             let mut lines = matrix.as_slice().to_vec();
             collocation.orthogonal().apply(&mut lines);
             let upper = DMatrix::from_column_slice(n, n, &lines);
-            // Closed curves are factorized in a folded order.
-            let fold = crate::fit::linear::folded(n);
-            let wraps = matches!(&collocation, Collocation::Banded(b) if b.is_cyclic());
-            let place = |i| if wraps { fold(i) } else { i };
             for i in 0..n {
                 assert!((upper[(i, i)] - 1.0).abs() < 1e-10);
-                for j in (0..n).filter(|&j| place(j) < place(i)) {
+                for j in (0..n).filter(|&j| j < i) {
                     assert!(upper[(i, j)].abs() < 1e-9, "{:?}", direction.basis);
                 }
             }
@@ -246,5 +242,42 @@ fn long_matrices_are_solved() {
                 assert!(far < 1e-9, "{n}, degree {degree}, {lines} lines: {far}");
             }
         }
+    }
+}
+
+/// Row by row `H Qᵀ` of the dense QR decomposition in the order of the columns.
+fn transform_of_dense(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let qr = matrix.clone().qr();
+    let (q, r) = (qr.q(), qr.r());
+    let mut transform = q.transpose();
+    for i in 0..matrix.nrows() {
+        transform.row_mut(i).unscale_mut(r[(i, i)]);
+    }
+    transform
+}
+
+/// The transform of the extended method is that of the thin QR decomposition in the natural order of
+/// the columns, whatever the basis.
+#[test]
+fn the_orthogonal_transform_is_that_of_the_natural_order() {
+    let mut directions = vec![bernstein(9)];
+    for degree in 1..=9 {
+        for n in [degree + 1, degree + 2, 13, 40] {
+            if n > degree {
+                directions.push(averaged(uneven(n), degree));
+                directions.push(closed(n, degree));
+            }
+            directions.push(at_data(uneven(n), degree));
+        }
+    }
+    for direction in directions {
+        let collocation = Collocation::new(&direction);
+        let matrix = collocation.to_dense();
+        let n = matrix.nrows();
+        let mut columns = DMatrix::<f64>::identity(n, n);
+        collocation.orthogonal().apply(columns.as_mut_slice());
+        let expected = transform_of_dense(&matrix);
+        let wrong = (&columns - &expected).norm() / expected.norm();
+        assert!(wrong < 1e-10, "{n}, {:?}: {wrong}", direction.basis);
     }
 }

@@ -10,11 +10,12 @@
 //!   of them;
 //! - `map`: linear maps of lines, and tensor products of them;
 //! - `inverse`: `B⁻¹` by `elimination` without pivots, by banded `lu` or by `dense` LU;
-//! - `qr`: the transform of the extended method;
+//! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod band;
 pub mod banded;
+mod bordered;
 pub mod columns;
 mod dense;
 mod elimination;

@@ -3,14 +3,16 @@
 //!
 //! Q is never formed. For banded matrices it is a product of plane (Givens) rotations, l for each
 //! of the n columns if there are l entries below the diagonal: `O(n l (l + r))` to make and `6 n l`
-//! operations for a line. For dense matrices it is the product of Householder reflections that
+//! operations for a line; [cyclic](super::bordered) ones fill in their last columns. Columns keep
+//! their order, so that U and with it every level are those of the thin QR decomposition. For dense matrices it is the product of Householder reflections that
 //! `nalgebra` keeps: O(n³) and O(n²). `U B = H R` is upper triangular with ones on the diagonal, so
 //! that `I − U B` is nilpotent.
 
 use nalgebra::{DMatrix, DMatrixViewMut, Dyn};
 
-use super::band::{Band, unfolded};
+use super::band::Band;
 use super::banded::Banded;
+use super::bordered::BorderedRotations;
 use super::map::LineMap;
 
 /// `H Qᵀ` of one direction. It does not depend on the signs that a QR decomposition chooses: a sign
@@ -19,6 +21,8 @@ use super::map::LineMap;
 pub enum Orthogonal {
     /// Of a local basis of degree p: plane rotations, O(n p²) to make and O(n p) to apply.
     Banded(Rotations),
+    /// Of a local basis whose matrix has rows that go around the end: as much.
+    Cyclic(BorderedRotations),
     /// Of a global basis: reflections, O(n³) to make and O(n²) to apply.
     Dense {
         /// The decomposition.
@@ -40,13 +44,14 @@ pub struct Rotations {
     rotations: Vec<(f64, f64)>,
     /// The diagonal of R.
     diagonal: Vec<f64>,
-    /// Whether rows and columns are in the folded order.
-    folded: bool,
 }
 
 impl Orthogonal {
     /// The transform of a square banded matrix, which may be cyclic.
     pub fn of_banded(matrix: &Banded) -> Self {
+        if matrix.is_cyclic() {
+            return Self::Cyclic(BorderedRotations::new(matrix));
+        }
         let n = matrix.rows();
         let mut band = Band::new(matrix);
         let (lower, upper) = (band.lower, band.upper);
@@ -82,7 +87,6 @@ impl Orthogonal {
             lower,
             rotations,
             diagonal,
-            folded: band.folded,
         })
     }
 
@@ -95,18 +99,17 @@ impl Orthogonal {
 }
 
 impl Rotations {
-    /// Applies `H Qᵀ` to a line in place; `at` says which index stands at each place of the order
-    /// of rows.
-    fn transform(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
+    /// Applies `H Qᵀ` to a line in place.
+    fn transform(&self, x: &mut [f64]) {
         for k in 0..self.n {
             let rotations = &self.rotations[k * self.lower..(k + 1) * self.lower];
             for (r, &(c, s)) in rotations.iter().enumerate().take(self.n - 1 - k) {
-                let (i, j) = (at(k), at(k + r + 1));
+                let (i, j) = (k, k + r + 1);
                 let (a, b) = (x[i], x[j]);
                 x[i] = c * a + s * b;
                 x[j] = c * b - s * a;
             }
-            x[at(k)] /= self.diagonal[k];
+            x[k] /= self.diagonal[k];
         }
     }
 }
@@ -115,13 +118,12 @@ impl LineMap for Orthogonal {
     fn apply(&self, lines: &mut [f64]) {
         match self {
             Self::Banded(rotations) => {
-                for line in lines.chunks_exact_mut(rotations.n) {
-                    if rotations.folded {
-                        rotations.transform(line, unfolded(rotations.n));
-                    } else {
-                        rotations.transform(line, |k| k);
-                    }
-                }
+                let lines = lines.chunks_exact_mut(rotations.n);
+                lines.for_each(|line| rotations.transform(line));
+            }
+            Self::Cyclic(rotations) => {
+                let lines = lines.chunks_exact_mut(rotations.rows());
+                lines.for_each(|line| rotations.transform(line));
             }
             Self::Dense { qr, diagonal } => {
                 let n = diagonal.len();

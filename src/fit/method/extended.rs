@@ -12,7 +12,11 @@
 //! takes m + n + 1 levels with highest indices m and n, not (m + 1)(n + 1). The error is not
 //! monotone: it can grow by many orders of magnitude before it vanishes, and rounding of that is
 //! what is left; a rehearsal finds out how much. For B-splines R is banded: O(n p²) to prepare, O(n
-//! p) for each level.
+//! p) for each level; that of closed ones has full columns at its end.
+//!
+//! Levels between depend on the order of the columns in the decomposition. It is the natural one, so
+//! that they are those of the paper. Up to degree 3, of closed curves 4, their errors stay of the
+//! order of that of level 0; from there on they grow exponentially with the number of points.
 
 use std::sync::Arc;
 
@@ -144,3 +148,6 @@ impl Scheme for Extended {
         rounding.into_iter().collect()
     }
 }
+
+#[cfg(test)]
+mod tests;
