@@ -8,7 +8,8 @@
 //! bend to a parameter that was only guessed. Parameters stay increasing: none goes more than a part
 //! of the way to its neighbours. The first one stays, and on open curves the last one.
 
-use super::line::{KnotLine, Values};
+use super::line::KnotLine;
+use super::values::Values;
 use crate::fit::points::Points;
 
 /// How far a parameter may go towards a neighbour.

@@ -12,7 +12,8 @@
 use std::sync::Arc;
 
 use super::gram::Gram;
-use super::line::{KnotLine, Values};
+use super::line::KnotLine;
+use super::values::Values;
 use crate::fit::points::Points;
 use crate::fit::scaling::normalizing_scale;
 

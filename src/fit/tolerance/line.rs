@@ -10,8 +10,6 @@
 
 use std::sync::Arc;
 
-use crate::fit::basis::bspline;
-
 /// The knots of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotLine {
@@ -158,83 +156,4 @@ impl KnotLine {
 /// How many more control points than spans there are.
 pub fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
     if closed { 0 } else { degree }
-}
-
-/// The values of the functions at parameters: p + 1 numbers for each of them, of those of its span
-/// on.
-#[derive(Clone, Debug)]
-pub struct Values {
-    width: usize,
-    /// Where the parameters of each span start.
-    starts: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Values {
-    /// Evaluates all functions at increasing parameters.
-    pub fn new(line: &KnotLine, t: &[f64]) -> Self {
-        let (degree, knots, starts) = (line.degree, line.knots(), line.starts(t));
-        let width = degree + 1;
-        let mut values = vec![0.0; t.len() * width];
-        for (span, range) in starts.windows(2).enumerate() {
-            let rows = values[range[0] * width..range[1] * width].chunks_exact_mut(width);
-            for (&t, row) in t[range[0]..range[1]].iter().zip(rows) {
-                bspline::evaluate(degree, &knots, span + degree, t, row);
-            }
-        }
-        Self {
-            width,
-            starts,
-            values,
-        }
-    }
-
-    /// p + 1.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Where the parameters of each span start, and the number of parameters.
-    pub fn starts(&self) -> &[usize] {
-        &self.starts
-    }
-
-    /// For each span which parameters lie in it, and the p + 1 values at each of them, of functions
-    /// span … span + p.
-    pub fn spans(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>, &[f64])> {
-        self.starts.windows(2).enumerate().map(|(span, range)| {
-            let rows = &self.values[range[0] * self.width..range[1] * self.width];
-            (span, range[0]..range[1], rows)
-        })
-    }
-
-    /// `y = A x` for one coordinate of the control points.
-    pub fn apply(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
-        let mut local = vec![0.0; self.width];
-        for (span, range, rows) in self.spans() {
-            for (k, local) in local.iter_mut().enumerate() {
-                *local = x[line.control_point(span + k)];
-            }
-            for (y, row) in y[range].iter_mut().zip(rows.chunks_exact(self.width)) {
-                *y = row.iter().zip(&local).map(|(b, x)| b * x).sum();
-            }
-        }
-    }
-
-    /// `y = Aᵀ x` for one coordinate of the data.
-    pub fn apply_transposed(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        let mut local = vec![0.0; self.width];
-        for (span, range, rows) in self.spans() {
-            local.fill(0.0);
-            for (x, row) in x[range].iter().zip(rows.chunks_exact(self.width)) {
-                for (sum, b) in local.iter_mut().zip(row) {
-                    *sum += b * x;
-                }
-            }
-            for (k, sum) in local.iter().enumerate() {
-                y[line.control_point(span + k)] += sum;
-            }
-        }
-    }
 }

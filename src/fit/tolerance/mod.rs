@@ -52,6 +52,7 @@ pub mod schedule;
 pub mod steps;
 #[cfg(test)]
 mod tests;
+pub mod values;
 
 use std::sync::Arc;
 

@@ -13,11 +13,12 @@ use super::correction::corrected;
 use super::equations::{self, Distances, Minimum};
 use super::growth::grown;
 use super::insertion::refine;
-use super::line::{KnotLine, Values, control_points_beyond_spans};
+use super::line::{KnotLine, control_points_beyond_spans};
 use super::minimax::Weights;
 use super::monitor::{Monitor, needed, span_maxima};
 use super::placement::place;
 use super::steps::Steps;
+use super::values::Values;
 use super::{Level, Options, Phase};
 use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
@@ -170,7 +171,10 @@ impl<M: Minimum> Schedule<M> {
         };
         let values = Values::new(&line, &self.parameters);
         self.issue_new(Phase::Steps, line, &values, control_points);
-        self.stage = self.begin_steps(values);
+        // Fewer there are not.
+        if self.best.is_none() {
+            self.stage = self.begin_steps(values);
+        }
     }
 
     /// Steps from the last level on.

