@@ -19,6 +19,8 @@
 //! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
 //! [`correction`]).
 //!
+//! Surfaces do the same with whole knot lines ([`surface`]).
+//!
 //! What is minimized is behind [`equations::Minimum`]: constraints and fairness are the business of
 //! the equations, knots that of the schedule.
 //!
@@ -50,6 +52,7 @@ pub mod monitor;
 pub mod placement;
 pub mod schedule;
 pub mod steps;
+pub mod surface;
 #[cfg(test)]
 mod tests;
 pub mod values;

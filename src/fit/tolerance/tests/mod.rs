@@ -1,6 +1,7 @@
 //! The fits of a tolerance, against what other programs need.
 
 mod rules;
+mod surface;
 mod table;
 
 use std::f64::consts::PI;
