@@ -1,0 +1,32 @@
+//! Grids as the curves of their lines, in one direction or the other.
+
+use crate::fit::points::Points;
+
+/// The lines of a grid side by side: coordinate c of line k becomes lane c · lines + k.
+pub(super) fn lines_of(points: &Points, lines: usize, length: usize) -> Points {
+    let all = points.lanes().iter();
+    debug_assert_eq!(points.len(), lines * length);
+    Points::from_lanes(all.flat_map(|lane| lane.chunks_exact(length)))
+}
+
+/// The inverse of [`lines_of`].
+pub(super) fn joined(curves: &Points, dimension: usize, lines: usize, length: usize) -> Points {
+    Points::from_lanes((0..dimension).map(|c| {
+        let mut lane = Vec::with_capacity(lines * length);
+        (0..lines).for_each(|k| lane.extend_from_slice(curves.lane(c * lines + k)));
+        lane
+    }))
+}
+
+/// The grid with rows and columns exchanged.
+pub(super) fn transposed(points: &Points, rows: usize, columns: usize) -> Points {
+    let lanes = points.lanes().iter();
+    Points::from_lanes(lanes.map(|lane| flipped(lane, rows, columns)))
+}
+
+/// The same for one coordinate.
+pub(super) fn flipped(lane: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+    (0..columns)
+        .flat_map(|j| (0..rows).map(move |i| lane[i * columns + j]))
+        .collect()
+}
