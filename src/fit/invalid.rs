@@ -235,6 +235,11 @@ pub enum Invalid {
         "the transform U diverges: with this basis and these parameters the spectral radius of I − U B is {rate:.3}, and it must be below 1"
     )]
     TransformDiverges { rate: f64 },
+    /// The factorization of the normal equations of a whole surface would take too long.
+    #[error(
+        "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg"
+    )]
+    NormalEquations,
     /// The number of explicit parameters is not that of the data points.
     #[error("{given} parameters for {expected} points")]
     ParameterCount {

@@ -372,7 +372,7 @@ impl Iteration {
             Some(Outcome::Overflow)
         } else if self.is_within() {
             Some(self.success(Outcome::Converged))
-        } else if let Some(outcome) = problem.method().scheme().stop(&self.progress()) {
+        } else if let Some(outcome) = self.rule_of_method() {
             match outcome {
                 Outcome::Stationary => Some(self.success(outcome)),
                 _ => Some(outcome),
@@ -384,6 +384,14 @@ impl Iteration {
         } else {
             None
         }
+    }
+
+    /// Whether the fit ends for a reason of the method's own, by its errors or by what its update
+    /// has measured.
+    fn rule_of_method(&self) -> Option<Outcome> {
+        let rule = self.system.problem().method().scheme();
+        let measured = || self.update().and_then(Update::outcome);
+        rule.stop(&self.progress()).or_else(measured)
     }
 
     /// What the stop rule of the method goes by.

@@ -115,6 +115,7 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
         m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
         m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
         m::Variant::Cg => Variant::ConjugateGradients,
+        m::Variant::Direct => Variant::Direct,
     };
     if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
         return Err(mu_without_lspia().into());
@@ -337,6 +338,7 @@ fn least_squares_message(settings: LeastSquares, surface: bool) -> m::LeastSquar
         Variant::Diagonal => (V::Diagonal, None),
         Variant::Lspia { mu } => (V::Lspia, mu),
         Variant::ConjugateGradients => (V::Cg, None),
+        Variant::Direct => (V::Direct, None),
     };
     m::LeastSquares {
         control_points_u: count(settings.u),

@@ -40,6 +40,7 @@ mod jobs;
 mod large;
 mod large_mistakes;
 mod least_squares;
+mod least_squares_ends;
 mod local;
 mod messages_over_rest;
 mod methods;

@@ -334,10 +334,11 @@ impl<'a> Choices<'a> {
             Some(columns) => json!({"u": u, "v": 2 + self.below(columns - 1)}),
         };
         let mut method = json!({"kind": "least_squares", "control_points": counts});
-        match self.below(4) {
+        match self.below(5) {
             0 => {}
             1 => method["variant"] = json!("cg"),
             2 => method["variant"] = json!("lspia"),
+            3 => method["variant"] = json!("direct"),
             _ => {
                 method["variant"] = json!("lspia");
                 method["mu"] = json!(self.positive());

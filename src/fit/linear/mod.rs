@@ -11,6 +11,7 @@
 //! - `map`: linear maps of lines, and tensor products of them;
 //! - `inverse`: `B⁻¹` by `elimination` without pivots, by banded `lu` or by `dense` LU;
 //! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
+//! - `triangular`: least-squares factorizations;
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod band;
@@ -24,6 +25,7 @@ pub mod lu;
 mod map;
 mod pack;
 pub mod qr;
+pub mod triangular;
 
 pub use band::{folded, unfolded};
 pub(super) use dense::DenseMap;

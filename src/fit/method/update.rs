@@ -7,7 +7,7 @@
 use std::fmt::Debug;
 
 use crate::fit::equations::Equations;
-use crate::fit::outcome::Stall;
+use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 
 /// What an update has changed.
@@ -76,6 +76,11 @@ pub(in crate::fit) trait Update: Debug + Send {
     /// method.
     fn is_unfinished(&self) -> bool {
         false
+    }
+
+    /// Whether the fit is at its end by what the update has measured, and why.
+    fn outcome(&self) -> Option<Outcome> {
+        None
     }
 
     /// Whether another update would change nothing, and why.

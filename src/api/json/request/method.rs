@@ -133,8 +133,8 @@ pub(in crate::api) enum SweepsRequest {
     Columns,
 }
 
-/// The step of a least-squares fit: with a diagonal matrix, with one number, or of conjugate
-/// gradients, which is the fastest.
+/// The step of a least-squares fit: with a diagonal matrix, with one number, of conjugate gradients,
+/// the fastest iteration, or `direct` to the minimum, which iteration 1 is then.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(rename = "LeastSquaresVariant", extend("default" = "diagonal"), example = &"diagonal")]
@@ -142,6 +142,7 @@ pub(in crate::api) enum VariantRequest {
     Diagonal,
     Lspia,
     Cg,
+    Direct,
 }
 
 object!(
@@ -188,6 +189,7 @@ names!(VariantRequest, "variant of the method least_squares", [
     "diagonal" => Diagonal,
     "lspia" => Lspia,
     "cg" => Cg,
+    "direct" => Direct,
 ]);
 
 impl MethodRequest {
@@ -354,6 +356,7 @@ impl MethodRequest {
             None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
             Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
             Some(VariantRequest::Cg) => Variant::ConjugateGradients,
+            Some(VariantRequest::Direct) => Variant::Direct,
         };
         Ok(LeastSquares { u, v, variant })
     }
@@ -420,6 +423,7 @@ pub(in crate::api) fn variant_name(variant: Variant) -> &'static str {
         Variant::Diagonal => "diagonal",
         Variant::Lspia { .. } => "lspia",
         Variant::ConjugateGradients => "cg",
+        Variant::Direct => "direct",
     }
 }
 

@@ -142,6 +142,7 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
             Variant::Lspia { mu: None },
             Variant::Lspia { mu: Some(0.01) },
             Variant::ConjugateGradients,
+            Variant::Direct,
         ]
         .map(|variant| Method::LeastSquares(LeastSquares { u: 5, v, variant })),
     );

@@ -1,0 +1,244 @@
+//! Least-squares factorizations of matrices with few consecutive entries in a row: `AᵀA = RᵀR`, with
+//! an upper triangular R that is as narrow as A.
+//!
+//! R comes from rotations (Givens) of the rows of A, in the order of their first columns, so that the
+//! condition of A is that of R and not, as with a Cholesky decomposition of AᵀA, its square. That
+//! takes O(m w²) for m rows of w entries, and a solution O(n w) for n columns.
+//!
+//! Columns that depend on those before them are left out: their unknowns stay zero.
+
+use super::map::LineMap;
+
+/// A column whose part that is independent of the columns before it is smaller than this part of it
+/// depends on them.
+const DEPENDENT: f64 = 1e-12;
+
+/// The rows of a matrix on their way into a factorization.
+#[derive(Debug)]
+pub struct Rows {
+    /// The place of each column in the order in which rows are narrow.
+    places: Vec<u32>,
+    /// The most places from the first to the last entry of a row.
+    width: usize,
+    /// The first place of each row.
+    firsts: Vec<u32>,
+    /// `width` numbers of each row.
+    entries: Vec<f64>,
+}
+
+impl Rows {
+    /// No rows yet, of as many columns as there are places.
+    pub fn new(places: Vec<u32>, width: usize) -> Self {
+        Self {
+            width: width.min(places.len()),
+            places,
+            firsts: Vec::new(),
+            entries: Vec::new(),
+        }
+    }
+
+    /// Adds a multiple of a row of columns and values.
+    pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone, factor: f64) {
+        let entries = || {
+            let entries = row.clone().filter(|&(_, value)| value != 0.0);
+            entries.map(|(column, value)| (self.places[column] as usize, value))
+        };
+        let Some(first) = entries().map(|(place, _)| place).min() else {
+            return;
+        };
+        let mut line = vec![0.0; self.width];
+        for (place, value) in entries() {
+            line[place - first] += factor * value;
+        }
+        self.entries.extend(line);
+        self.firsts.push(first as u32);
+    }
+
+    /// The triangular factor; `fixed` columns are left out.
+    pub fn triangular(self, fixed: impl Fn(usize) -> bool) -> Triangular {
+        let mut order: Vec<usize> = (0..self.firsts.len()).collect();
+        order.sort_by_key(|&row| self.firsts[row]);
+        let n = self.places.len();
+        let mut triangular = Triangular {
+            width: self.width,
+            rows: vec![0.0; n * self.width],
+            taken: vec![false; n],
+            places: self.places,
+        };
+        let mut line = vec![0.0; self.width];
+        for row in order {
+            line.copy_from_slice(&self.entries[row * self.width..(row + 1) * self.width]);
+            triangular.insert(&mut line, self.firsts[row] as usize);
+        }
+        triangular.leave_out(fixed);
+        triangular
+    }
+}
+
+/// An upper triangular matrix R, for solutions of `RᵀR x = b`.
+#[derive(Debug)]
+pub struct Triangular {
+    /// The place of each column.
+    places: Vec<u32>,
+    /// The numbers that are kept of each row, from the diagonal on.
+    width: usize,
+    rows: Vec<f64>,
+    /// Which rows have entries.
+    taken: Vec<bool>,
+}
+
+impl Triangular {
+    /// Rotates a row, which begins at place `first`, into the rows that are there.
+    fn insert(&mut self, line: &mut [f64], first: usize) {
+        let width = self.width;
+        for place in first..self.taken.len() {
+            let row = &mut self.rows[place * width..(place + 1) * width];
+            if line[0] != 0.0 {
+                if !self.taken[place] {
+                    row.copy_from_slice(line);
+                    self.taken[place] = true;
+                    return;
+                }
+                let radius = row[0].hypot(line[0]);
+                let (cosine, sine) = (row[0] / radius, line[0] / radius);
+                for (above, below) in row.iter_mut().zip(&mut *line) {
+                    let rotated = cosine * *above + sine * *below;
+                    *below = cosine * *below - sine * *above;
+                    *above = rotated;
+                }
+            }
+            line.copy_within(1.., 0);
+            line[width - 1] = 0.0;
+            if line.iter().all(|x| *x == 0.0) {
+                return;
+            }
+        }
+    }
+
+    /// Leaves out fixed columns and those that depend on others before them.
+    fn leave_out(&mut self, fixed: impl Fn(usize) -> bool) {
+        let (n, width) = (self.taken.len(), self.width);
+        let mut squares = vec![0.0; n];
+        for (place, row) in self.rows.chunks_exact(width).enumerate() {
+            for (square, value) in squares[place..].iter_mut().zip(row) {
+                *square += value * value;
+            }
+        }
+        let mut given = vec![false; n];
+        for (column, &place) in self.places.iter().enumerate() {
+            given[place as usize] = fixed(column);
+        }
+        for place in 0..n {
+            let diagonal = self.rows[place * width].abs();
+            if given[place] || diagonal <= DEPENDENT * squares[place].sqrt() {
+                // What the row says about later columns is said by their rows.
+                let row = &mut self.rows[place * width..(place + 1) * width];
+                let mut line = row.to_vec();
+                row.fill(0.0);
+                line[0] = 0.0;
+                self.taken[place] = false;
+                line.copy_within(1.., 0);
+                line[width - 1] = 0.0;
+                self.insert(&mut line, place + 1);
+            }
+        }
+    }
+
+    /// `x ← R⁻¹ R⁻ᵀ x`, in the order of places.
+    fn solve(&self, x: &mut [f64]) {
+        let (n, width) = (x.len(), self.width);
+        for place in 0..n {
+            let row = &self.rows[place * width..(place + 1) * width];
+            if !self.taken[place] {
+                x[place] = 0.0;
+                continue;
+            }
+            x[place] /= row[0];
+            let value = x[place];
+            for (x, entry) in x[place + 1..].iter_mut().zip(&row[1..]) {
+                *x -= entry * value;
+            }
+        }
+        for place in (0..n).rev().filter(|&place| self.taken[place]) {
+            let row = &self.rows[place * width..(place + 1) * width];
+            let later = row[1..].iter().zip(&x[place + 1..]);
+            let sum: f64 = later.map(|(entry, x)| entry * x).sum();
+            x[place] = (x[place] - sum) / row[0];
+        }
+    }
+}
+
+impl LineMap for Triangular {
+    /// Solves `RᵀR x = b` for each line.
+    fn apply(&self, lines: &mut [f64]) {
+        let mut ordered = vec![0.0; self.places.len()];
+        for line in lines.chunks_exact_mut(self.places.len()) {
+            for (x, &place) in line.iter().zip(&self.places) {
+                ordered[place as usize] = *x;
+            }
+            self.solve(&mut ordered);
+            for (x, &place) in line.iter_mut().zip(&self.places) {
+                *x = ordered[place as usize];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::*;
+
+    fn entry(i: usize, j: usize) -> f64 {
+        ((3 * i + 7 * j) as f64).sin() + 0.3
+    }
+
+    /// Against the normal equations, solved densely.
+    #[test]
+    fn solutions_are_those_of_the_normal_equations() {
+        let (m, n, width) = (40, 12, 4);
+        let mut rows = Rows::new((0..n as u32).collect(), width);
+        let mut dense = DMatrix::zeros(m, n);
+        for i in 0..m {
+            let first = i * (n - width + 1) / m;
+            let row: Vec<(usize, f64)> = (first..first + width).map(|j| (j, entry(i, j))).collect();
+            row.iter().for_each(|&(j, value)| dense[(i, j)] = value);
+            rows.push(row.iter().copied(), 1.0);
+        }
+        let b: Vec<f64> = (0..n).map(|j| (j as f64).cos()).collect();
+        let mut x = b.clone();
+        rows.triangular(|_| false).apply(&mut x);
+        let normal = dense.transpose() * &dense;
+        let expected = normal.lu().solve(&DVector::from_vec(b)).unwrap();
+        for (x, expected) in x.iter().zip(expected.iter()) {
+            assert!((x - expected).abs() < 1e-10 * expected.abs().max(1.0));
+        }
+    }
+
+    /// Column 2 is zero and column 3 twice column 1: both are left out, and the others solved for.
+    #[test]
+    fn dependent_columns_are_left_out() {
+        let (m, n) = (9, 5);
+        let mut rows = Rows::new((0..n as u32).collect(), n);
+        let value = |i: usize, j: usize| match j {
+            2 => 0.0,
+            3 => 2.0 * entry(i, 1),
+            _ => entry(i, j),
+        };
+        for i in 0..m {
+            rows.push((0..n).map(|j| (j, value(i, j))), 1.0);
+        }
+        let kept = [0, 1, 4];
+        let dense = DMatrix::from_fn(m, 3, |i, k| value(i, kept[k]));
+        let b = [1.0, -2.0, 0.0, 9.0, 0.5];
+        let mut x = b;
+        rows.triangular(|_| false).apply(&mut x);
+        let right = DVector::from_fn(3, |k, _| b[kept[k]]);
+        let expected = (dense.transpose() * &dense).lu().solve(&right).unwrap();
+        for (k, &j) in kept.iter().enumerate() {
+            assert!((x[j] - expected[k]).abs() < 1e-9 * expected.amax());
+        }
+        assert_eq!((x[2], x[3]), (0.0, 0.0));
+    }
+}

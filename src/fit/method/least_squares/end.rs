@@ -1,0 +1,146 @@
+//! When a least-squares fit is at its minimum.
+//!
+//! With f the sum of squares and g = Aᵀ Δ, f lies above its minimum f* by
+//!
+//! ```text
+//! f − f* = gᵀ (AᵀA)⁻¹ g
+//! ```
+//!
+//! exactly, whatever the variant: a small step says nothing of it, as slow methods take small steps
+//! far from the minimum. So when the length of the residual has nearly stopped falling, the normal
+//! equations are solved for g, and the fit ends where f − f* is a small part of f. Where their
+//! factorization would take too long (large surfaces with holes) f − f* is what is left of
+//! decreases that go on shrinking by the same factor (Aitken).
+//!
+//! Where the data lie on the curve, f falls to rounding and f* is zero: that is the end, too.
+
+use super::State;
+use super::solver::{Solver, cost};
+use crate::fit::equations::Equations;
+use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::points::Points;
+
+/// The minimum is looked for when the residual shrinks by less than this part in one iteration.
+const SLOW: f64 = 1e-6;
+
+/// A fit is at its minimum if its sum of squares is above it by at most this part.
+const NEAR: f64 = 1e-4;
+
+/// A residual that grows by more than this part, and not at the minimum, goes on growing.
+const GROWS: f64 = 1e-12;
+
+/// Residuals whose mean is below this part of the data are rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The most multiplications of a factorization for the sake of the end.
+const MOST: usize = 200_000_000;
+
+/// How far the minimum is.
+#[derive(Debug)]
+pub(super) struct End {
+    /// A power of two for all coordinates, as they are squared.
+    unit: f64,
+    /// The sum of squares of the last level.
+    last: Option<f64>,
+    /// Its decrease.
+    fall: f64,
+    /// The normal equations, once they were needed.
+    solver: Option<Box<Solver>>,
+    outcome: Option<Outcome>,
+}
+
+impl End {
+    /// Before level 0 of data with such units.
+    pub(super) fn new(units: &[f64]) -> Self {
+        Self {
+            unit: units.iter().copied().fold(f64::INFINITY, f64::min),
+            last: None,
+            fall: 0.0,
+            solver: None,
+            outcome: None,
+        }
+    }
+
+    /// Whether the fit ends at the level that was measured last.
+    pub(super) fn outcome(&self) -> Option<Outcome> {
+        self.outcome
+    }
+
+    /// Measures a level with this gradient, with the solver of the method if it has one.
+    pub(super) fn measure(
+        &mut self,
+        equations: &Equations,
+        state: &mut State,
+        gradient: &Points,
+        scale: &[f64],
+        own: Option<&Solver>,
+    ) {
+        let value = self.square(&state.residual);
+        let (last, fall) = (self.last.replace(value), self.fall);
+        let Some(last) = last else {
+            return;
+        };
+        self.fall = last - value;
+        let decrease = if last > 0.0 {
+            1.0 - (value / last).sqrt()
+        } else {
+            0.0
+        };
+        self.outcome = None;
+        if decrease.abs() >= SLOW && own.is_none() {
+            let grows = decrease < 0.0 && !self.is_rounding(equations, value);
+            self.outcome = grows.then_some(Outcome::Stalled(Stall::Diverging));
+            return;
+        }
+        let (unit, now) = (self.unit, self.fall);
+        let above = match self.solver(equations, scale, own) {
+            Some(solver) => above(solver, state, gradient, unit),
+            None if now < fall => now * now / (fall - now),
+            None => f64::INFINITY,
+        };
+        if above <= NEAR * value || self.is_rounding(equations, value) {
+            self.outcome = Some(Outcome::Stationary);
+        } else if decrease < -GROWS {
+            self.outcome = Some(Outcome::Stalled(Stall::Diverging));
+        }
+    }
+
+    /// The sum of squares of all coordinates.
+    fn square(&self, points: &Points) -> f64 {
+        let squares = points.lanes().iter().flat_map(|lane| lane.iter());
+        squares.map(|x| (x * self.unit) * (x * self.unit)).sum()
+    }
+
+    /// Whether a sum of squares is no more than rounding of the data leaves.
+    fn is_rounding(&self, equations: &Equations, value: f64) -> bool {
+        value <= ROUNDING * ROUNDING * self.square(equations.setup.data())
+    }
+
+    /// The factorization of the normal equations, if it does not take too long.
+    fn solver<'a>(
+        &'a mut self,
+        equations: &Equations,
+        scale: &[f64],
+        own: Option<&'a Solver>,
+    ) -> Option<&'a Solver> {
+        if own.is_some() || cost(&equations.setup) > MOST {
+            return own;
+        }
+        let make = || Box::new(Solver::new(equations, scale));
+        Some(&**self.solver.get_or_insert_with(make))
+    }
+}
+
+/// `gᵀ (AᵀA)⁻¹ g` of all coordinates, in squared units.
+fn above(solver: &Solver, state: &mut State, gradient: &Points, unit: f64) -> f64 {
+    let mut step = gradient.clone();
+    solver.solve(&mut step, &mut state.scratch);
+    let products = |(gradient, step): (&[f64], &[f64])| -> f64 {
+        let products = gradient.iter().zip(step);
+        products.map(|(g, step)| (g * unit) * (step * unit)).sum()
+    };
+    let lanes = gradient.lanes().iter().zip(step.lanes());
+    lanes
+        .map(|(gradient, step)| products((gradient, step)))
+        .sum()
+}

@@ -1,0 +1,164 @@
+//! Least squares: fewer control points than data points.
+//!
+//! ```text
+//! X ← X + D Aᵀ (P − A X),   A[i][j] = B_j(t_i)
+//! ```
+//!
+//! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are
+//! the first data point, the last, and between them data point `⌊(m+1) i / n⌋` (Deng, Lin 2014); on
+//! closed curves `⌊(m+1) i / (n+1)⌋`. Three choices of D:
+//!
+//! - [`Variant::Diagonal`]: D = diag(1 / column sums of A) (Lin, Cao, Zhang 2018);
+//! - [`Variant::Lspia`]: D = μ I with 0 < μ < 2/λ_max(AᵀA) (Deng, Lin 2014), by default 1 over the
+//!   largest column sum, as their 2 is on the edge of stability;
+//! - [`Variant::ConjugateGradients`]: CGLS for each coordinate, preconditioned with the diagonal D;
+//! - [`Variant::Direct`]: `D = (AᵀA)⁻¹`, so that level 1 is the minimum.
+//!
+//! Control points without data (a zero column of A) stay where they are. The fit ends at its
+//! minimum, which is hardly ever within the tolerance: [`end`] says when it is there. A level costs
+//! one application of A and one of Aᵀ.
+//!
+//! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
+//! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
+//! - [`end`]: how far above its minimum the sum of squares is.
+
+mod conjugate;
+mod end;
+mod solver;
+mod start;
+mod steps;
+
+use std::sync::Arc;
+
+use super::scheme::{Demand, Scheme, Scope};
+use super::update::{Change, State, Update};
+use crate::fit::about::About;
+use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
+use crate::fit::invalid::{Invalid, Setting};
+use crate::fit::points::Points;
+use crate::fit::setup::Setup;
+use crate::fit::warning::Warning;
+use steps::Steps;
+
+/// The entry in the table of methods.
+pub(super) const ABOUT: About = About {
+    name: "least_squares",
+    title: "Least-squares PIA (LSPIA)",
+    summary: "Fewer control points than data points approach the least-squares approximation.",
+    source: "Deng, Lin, CAD 47 (2014); Lin, Cao, Zhang, CAGD 64 (2018)",
+};
+
+/// A least-squares fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastSquares {
+    /// The number of control points of a curve, or in the u direction.
+    pub u: usize,
+    /// The number of control points in the v direction of a surface.
+    pub v: usize,
+    /// How the control points move.
+    pub variant: Variant,
+}
+
+/// The variants of the least-squares update.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Variant {
+    /// `X ← X + D Aᵀ Δ` with D = diag(1 / column sums of A).
+    Diagonal,
+    /// `X ← X + μ Aᵀ Δ`; without μ it is 1 / (largest column sum of A).
+    Lspia {
+        /// The given μ > 0.
+        mu: Option<f64>,
+    },
+    /// Conjugate gradients (CGLS), preconditioned with the same D.
+    ConjugateGradients,
+    /// The normal equations are solved.
+    Direct,
+}
+
+impl Scheme for LeastSquares {
+    fn about(&self) -> &'static About {
+        &ABOUT
+    }
+
+    /// A given μ must be positive; one that is too large shows itself, as the residual grows.
+    fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
+        match self.variant {
+            Variant::Lspia { mu: Some(mu) } => Invalid::unless_positive(Setting::Mu, mu),
+            _ => Ok(()),
+        }
+    }
+
+    /// The normal equations of a surface with holes are those of the whole grid.
+    fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
+        let direct = self.variant == Variant::Direct && solver::is_whole(setup);
+        if direct && solver::cost(setup) > solver::MOST {
+            return Err(Invalid::NormalEquations);
+        }
+        Ok(())
+    }
+
+    /// The factorization of the normal equations.
+    fn start_cost(&self, setup: &Setup) -> usize {
+        match self.variant {
+            Variant::Direct => solver::cost(setup),
+            _ => 0,
+        }
+    }
+
+    /// Those that were asked for.
+    fn control_points(&self) -> Option<(usize, usize)> {
+        Some((self.u, self.v))
+    }
+
+    /// Points without data have no residual, and pull at nothing.
+    fn fits_holes(&self) -> bool {
+        true
+    }
+
+    /// The gradient, for conjugate gradients the direction and its image, and the factorization that
+    /// tells how far the minimum is.
+    fn demand(&self) -> Demand {
+        Demand {
+            vectors: 3,
+            matrices: 8,
+            bytes: 0,
+        }
+    }
+
+    /// Control points with a zero column of A.
+    fn complete(&self, equations: &mut Equations) {
+        equations.forecast.without_data = Steps::without_data(equations);
+    }
+
+    /// Samples of the data.
+    fn start(&self, equations: &Equations) -> Arc<Points> {
+        Arc::new(start::start(&equations.setup))
+    }
+
+    fn update(&self, equations: &Equations) -> Box<dyn Update> {
+        Box::new(Steps::new(equations, self.variant))
+    }
+
+    /// They end at the minimum, wherever that is, and nothing falls to zero.
+    fn decays(&self) -> bool {
+        false
+    }
+
+    /// At the minimum.
+    fn ends_by_itself(&self) -> bool {
+        true
+    }
+
+    /// Control points without data.
+    fn warnings(
+        &self,
+        forecast: &Forecast,
+        _predicted: Option<usize>,
+        _iterations: usize,
+    ) -> Vec<Warning> {
+        let count = forecast.without_data;
+        let lost = (count > 0).then_some(Warning::WithoutData { count });
+        lost.into_iter().collect()
+    }
+}
