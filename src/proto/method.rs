@@ -4,8 +4,8 @@ use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{check_count, count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start, Sweeps,
-    Threshold, Variant, Weighted,
+    Adaptive, Convex, Custom, Ending, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start,
+    Sweeps, Threshold, Variant, Weighted,
 };
 use crate::fit::system::Forecast;
 use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
@@ -131,6 +131,10 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
         u: u as usize,
         v: v as usize,
         variant,
+        ending: match known(settings.ending, "method.least_squares.ending")? {
+            m::Ending::Unspecified | m::Ending::Minimum => Ending::Minimum,
+            m::Ending::SmallStep => Ending::SmallStep,
+        },
     })
 }
 
@@ -346,5 +350,10 @@ fn least_squares_message(settings: LeastSquares, surface: bool) -> m::LeastSquar
         control_points_v: if surface { count(settings.v) } else { 0 },
         variant: variant.into(),
         mu,
+        ending: match settings.ending {
+            Ending::Minimum => m::Ending::Minimum,
+            Ending::SmallStep => m::Ending::SmallStep,
+        }
+        .into(),
     }
 }

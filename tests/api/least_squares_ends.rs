@@ -55,9 +55,9 @@ async fn slow_variants_go_on_to_the_minimum() {
         let found = server.fit(&job(&points, 120, variant)).await;
         assert_eq!(found["state"], "converged", "{variant}");
         assert_eq!(found["reason"], "stationary");
-        // The sum of squares is within 1e-4, hence its root within half of that.
+        // The sum of squares is within a millionth, hence its root within half of one.
         let rms = number(&found["error"]["rms"]);
-        assert!(rms / least - 1.0 < 0.5e-4, "{variant}: {}", rms / least);
+        assert!(rms / least - 1.0 < 0.5e-6, "{variant}: {}", rms / least);
     }
 }
 
@@ -96,4 +96,31 @@ async fn exact_data_end_at_rounding() {
         assert_eq!(found["reason"], "stationary", "{variant}");
         assert!(number(&found["error"]["max"]) < 2e-12, "{variant}");
     }
+}
+
+/// The rule of earlier programs has a name, which the input says.
+#[tokio::test]
+async fn the_earlier_rule_has_a_name() {
+    let server = Server::start().await;
+    let mut asked = job(&uneven(), 120, "lspia");
+    asked["method"]["mu"] = json!(1e-9);
+    asked["method"]["ending"] = json!("small_step");
+    let found = server.fit(&asked).await;
+    assert_eq!(
+        (&found["iteration"], &found["reason"]),
+        (&json!(1), &json!("stationary"))
+    );
+    let input = server
+        .json(&format!("{}/input", crate::support::base(&found)))
+        .await;
+    assert_eq!(input["method"]["ending"], "small_step");
+    asked["method"]["ending"] = json!("never");
+    server
+        .assert_refused(&asked, "/method/ending", "is no ending")
+        .await;
+    let other =
+        json!({"curve": {"points": uneven()}, "method": {"kind": "direct", "ending": "minimum"}});
+    server
+        .assert_refused(&other, "/method/ending", "setting of")
+        .await;
 }

@@ -259,8 +259,13 @@ async fn jobs_of_an_earlier_program_are_computed_again() {
         if answer["job"].get("parent").is_some() {
             continue;
         }
-        // Whatever is the default now: the input says all that it takes.
-        let job = server.fit(&answer["input"]).await;
+        // Whatever is the default now: the input says all that it takes. That of least squares then did not
+        // say where it ends, as there was one rule.
+        let input = match answer["input"]["method"]["kind"] == "least_squares" {
+            true => server.json(&format!("{}/input", path(answer))).await,
+            false => answer["input"].clone(),
+        };
+        let job = server.fit(&input).await;
         assert_eq!(job["iteration"], answer["job"]["iteration"], "{name}");
         let result = server.json(&format!("{}/result", base(&job))).await;
         for field in ["knots", "control_points", "weights"] {

@@ -12,8 +12,8 @@ use crate::api::json::read::{Read as _, names, object};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Convex, Custom, Extended, LeastSquares, Local, METHODS, Method, Start,
-    Sweeps, Threshold, Variant, Weighted,
+    self as fit, Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, METHODS, Method,
+    Start, Sweeps, Threshold, Variant, Weighted,
 };
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
@@ -27,7 +27,10 @@ const SETTINGS: [(&str, &[&str]); 7] = [
     ("adaptive", &["threshold", "omega"]),
     ("convex", &["threshold"]),
     ("extended", &["start", "transformed_error"]),
-    ("least_squares", &["control_points", "variant", "mu"]),
+    (
+        "least_squares",
+        &["control_points", "variant", "mu", "ending"],
+    ),
     ("custom", &["transform"]),
 ];
 
@@ -92,6 +95,8 @@ pub(in crate::api) struct MethodRequest {
     /// The length of the step; without one 1 / (largest column sum).
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(in crate::api) mu: Option<f64>,
+    /// Where the fit ends besides its tolerance and its last iteration.
+    pub(in crate::api) ending: Option<EndingRequest>,
     /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<PerDirection<Matrix>>")]
     pub(in crate::api) transform: Option<PerDirection<Matrix>>,
@@ -145,6 +150,16 @@ pub(in crate::api) enum VariantRequest {
     Direct,
 }
 
+/// Where a least-squares fit ends: where its gradient says that the minimum is near, or as soon as the
+/// residual shrinks by less than a millionth in one iteration.
+#[derive(Clone, Copy, Debug, JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+#[schemars(rename = "LeastSquaresEnding", extend("default" = "minimum"), example = &"minimum")]
+pub(in crate::api) enum EndingRequest {
+    Minimum,
+    SmallStep,
+}
+
 object!(
     MethodRequest,
     "an object with a kind, or the name of a kind",
@@ -160,6 +175,7 @@ object!(
         control_points,
         variant,
         mu,
+        ending,
         transform,
     ],
     of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of)
@@ -185,6 +201,10 @@ names!(SweepsRequest, "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,
 ]);
+names!(EndingRequest, "ending of the method least_squares", [
+    "minimum" => Minimum,
+    "small_step" => SmallStep,
+]);
 names!(VariantRequest, "variant of the method least_squares", [
     "diagonal" => Diagonal,
     "lspia" => Lspia,
@@ -207,6 +227,7 @@ impl MethodRequest {
             control_points: None,
             variant: None,
             mu: None,
+            ending: None,
             transform: None,
         }
     }
@@ -280,6 +301,7 @@ impl MethodRequest {
             ("control_points", self.control_points.is_some()),
             ("variant", self.variant.is_some()),
             ("mu", self.mu.is_some()),
+            ("ending", self.ending.is_some()),
             ("transform", self.transform.is_some()),
         ];
         let own = settings(self.kind.name());
@@ -358,7 +380,16 @@ impl MethodRequest {
             Some(VariantRequest::Cg) => Variant::ConjugateGradients,
             Some(VariantRequest::Direct) => Variant::Direct,
         };
-        Ok(LeastSquares { u, v, variant })
+        let ending = match self.ending {
+            None | Some(EndingRequest::Minimum) => Ending::Minimum,
+            Some(EndingRequest::SmallStep) => Ending::SmallStep,
+        };
+        Ok(LeastSquares {
+            u,
+            v,
+            variant,
+            ending,
+        })
     }
 }
 
@@ -481,7 +512,12 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                 set("transformed_error", json!(true));
             }
         }
-        Method::LeastSquares(LeastSquares { u, v, variant }) => {
+        Method::LeastSquares(LeastSquares {
+            u,
+            v,
+            variant,
+            ending,
+        }) => {
             set(
                 "control_points",
                 match problem.v() {
@@ -492,6 +528,9 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             set("variant", json!(variant_name(variant)));
             if let Variant::Lspia { mu: Some(mu) } = variant {
                 set("mu", json!(mu));
+            }
+            if ending == Ending::SmallStep {
+                set("ending", json!("small_step"));
             }
         }
         Method::Convex(convex) if convex != Convex::default() => {

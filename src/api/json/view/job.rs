@@ -237,7 +237,7 @@ impl AppliedMethod {
                 view.start = Some(start_name(settings.start));
                 view.transformed_error = settings.transformed_error.then_some(true);
             }
-            Method::LeastSquares(LeastSquares { u, v, variant }) => {
+            Method::LeastSquares(LeastSquares { u, v, variant, .. }) => {
                 view.control_points = Some(match outline.surface {
                     false => PerDirection::Both(*u),
                     true => PerDirection::Each { u: *u, v: *v },

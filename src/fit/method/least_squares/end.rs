@@ -14,17 +14,14 @@
 //!
 //! Where the data lie on the curve, f falls to rounding and f* is zero: that is the end, too.
 
-use super::State;
 use super::solver::{Solver, cost};
+use super::{SLOW, State};
 use crate::fit::equations::Equations;
 use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 
-/// The minimum is looked for when the residual shrinks by less than this part in one iteration.
-const SLOW: f64 = 1e-6;
-
 /// A fit is at its minimum if its sum of squares is above it by at most this part.
-const NEAR: f64 = 1e-4;
+const NEAR: f64 = 1e-6;
 
 /// A residual that grows by more than this part, and not at the minimum, goes on growing.
 const GROWS: f64 = 1e-12;

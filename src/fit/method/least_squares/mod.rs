@@ -30,12 +30,13 @@ mod steps;
 
 use std::sync::Arc;
 
-use super::scheme::{Demand, Scheme, Scope};
+use super::scheme::{Demand, Progress, Scheme, Scope};
 use super::update::{Change, State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::{Invalid, Setting};
+use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
@@ -58,7 +59,22 @@ pub struct LeastSquares {
     pub v: usize,
     /// How the control points move.
     pub variant: Variant,
+    /// Where it ends.
+    pub ending: Ending,
 }
+
+/// Where a least-squares fit ends besides its tolerance and its last level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// Where the gradient says that the minimum is near.
+    Minimum,
+    /// Where the residual shrinks by less than a millionth in one iteration: the rule of fits that
+    /// were accepted before there was the other one.
+    SmallStep,
+}
+
+/// A residual that shrinks by less than this part in one iteration has nearly stopped.
+const SLOW: f64 = 1e-6;
 
 /// The variants of the least-squares update.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,7 +153,7 @@ impl Scheme for LeastSquares {
     }
 
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
-        Box::new(Steps::new(equations, self.variant))
+        Box::new(Steps::new(equations, self))
     }
 
     /// They end at the minimum, wherever that is, and nothing falls to zero.
@@ -148,6 +164,19 @@ impl Scheme for LeastSquares {
     /// At the minimum.
     fn ends_by_itself(&self) -> bool {
         true
+    }
+
+    /// The rule of earlier fits: the residual stands still; if μ is too large it grows.
+    fn stop(&self, progress: &Progress) -> Option<Outcome> {
+        if progress.iteration == 0 || self.ending == Ending::Minimum {
+            None
+        } else if progress.decrease.abs() < SLOW {
+            Some(Outcome::Stationary)
+        } else if progress.decrease < 0.0 {
+            Some(Outcome::Stalled(Stall::Diverging))
+        } else {
+            None
+        }
     }
 
     /// Control points without data.

@@ -4,7 +4,7 @@
 use super::conjugate::Conjugate;
 use super::end::End;
 use super::solver::Solver;
-use super::{Change, State, Update, Variant};
+use super::{Change, Ending, LeastSquares, State, Update, Variant};
 use crate::fit::equations::Equations;
 use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
@@ -29,8 +29,8 @@ pub(super) struct Steps {
     first_square: Option<f64>,
     /// How the step follows from the gradient.
     kind: Kind,
-    /// How far the minimum is.
-    end: End,
+    /// How far the minimum is, if the fit ends there.
+    end: Option<End>,
 }
 
 /// How the step follows from the gradient.
@@ -46,7 +46,8 @@ enum Kind {
 
 impl Steps {
     /// Before the first update.
-    pub(super) fn new(equations: &Equations, variant: Variant) -> Self {
+    pub(super) fn new(equations: &Equations, settings: &LeastSquares) -> Self {
+        let variant = settings.variant;
         let setup = &equations.setup;
         let count = setup.control_grid().count();
         let dimension = setup.data().dimension();
@@ -65,7 +66,7 @@ impl Steps {
             .map(|lane| normalizing_scale(lane.iter().fold(0.0, |m, x| x.abs().max(m))))
             .collect();
         Self {
-            end: End::new(&units),
+            end: (settings.ending == Ending::Minimum).then(|| End::new(&units)),
             scale,
             units,
             gradient: Points::zeros(dimension, count),
@@ -143,8 +144,9 @@ impl Update for Steps {
             Kind::Direct(solver) => Some(&**solver),
             _ => None,
         };
-        self.end
-            .measure(equations, state, &self.gradient, &self.scale, own);
+        if let Some(end) = &mut self.end {
+            end.measure(equations, state, &self.gradient, &self.scale, own);
+        }
     }
 
     /// `‖g‖² / ‖g⁰‖²`.
@@ -158,6 +160,6 @@ impl Update for Steps {
     }
 
     fn outcome(&self) -> Option<Outcome> {
-        self.end.outcome()
+        self.end.as_ref().and_then(End::outcome)
     }
 }

@@ -10,9 +10,10 @@ use super::super::StoreError;
 use super::error::{damaged, mistaken};
 use super::points::PointsMessage;
 use super::version_1;
+use crate::fit::method::{Ending, Method};
 use crate::fit::problem::{Problem, Request};
 use crate::proto::job;
-use crate::proto::messages as pb;
+use crate::proto::messages::{self as pb, method::Kind};
 
 /// A problem as it was asked for.
 #[derive(Clone, PartialEq, Message)]
@@ -51,13 +52,24 @@ impl Input {
     pub(super) fn into_request(self) -> Result<Request, StoreError> {
         let job = self.job.ok_or_else(|| damaged("no problem"))?;
         let start = self.start.map(PointsMessage::into_points).transpose()?;
-        let request = job::spec(job, usize::MAX).request().map_err(mistaken)?;
+        let said = says_its_ending(&job);
+        let mut request = job::spec(job, usize::MAX).request().map_err(mistaken)?;
+        if let (Method::LeastSquares(settings), false) = (&mut request.method, said) {
+            settings.ending = Ending::SmallStep;
+        }
         Ok(Request {
             start: start.map(Arc::new),
             lambda_min: self.lambda_min,
             ..request
         })
     }
+}
+
+/// Whether a least-squares fit says where it ends: those that do not are of an earlier program, and end
+/// where their steps become small.
+fn says_its_ending(job: &pb::JobInput) -> bool {
+    let kind = job.method.as_ref().and_then(|method| method.kind.as_ref());
+    !matches!(kind, Some(Kind::LeastSquares(settings)) if settings.ending() == pb::method::Ending::Unspecified)
 }
 
 #[cfg(test)]

@@ -12,8 +12,8 @@ use super::points::PointsMessage;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Extended, LeastSquares, Local, Method, Start, Sweeps, Threshold,
-    Variant, Weighted,
+    Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, Method, Start, Sweeps,
+    Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::problem::{Request, Tolerance, Weights};
@@ -270,6 +270,7 @@ impl MethodMessage {
                         2 => Variant::ConjugateGradients,
                         _ => Variant::Diagonal,
                     },
+                    ending: Ending::SmallStep,
                 })
             }
             Kind::Custom(Matrices { u, v, has_v }) => {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
+    Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
     Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
@@ -144,7 +144,14 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
             Variant::ConjugateGradients,
             Variant::Direct,
         ]
-        .map(|variant| Method::LeastSquares(LeastSquares { u: 5, v, variant })),
+        .map(|variant| {
+            Method::LeastSquares(LeastSquares {
+                u: 5,
+                v,
+                variant,
+                ending: Ending::Minimum,
+            })
+        }),
     );
     let custom = |v| Method::Custom(Custom::new(nearly_identity(grid.rows), v));
     if surface {
