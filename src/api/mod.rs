@@ -9,7 +9,7 @@
 //!
 //! - [`app`]: what the doors share; [`language`]: the languages of requests and answers;
 //! - [`order`]: new jobs and edits; [`jobs`]: finding, listing, cancelling and deleting them;
-//!   [`levels`]: inputs, iterations and results;
+//!   [`levels`]: inputs, iterations and results; [`rates`]: comparisons of bases;
 //! - [`problem`]: errors (RFC 9457); [`text`]: whether bytes are UTF-8;
 //!   [`whole`]: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call.
@@ -27,6 +27,7 @@ mod openapi;
 mod order;
 mod problem;
 mod proto;
+mod rates;
 pub(crate) mod stream;
 mod text;
 mod whole;

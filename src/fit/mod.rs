@@ -154,6 +154,7 @@ pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
+pub mod rates;
 mod request;
 pub mod samples;
 mod scaling;

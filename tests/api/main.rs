@@ -54,6 +54,7 @@ mod peers;
 mod plain_words;
 mod process;
 mod program;
+mod rates;
 mod rational;
 mod readme;
 mod reference;

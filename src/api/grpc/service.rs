@@ -14,6 +14,7 @@ use crate::api::language::{Framing, Language};
 use crate::api::order::{self, Order};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::{edit, fields, names, request, view};
+use crate::api::rates::{self, RatesRequest, WrongPart};
 use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
@@ -274,6 +275,22 @@ impl FittingService for Service {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
         let bytes = levels::input_content(&job, Language::Protobuf).await?;
         Ok(Response::new(Encoded::response(bytes)))
+    }
+
+    async fn compare_bases(
+        &self,
+        request: Request<pb::CompareBasesRequest>,
+    ) -> Reply<pb::CompareBasesResponse> {
+        let message = request.into_inner();
+        let request = RatesRequest {
+            points: Some(message.points as usize).filter(|points| *points > 0),
+            parameters: Some(message.parameters).filter(|values| !values.is_empty()),
+            degree: message.degree.map(|degree| degree as usize),
+            tolerance: message.tolerance,
+        };
+        let wrong = |WrongPart(name, detail)| Problem::at_field(name, detail);
+        let compared = rates::rates(&self.0, request, wrong).await?;
+        Ok(Response::new(view::rates(&compared)))
     }
 
     async fn watch_job(&self, request: Request<pb::WatchJobRequest>) -> Reply<Events> {

@@ -28,6 +28,7 @@ pub mod measure;
 pub mod negotiate;
 pub mod path;
 mod query;
+mod rates;
 mod render;
 mod request_id;
 pub mod router;

@@ -19,7 +19,7 @@ use tracing::{Span, error, info};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
-    capabilities, cors, create, crowd, events, geometry, host, info as about, jobs, measure,
+    capabilities, cors, create, crowd, events, geometry, host, info as about, jobs, measure, rates,
     render, request_id,
 };
 use crate::api::app::App;
@@ -87,6 +87,7 @@ fn resources() -> DescribedRoutes {
             capabilities::get,
             of_server::capabilities(),
         )
+        .get("/v1/rates", rates::get, of_server::rates())
         .post("/v1/jobs", create::job, of_jobs::create())
         .post(
             "/v1/jobs/stream",

@@ -31,6 +31,7 @@ use crate::api::json::schema::plain::simplify;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
 use crate::api::json::view::limit::LimitView;
+use crate::api::json::view::rates::RatesView;
 use crate::api::json::view::result::FitResult;
 use crate::api::json::view::{examples, to_bytes};
 use crate::api::problem::{Kind, Problem, ProblemBody};
@@ -116,6 +117,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<EventLine>();
     answers.subschema_for::<FitResult<'_>>();
     answers.subschema_for::<LimitView>();
+    answers.subschema_for::<RatesView>();
     answers.subschema_for::<ProblemBody>();
     answers.subschema_for::<ProblemTypes>();
     answers.subschema_for::<ServiceIndex>();

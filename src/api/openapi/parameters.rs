@@ -8,14 +8,23 @@ use crate::api::http::negotiate::LONGEST_WAIT;
 use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
 use crate::api::json::view::examples;
 use crate::api::order::LONGEST_KEY;
+use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS, USUAL_TOLERANCE};
 use crate::api::whole::LARGEST;
 use crate::export::Format;
+use crate::fit::rates::{MOST_DEGREE, MOST_POINTS};
 use crate::job::state::State;
 use crate::model::stream::{Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, View};
 
 /// The parameters, by the names of their components.
 pub(super) fn parameters() -> Map<String, Value> {
-    let groups = [paths(), lists(), views(), streams(), request_headers()];
+    let groups = [
+        paths(),
+        lists(),
+        comparisons(),
+        views(),
+        streams(),
+        request_headers(),
+    ];
     let all = groups.into_iter().flatten();
     let named = all.map(|parameter| {
         let name = parameter["name"].as_str().unwrap_or_default().to_owned();
@@ -110,6 +119,36 @@ fn lists() -> Vec<Value> {
             "Only jobs before this one, as `next` of the page before says.",
             json!({"type": "string", "format": "uuid"}),
             json!(examples::ID),
+        ),
+    ]
+}
+
+/// Of comparisons of bases.
+fn comparisons() -> Vec<Value> {
+    vec![
+        query(
+            "points",
+            "How many points there are; it follows from explicit parameters.",
+            json!({"type": "integer", "minimum": 2, "maximum": MOST_POINTS, "default": USUAL_POINTS}),
+            json!(11),
+        ),
+        query(
+            "parameters",
+            "Their parameters: `uniform`, or increasing numbers separated by commas.",
+            json!({"type": "string", "default": "uniform"}),
+            json!("uniform"),
+        ),
+        query(
+            "degree",
+            "The degree of the B-splines.",
+            json!({"type": "integer", "minimum": 1, "maximum": MOST_DEGREE, "default": USUAL_DEGREE}),
+            json!(3),
+        ),
+        query(
+            "tolerance",
+            "To which part an error is to be reduced.",
+            json!({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1, "default": USUAL_TOLERANCE}),
+            json!(1e-6),
         ),
     ]
 }

@@ -9,11 +9,13 @@ use prost::Message;
 use super::fields::MessageLayout;
 use super::names;
 use crate::api::problem::{self as api, Words};
+use crate::api::rates::Rates;
 use crate::fit::direction::Direction;
 use crate::fit::iteration::Level;
 use crate::fit::method::Method;
 use crate::fit::norms::FitError;
 use crate::fit::problem::Problem;
+use crate::fit::rates::BasisRate;
 use crate::fit::system::Forecast;
 use crate::fit::warning::Warning;
 use crate::job::Job;
@@ -151,6 +153,28 @@ fn problem(failure: Failure) -> pb::Problem {
         title: entry.title.to_owned(),
         status: entry.status.as_u16().into(),
         detail: problem.detail().to_owned(),
+    }
+}
+
+/// A comparison of bases.
+pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
+    let basis = |rate: &BasisRate| pb::BasisRate {
+        basis: match rate.basis {
+            "bernstein" => pb::BasisKind::Bernstein,
+            "said_ball" => pb::BasisKind::SaidBall,
+            "wang_ball" => pb::BasisKind::WangBall,
+            _ => pb::BasisKind::Bspline,
+        }
+        .into(),
+        degree: count(rate.degree),
+        lambda_min: rate.lambda_min,
+        rate: rate.rate,
+        iterations: rate.iterations(rates.tolerance),
+    };
+    pb::CompareBasesResponse {
+        points: count(rates.points),
+        tolerance: rates.tolerance,
+        bases: rates.bases.iter().map(basis).collect(),
     }
 }
 

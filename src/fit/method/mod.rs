@@ -70,6 +70,7 @@ pub use least_squares::{Ending, LeastSquares, Variant};
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
 pub(super) use scheme::{Progress, Scheme, Scope};
+pub(super) use stability::rate as spectral_radius;
 pub use threshold::Threshold;
 pub use weighted::Weighted;
 

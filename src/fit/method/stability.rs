@@ -44,7 +44,7 @@ struct Suspect {
 
 /// ρ(I − M) of the tensor product M of the matrices of all directions, as computed. `None` if the
 /// QR algorithm does not end.
-pub(super) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
+pub(in crate::fit) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
     let first = suspects(matrices)?.into_iter().next();
     first.map(|suspect| suspect.rate)
 }

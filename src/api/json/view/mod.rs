@@ -22,6 +22,7 @@ pub mod job;
 pub mod level;
 pub mod limit;
 mod net;
+pub mod rates;
 pub mod result;
 mod shape;
 pub mod source;

@@ -2,6 +2,7 @@
 
 use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, ProblemType, ProblemTypes, ServiceIndex};
+use crate::api::json::view::rates::RatesView;
 use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use serde_json::json;
@@ -28,6 +29,18 @@ pub fn capabilities() -> Operation {
         "Bases, methods, formats and limits.",
     )
     .json::<Capabilities>(200, "What the server can do.")
+}
+
+/// `GET /v1/rates`
+pub fn rates() -> Operation {
+    server(
+        "compareBases",
+        "Compare bases",
+        "How fast classical PIA converges at the same parameters with Bernstein, Said–Ball and Wang–Ball polynomials and with B-splines with knots at the data: the least eigenvalue of the collocation matrix, the rate, and how many iterations it takes by that. The normalized B-basis, Bernstein of polynomials, is the fastest of its space (Delgado, Peña 2007).",
+    )
+    .parameters(&["points", "parameters", "degree", "tolerance"])
+    .json::<RatesView>(200, "The comparison.")
+    .problems(&[Kind::InvalidRequest])
 }
 
 /// `GET /problems`

@@ -1,0 +1,106 @@
+//! Comparisons of bases, for both doors.
+
+use super::app::App;
+use super::order;
+use super::problem::Problem;
+use crate::fit::invalid::{Invalid, Place};
+use crate::fit::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
+
+/// The part of an error that is left, if nothing else is asked for.
+pub const USUAL_TOLERANCE: f64 = 1e-6;
+
+/// The number of points, if nothing else is asked for: that of DP07, Table 1.
+pub const USUAL_POINTS: usize = 11;
+
+/// The degree of the B-splines, if nothing else is asked for.
+pub const USUAL_DEGREE: usize = 3;
+
+/// What is asked for.
+#[derive(Clone, Debug, Default)]
+pub struct RatesRequest {
+    /// The number of points; it follows from explicit parameters.
+    pub points: Option<usize>,
+    /// Explicit parameters; equal steps without them.
+    pub parameters: Option<Vec<f64>>,
+    /// The degree of the B-splines.
+    pub degree: Option<usize>,
+    /// To which part an error is to be reduced.
+    pub tolerance: Option<f64>,
+}
+
+/// A comparison.
+#[derive(Clone, Debug)]
+pub struct Rates {
+    /// The number of points.
+    pub points: usize,
+    /// To which part an error is reduced.
+    pub tolerance: f64,
+    /// The bases.
+    pub bases: Vec<BasisRate>,
+}
+
+/// What is wrong with a request: the name of a part, which is the same in both languages, and why.
+#[derive(Debug)]
+pub struct WrongPart(pub &'static str, pub String);
+
+/// Compares on the compute pool, as eigenvalues take long. `wrong` says how an error names a part.
+pub async fn rates(
+    app: &App,
+    request: RatesRequest,
+    wrong: fn(WrongPart) -> Problem,
+) -> Result<Rates, Problem> {
+    order::read(app, usize::MAX, move || request.answer().map_err(wrong)).await
+}
+
+impl RatesRequest {
+    fn answer(self) -> Result<Rates, WrongPart> {
+        let points = self.count()?;
+        let degree = self.degree.unwrap_or(USUAL_DEGREE);
+        if !(1..=MOST_DEGREE).contains(&degree) {
+            let detail = format!("{degree} is not between 1 and {MOST_DEGREE}");
+            return Err(WrongPart("degree", detail));
+        }
+        let tolerance = self.tolerance.unwrap_or(USUAL_TOLERANCE);
+        if !(tolerance > 0.0 && tolerance < 1.0) {
+            let detail = format!(
+                "{tolerance} is not between 0 and 1: it is the part of an error that is left"
+            );
+            return Err(WrongPart("tolerance", detail));
+        }
+        let bases = compare(points, self.parameters.as_deref(), degree);
+        Ok(Rates {
+            points,
+            tolerance,
+            bases: bases.map_err(|error| WrongPart(part(&error), error.to_string()))?,
+        })
+    }
+
+    /// The number of points, which is that of explicit parameters.
+    fn count(&self) -> Result<usize, WrongPart> {
+        let given = self.parameters.as_ref().map(Vec::len);
+        let (part, count) = match (self.points, given) {
+            (None, None) => ("points", USUAL_POINTS),
+            (Some(points), Some(given)) if points != given => {
+                let detail = format!("{given} parameters for {points} points");
+                return Err(WrongPart("parameters", detail));
+            }
+            (_, Some(given)) => ("parameters", given),
+            (Some(points), None) => ("points", points),
+        };
+        if (2..=MOST_POINTS).contains(&count) {
+            Ok(count)
+        } else {
+            let detail = format!("{count} points are not between 2 and {MOST_POINTS}");
+            Err(WrongPart(part, detail))
+        }
+    }
+}
+
+/// The part of the request that an error of the mathematics is about.
+fn part(error: &Invalid) -> &'static str {
+    match error.place() {
+        Place::Degree(_) => "degree",
+        Place::Parameters(_) | Place::Parameter(..) => "parameters",
+        _ => "points",
+    }
+}
