@@ -124,3 +124,28 @@ async fn the_earlier_rule_has_a_name() {
         .assert_refused(&other, "/method/ending", "setting of")
         .await;
 }
+
+/// A step of the solution leads a surface, with holes or without, to where conjugate gradients end.
+#[tokio::test]
+async fn surfaces_are_at_the_minimum_at_once() {
+    let server = Server::start().await;
+    let whole = crate::data::peaks(16);
+    let mut holed = whole.clone();
+    holed[3][4] = Value::Null;
+    holed[9][11] = Value::Null;
+    for points in [whole, holed] {
+        let fit = async |variant: &str, iterations: usize| {
+            let asked = json!({
+                "surface": {"points": points},
+                "method": {
+                    "kind": "least_squares", "control_points": {"u": 8, "v": 7}, "variant": variant,
+                },
+                "stop": {"tolerance": 0, "max_iterations": iterations},
+            });
+            number(&server.fit(&asked).await["error"]["rms"])
+        };
+        let (least, found) = (fit("cg", 1000).await, fit("direct", 1).await);
+        assert!((found / least - 1.0).abs() < 1e-6, "{found} {least}");
+        assert!(found < least * (1.0 + 1e-12), "{found} {least}");
+    }
+}

@@ -46,7 +46,7 @@ impl Solver {
                 },
             },
             v => Self {
-                u: line(&tensor.u, |_| false),
+                u: line(&tensor.u, |index| v.is_none() && scale[index] == 0.0),
                 v: v.as_ref().map(|v| line(v, |_| false)),
                 grid,
             },
