@@ -94,6 +94,7 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
             parameters: Parametrization::Explicit(parameters),
             closed: false,
             control_points: None,
+            ends: None,
             weights: None,
         },
         v: None,

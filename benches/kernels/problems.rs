@@ -42,6 +42,7 @@ fn cubic() -> DirectionChoice {
         parameters: Parametrization::ChordLength,
         closed: false,
         control_points: None,
+        ends: None,
         weights: None,
     }
 }

@@ -102,8 +102,11 @@ fn each(samples: &Samples, range: Range<usize>, mut visit: impl FnMut(usize, &[f
 /// largest numbers; otherwise samples lie in the convex hull of the control points.
 fn check(samples: &Samples) -> Result<(), ExportError> {
     let geometry = samples.geometry();
-    let small = |index| geometry.place(index).all(|x| x.abs() < f64::MAX / 4.0);
-    if geometry.is_within_hull() && (0..geometry.control_points()).all(small) {
+    let small = |(row, column)| {
+        let mut place = geometry.place(row, column);
+        place.all(|x: f64| x.abs() < f64::MAX / 4.0)
+    };
+    if geometry.is_within_hull() && geometry.places().all(small) {
         return Ok(());
     }
     let mut found = None;

@@ -5,7 +5,6 @@ use super::error::{ExportError, NetIndex};
 use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::geometry::Geometry;
-use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use std::borrow::Cow;
@@ -172,9 +171,7 @@ impl ConvertedNet {
     fn new(problem: &Problem, control_points: &Points) -> Self {
         let geometry = Geometry::new(problem, control_points);
         let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));
-        let net: Vec<usize> = (0..rows).flat_map(|row| geometry.row(row)).collect();
-        let complete = |lane: &Lane| net.iter().map(|&index| lane[index]).collect();
-        let mut lanes: Vec<Vec<f64>> = control_points.lanes().iter().map(complete).collect();
+        let mut lanes = geometry.net();
         let weights = if problem.is_homogeneous() {
             lanes.pop()
         } else {
@@ -259,6 +256,7 @@ mod tests {
     use super::*;
     use crate::fit::basis::knots::Knots;
     use crate::fit::direction::{BasisChoice, DirectionChoice};
+    use crate::fit::ends::{End, Ends};
     use crate::fit::method::Method;
     use crate::fit::parameters::Parametrization;
     use crate::fit::points::Grid;
@@ -277,6 +275,7 @@ mod tests {
             parameters: Parametrization::Uniform,
             closed,
             control_points: None,
+            ends: (!closed).then(|| Ends::both(End::Repeated)),
             weights,
         };
         Problem::new(Request {

@@ -148,6 +148,7 @@ impl Chunk<'_> {
         let mut values = std::mem::take(&mut self.values);
         values.resize(self.lanes.len(), 0.0);
         let start = evaluate(&mut values);
+        direction.share(start, &mut values);
         let first = direction.free_index(start);
         for (k, value) in values.iter().enumerate() {
             let column = direction.free_index(start + k);

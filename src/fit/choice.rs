@@ -5,6 +5,7 @@
 
 use super::basis::Polynomial;
 use super::basis::knots::Knots;
+use super::ends::{End, Ends, MOST_ESTIMATED};
 use super::parameters::Parametrization;
 
 /// The basis asked for in one direction.
@@ -32,11 +33,50 @@ pub struct DirectionChoice {
     pub closed: bool,
     /// The number of control points of a least-squares fit; otherwise one for each data point.
     pub control_points: Option<usize>,
+    /// How it ends, with knots at the data; as is usual without it.
+    pub ends: Option<Ends>,
     /// Fixed weights: one for each control point, end copies included, or one for each data point.
     pub weights: Option<Vec<f64>>,
 }
 
 impl DirectionChoice {
+    /// Names the knots and the ends that are usual where nothing is said, for a control point for
+    /// each of `count` data points: knots at the data for odd degrees, whose ends are estimated, and
+    /// averaged knots for even ones. Closed directions have their knots by the data.
+    pub(super) fn settle(&mut self, count: usize) {
+        let BasisChoice::BSpline { degree, knots } = &mut self.basis else {
+            return;
+        };
+        if *knots == Knots::Usual {
+            // Averaged knots need more points than the degree.
+            let averaged = !self.closed && degree.is_multiple_of(2) && *degree < count;
+            *knots = if averaged {
+                Knots::Averaged
+            } else {
+                Knots::Data
+            };
+        }
+        if *knots == Knots::Data && !self.closed && self.ends.is_none() {
+            let estimated = *degree <= MOST_ESTIMATED;
+            let end = if estimated {
+                End::Estimated
+            } else {
+                End::Repeated
+            };
+            self.ends = Some(Ends::both(end));
+        }
+    }
+
+    /// Leaves to the method what it chooses by itself: knots by rule, and ends.
+    pub(crate) fn unsettle(&mut self) {
+        if let BasisChoice::BSpline { knots, .. } = &mut self.basis
+            && matches!(knots, Knots::Data | Knots::Averaged)
+        {
+            *knots = Knots::Usual;
+        }
+        self.ends = None;
+    }
+
     /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
     /// are nearly parallel and eigenvalues say little of single levels.
     pub(super) fn is_clustered(&self) -> bool {

@@ -19,6 +19,7 @@ use super::basis::{
 };
 use super::choice::{BasisChoice, DirectionChoice};
 use super::direction::Direction;
+use super::ends;
 use super::invalid::{Axis, Invalid};
 use super::missing::Missing;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
@@ -49,6 +50,7 @@ impl Direction {
             return Err(Invalid::ControlPointCount { axis, free, count });
         }
         let given = matches!(choice.parameters, Parametrization::Explicit(_));
+        let ended = ends::are_chosen(&choice, axis)?;
         let placed = parameters(
             choice.parameters,
             points,
@@ -74,9 +76,16 @@ impl Direction {
                 }
             }
         };
-        match choice.weights {
+        let direction = match choice.weights {
+            None => direction,
+            Some(weights) => direction.with_weights(weights, axis)?,
+        };
+        match ended {
             None => Ok(direction),
-            Some(weights) => direction.with_weights(weights, axis),
+            Some(chosen) => {
+                let boundary = grid.count() / count;
+                chosen.apply(direction, axis, (boundary, points.dimension()))
+            }
         }
     }
 }

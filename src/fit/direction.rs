@@ -23,7 +23,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::basis::Basis;
-use super::invalid::{Axis, Invalid};
+use super::invalid::{Axis, Invalid, Side};
 use super::scaling::normalizing_scale;
 
 pub use super::choice::{BasisChoice, DirectionChoice};
@@ -38,17 +38,32 @@ pub struct Direction {
     /// The number of free control points.
     free: usize,
     /// Which functions share control points.
-    ends: Ends,
+    sharing: Sharing,
     /// A weight for each basis function of a rational basis.
     weights: Option<Vec<f64>>,
 }
 
+/// What the copies of the outermost control point on one side are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum CopyRule {
+    /// They are equal to it.
+    Equal,
+    /// They differ from it by constants ([`crate::fit::ends`]).
+    Constant,
+    /// The one copy of a cubic is `(1 − β) c_0 + β c_2`, with β.
+    Natural(f64),
+}
+
 /// How basis functions share control points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Ends {
+enum Sharing {
     /// The first control point is repeated `front_copies` times in front, the last one behind: with
     /// knots at the data there are more basis functions than data points (LBW05 (3.2)).
-    Open { front_copies: usize },
+    Open {
+        front_copies: usize,
+        /// What the copies are on both sides.
+        copies: [CopyRule; 2],
+    },
     /// The first control points follow the last ones, after a period of the parameters.
     Closed { period: f64 },
 }
@@ -66,7 +81,10 @@ impl Direction {
             basis,
             parameters,
             free,
-            ends: Ends::Open { front_copies },
+            sharing: Sharing::Open {
+                front_copies,
+                copies: [CopyRule::Equal; 2],
+            },
             weights: None,
         }
     }
@@ -82,9 +100,17 @@ impl Direction {
             basis,
             parameters,
             free,
-            ends: Ends::Closed { period },
+            sharing: Sharing::Closed { period },
             weights: None,
         }
+    }
+
+    /// The same with other copies on both sides.
+    pub(super) fn with_copies(mut self, rules: [CopyRule; 2]) -> Self {
+        if let Sharing::Open { copies, .. } = &mut self.sharing {
+            *copies = rules;
+        }
+        self
     }
 
     /// The same with fixed weights: one for each free control point, or for each basis function.
@@ -96,7 +122,7 @@ impl Direction {
     /// The parameters as they would be given: on closed curves with the end of the period.
     pub fn explicit_parameters(&self) -> Arc<Vec<f64>> {
         let mut values = Arc::clone(&self.parameters);
-        if let Ends::Closed { period } = self.ends {
+        if let Sharing::Closed { period } = self.sharing {
             let end = values[0] + period;
             Arc::make_mut(&mut values).push(end);
         }
@@ -110,7 +136,7 @@ impl Direction {
 
     /// Whether the last point is followed by the first.
     pub fn is_closed(&self) -> bool {
-        matches!(self.ends, Ends::Closed { .. })
+        matches!(self.sharing, Sharing::Closed { .. })
     }
 
     /// Whether the basis has weights.
@@ -126,28 +152,118 @@ impl Direction {
     /// The free control point that basis function `j` is multiplied with. On closed curves function
     /// ⌊p/2⌋ is centred on the first data point.
     pub fn free_index(&self, j: usize) -> usize {
-        match self.ends {
-            Ends::Open { front_copies } => j.saturating_sub(front_copies).min(self.free - 1),
+        match self.sharing {
+            Sharing::Open { front_copies, .. } => j.saturating_sub(front_copies).min(self.free - 1),
             // Basis function p/2 is centred on the first data point.
-            Ends::Closed { .. } => {
+            Sharing::Closed { .. } => {
                 (j + self.free - self.basis.degree() / 2 % self.free) % self.free
             }
         }
     }
 
-    /// The basis functions that free control point `index` is multiplied with, increasing: the
-    /// inverse of [`Self::free_index`].
+    /// The rule of the copies on one side, if there are some.
+    fn rule(&self, side: Side) -> Option<CopyRule> {
+        match (self.sharing, side) {
+            (Sharing::Open { copies, .. }, Side::Start) => Some(copies[0]),
+            (Sharing::Open { copies, .. }, Side::End) => Some(copies[1]),
+            (Sharing::Closed { .. }, _) => None,
+        }
+    }
+
+    /// How many copies the outermost control point has on one side.
+    pub(super) fn copies(&self, side: Side) -> usize {
+        match (self.sharing, side) {
+            (Sharing::Open { front_copies, .. }, Side::Start) => front_copies,
+            (Sharing::Open { front_copies, .. }, Side::End) => {
+                self.basis.functions() - self.free - front_copies
+            }
+            (Sharing::Closed { .. }, _) => 0,
+        }
+    }
+
+    /// The part β of the next control point in the copy of a natural end.
+    pub(super) fn natural(&self, side: Side) -> Option<f64> {
+        match self.rule(side)? {
+            CopyRule::Natural(beta) => Some(beta),
+            CopyRule::Equal | CopyRule::Constant => None,
+        }
+    }
+
+    /// The side on which function `j` has a copy, rather than a control point of its own.
+    fn copied(&self, j: usize) -> Option<Side> {
+        let from_end = self.basis.functions() - 1 - j;
+        if (1..=self.copies(Side::Start)).contains(&j) {
+            Some(Side::Start)
+        } else if (1..=self.copies(Side::End)).contains(&from_end) {
+            Some(Side::End)
+        } else {
+            None
+        }
+    }
+
+    /// The free control point that the control point of function `j` is equal to, if it is equal to
+    /// one.
+    pub fn equal_to(&self, j: usize) -> Option<usize> {
+        let rule = self.copied(j).and_then(|side| self.rule(side));
+        let equal = rule.is_none_or(|rule| rule == CopyRule::Equal);
+        equal.then(|| self.free_index(j))
+    }
+
+    /// The free control points of which the control point of function `j` consists, each with its
+    /// part, but for a constant.
+    pub fn parts(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        let own = self.free_index(j);
+        let side = self.copied(j);
+        let beta = side.and_then(|side| self.natural(side));
+        let next = match side {
+            Some(Side::End) => own.saturating_sub(1),
+            _ => own + 1,
+        };
+        let other = beta.map(|beta| (next, beta));
+        std::iter::once((own, 1.0 - beta.unwrap_or(0.0))).chain(other)
+    }
+
+    /// Makes values of functions from `start` on those of free control points: place k becomes the
+    /// value of [`Self::free_index`] of function `start + k`. Only natural ends change something.
+    pub(super) fn share(&self, start: usize, values: &mut [f64]) {
+        let last = self.basis.functions() - 1;
+        let place = |side| {
+            let beta = self.natural(side)?;
+            let (function, next) = match side {
+                Side::Start => (1, 2),
+                Side::End => (last - 1, last - 2),
+            };
+            let own: usize = function.checked_sub(start)?;
+            let next: usize = next.checked_sub(start)?;
+            let value = beta * values.get(own)?;
+            (next < values.len()).then_some((own, next, value))
+        };
+        let moves = [Side::Start, Side::End].map(place);
+        for (own, next, value) in moves.into_iter().flatten() {
+            values[own] -= value;
+            values[next] += value;
+        }
+    }
+
+    /// The basis functions whose control points free control point `index` is a part of, increasing.
     pub fn functions_of(&self, index: usize) -> impl Iterator<Item = usize> + Clone {
         let functions = self.basis.functions();
-        match self.ends {
-            Ends::Open { front_copies } => {
+        match self.sharing {
+            Sharing::Open { front_copies, .. } => {
                 let own = index + front_copies;
-                let first = if index == 0 { 0 } else { own };
-                let is_last = index + 1 == self.free;
-                let end = if is_last { functions } else { own + 1 };
+                let first = match index {
+                    0 => 0,
+                    1 if self.natural(Side::Start).is_some() => own - 1,
+                    _ => own,
+                };
+                let end = match self.free - 1 - index {
+                    0 => functions,
+                    1 if self.natural(Side::End).is_some() => own + 2,
+                    _ => own + 1,
+                };
                 (first..end).step_by(1)
             }
-            Ends::Closed { .. } => {
+            Sharing::Closed { .. } => {
                 let first = (index + self.basis.degree() / 2) % self.free;
                 (first..functions).step_by(self.free)
             }
@@ -159,11 +275,14 @@ impl Direction {
     /// collocation matrix that begins with function j needs no sums.
     pub fn own_functions(&self) -> Range<usize> {
         let degree = self.basis.degree();
-        match self.ends {
-            Ends::Open { front_copies } => {
-                front_copies..front_copies + self.free.saturating_sub(degree)
+        match self.sharing {
+            Sharing::Open { front_copies, .. } => {
+                let [start, end] = [Side::Start, Side::End].map(|side| self.natural(side));
+                let first = front_copies + usize::from(start.is_some());
+                let end = degree + usize::from(end.is_some());
+                first..front_copies + self.free.saturating_sub(end)
             }
-            Ends::Closed { .. } => 0..self.basis.functions(),
+            Sharing::Closed { .. } => 0..self.basis.functions(),
         }
     }
 

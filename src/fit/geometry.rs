@@ -8,9 +8,10 @@
 //! one coordinate more, the weight, and points are projected: the first d coordinates of the sum
 //! over the last one.
 //!
-//! Readers see the *complete* control net, as a CAD kernel stores it: with end copies, and on
-//! closed curves with the control points of the next turn, one for each basis function. The
-//! iteration has the free ones only.
+//! Readers see the *complete* control net, as a CAD kernel stores it: with the copies at the ends,
+//! which can differ from their control points ([`crate::fit::ends`]), and on closed curves with the
+//! control points of the next turn, one for each basis function. The iteration has the free ones
+//! only.
 
 use super::direction::Direction;
 use super::points::{Grid, Points};
@@ -44,23 +45,25 @@ impl<'a> Geometry<'a> {
         self.problem.v().map(|v| v.basis.functions())
     }
 
-    /// How many free control points there are.
-    pub fn control_points(&self) -> usize {
-        self.control_points.len()
+    /// Every row and column of the complete net, row by row; the column of a curve is 0.
+    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let columns = self.columns().unwrap_or(1);
+        (0..self.rows()).flat_map(move |row| (0..columns).map(move |column| (row, column)))
     }
 
-    /// The complete control net as a CAD kernel stores it: the indices of the free control points,
-    /// row by row, where end copies repeat theirs.
-    pub fn row(&self, row: usize) -> impl Iterator<Item = usize> + 'a {
+    /// The free control point that the control point at a place of the complete net is equal to, if it
+    /// is equal to one: all but those beside ends with derivatives.
+    pub fn equal_to(&self, row: usize, column: usize) -> Option<usize> {
         let columns = self.problem.control_grid().columns;
-        let problem = self.problem;
-        let start = problem.u().free_index(row) * columns;
-        (0..self.columns().unwrap_or(1))
-            .map(move |j| start + problem.v().map_or(0, |v| v.free_index(j)))
+        let start = self.problem.u().equal_to(row)? * columns;
+        match self.problem.v() {
+            None => Some(start),
+            Some(v) => Some(start + v.equal_to(column)?),
+        }
     }
 
-    /// Where the complete control net has free control point `index`: every `(row, column)`, the
-    /// column of a curve being 0.
+    /// Where the complete control net depends on free control point `index`: every `(row, column)`,
+    /// the column of a curve being 0.
     pub fn occurrences(&self, index: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
         let columns = self.problem.control_grid().columns;
         let v = self.problem.v();
@@ -73,26 +76,69 @@ impl<'a> Geometry<'a> {
         })
     }
 
+    /// The places of the complete net that depend on these free control points, each once: natural
+    /// ends have a control point that depends on two of them.
+    pub fn changed(&self, moved: &[usize]) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let places = moved.iter().flat_map(|&index| self.occurrences(index));
+        let mut places: Vec<(usize, usize)> = places.collect();
+        places.sort_unstable();
+        places.dedup();
+        places.into_iter()
+    }
+
     /// Whether the control points have weights of their own.
     pub fn is_homogeneous(&self) -> bool {
         self.problem.is_homogeneous()
     }
 
-    /// The place of free control point `index`, d coordinates in data units: those of a homogeneous
-    /// fit are divided by its weight, and infinite or NaN if that is zero.
-    pub fn place(&self, index: usize) -> impl ExactSizeIterator<Item = f64> + 'a {
-        let weight = self.weight(index).unwrap_or(1.0);
-        let dimension = self.problem.dimension();
-        self.control_points
-            .point(index)
-            .take(dimension)
-            .map(move |x| x / weight)
+    /// One coordinate, of the loop, of the control point at a place of the complete net.
+    pub fn coordinate(&self, row: usize, column: usize, coordinate: usize) -> f64 {
+        let lane = self.control_points.lane(coordinate);
+        if let Some(index) = self.equal_to(row, column) {
+            return lane[index];
+        }
+        let columns = self.problem.control_grid().columns;
+        let across = |start: usize| -> f64 {
+            match self.problem.v() {
+                None => lane[start],
+                Some(v) => {
+                    let parts = v.parts(column);
+                    parts.map(|(index, part)| part * lane[start + index]).sum()
+                }
+            }
+        };
+        let parts = self.problem.u().parts(row);
+        let sum: f64 = parts
+            .map(|(index, part)| part * across(index * columns))
+            .sum();
+        let offsets = self.problem.offsets();
+        sum + offsets.map_or(0.0, |it| it.at(row, column, coordinate))
     }
 
-    /// The weight of free control point `index` of a homogeneous fit.
-    pub fn weight(&self, index: usize) -> Option<f64> {
-        let weights = self.control_points.lanes().last()?;
-        self.is_homogeneous().then(|| weights[index])
+    /// Each coordinate of the complete control net, row by row, as a CAD kernel stores it; in
+    /// homogeneous coordinates if the fit is.
+    pub fn net(&self) -> Vec<Vec<f64>> {
+        let lane = |c| {
+            let value = |(row, column)| self.coordinate(row, column, c);
+            self.places().map(value).collect()
+        };
+        (0..self.control_points.dimension()).map(lane).collect()
+    }
+
+    /// The place of the control point at a place of the complete net, d coordinates in data units:
+    /// those of a homogeneous fit are divided by its weight, and infinite or NaN if that is zero.
+    pub fn place(&self, row: usize, column: usize) -> impl ExactSizeIterator<Item = f64> + 'a {
+        let weight = self.weight(row, column).unwrap_or(1.0);
+        let geometry = *self;
+        let coordinate = move |c| geometry.coordinate(row, column, c) / weight;
+        (0..self.problem.dimension()).map(coordinate)
+    }
+
+    /// The weight of the control point at a place of the complete net, in a homogeneous fit.
+    pub fn weight(&self, row: usize, column: usize) -> Option<f64> {
+        let last = self.problem.dimension();
+        self.is_homogeneous()
+            .then(|| self.coordinate(row, column, last))
     }
 
     /// The points of the curve at the parameters `u`, or of the surface on the grid `u × v`, row by
@@ -109,6 +155,10 @@ impl<'a> Geometry<'a> {
         };
         let lanes = self.control_points.lanes().iter();
         let mut lanes: Vec<Vec<f64>> = lanes.map(|lane| grid.sums(lane)).collect();
+        if let Some(offsets) = self.problem.offsets() {
+            let across = self.problem.v().map(|direction| (direction, v));
+            offsets.add(1.0, (self.problem.u(), u), across, &mut lanes);
+        }
         // From homogeneous coordinates to points.
         if self.is_homogeneous()
             && let Some(weights) = lanes.pop()
@@ -124,10 +174,35 @@ impl<'a> Geometry<'a> {
     /// weights are positive.
     pub fn is_within_hull(&self) -> bool {
         let positive = |weights: &[f64]| weights.iter().all(|weight| *weight > 0.0);
-        let lanes = self.control_points.lanes();
-        let weights = lanes.last().filter(|_| self.is_homogeneous());
         let mut given = self.problem.directions().filter_map(Direction::weights);
-        weights.is_none_or(|lane| positive(lane)) && given.all(positive)
+        given.all(positive) && self.bad_weight().is_none()
+    }
+
+    /// Homogeneous fits: the first control point whose weight is not positive, as the free control
+    /// point that it belongs to. It has no place, or the curve may leave the convex hull of its
+    /// control points.
+    pub(super) fn bad_weight(&self) -> Option<(usize, f64)> {
+        if !self.is_homogeneous() {
+            return None;
+        }
+        let weights = self.control_points.lanes().last()?;
+        let free = weights.iter().position(|weight| *weight <= 0.0);
+        free.map(|index| (index, weights[index]))
+            .or_else(|| self.bad_copy())
+    }
+
+    /// The same of the copies at the ends.
+    fn bad_copy(&self) -> Option<(usize, f64)> {
+        self.problem.offsets()?;
+        let mut copies = self
+            .places()
+            .filter(|(row, column)| self.equal_to(*row, *column).is_none());
+        copies.find_map(|(row, column)| {
+            let weight = self.weight(row, column).filter(|weight| *weight <= 0.0)?;
+            let start = self.problem.u().free_index(row) * self.problem.control_grid().columns;
+            let index = self.problem.v().map_or(0, |v| v.free_index(column));
+            Some((start + index, weight))
+        })
     }
 }
 
@@ -201,6 +276,7 @@ impl LineValues {
         let mut indices = Vec::with_capacity(values.len());
         for (values, &t) in values.chunks_exact_mut(width).zip(parameters) {
             let start = direction.evaluate(t, values);
+            direction.share(start, values);
             indices.extend((0..width).map(|k| direction.free_index(start + k) as u32));
         }
         Self {

@@ -22,6 +22,7 @@ use std::sync::Arc;
 use super::decay::Decay;
 use super::direction::Direction;
 use super::forecast::Foreseen;
+use super::geometry::Geometry;
 use super::method::Progress;
 use super::method::update::Update;
 use super::norms::FitError;
@@ -314,12 +315,7 @@ impl Iteration {
     /// Homogeneous fits: the first control point whose weight is not positive. It has no place, or
     /// the curve may leave the convex hull of its control points.
     fn bad_weight(&self) -> Option<(usize, f64)> {
-        if !self.system.problem().is_homogeneous() {
-            return None;
-        }
-        let weights = self.control_points().lanes().last()?;
-        let index = weights.iter().position(|weight| *weight <= 0.0)?;
-        Some((index, weights[index]))
+        Geometry::new(self.system.problem(), self.control_points()).bad_weight()
     }
 
     /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left

@@ -69,6 +69,7 @@
 //!         parameters: Parametrization::ChordLength,
 //!         closed: false,
 //!         control_points: None,
+//!         ends: None,
 //!         weights: None,
 //!     },
 //!     v: None,
@@ -96,6 +97,7 @@
 //! - [`parameters`]: where on the curve each data point lies;
 //! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
 //! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
+//! - [`ends`]: how it ends, with knots at the data;
 //! - [`missing`]: grids with holes;
 //! - [`collocation`] and [`tensor`]: `B` as banded or dense operator, and tensor products, over
 //!   [`linear`];
@@ -131,6 +133,7 @@ pub mod collocation;
 mod construction;
 mod decay;
 pub mod direction;
+pub mod ends;
 mod equations;
 mod extent;
 mod forecast;

@@ -11,6 +11,25 @@ pub enum Axis {
     V,
 }
 
+/// A side of a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// That of the first parameter.
+    Start,
+    /// That of the last one.
+    End,
+}
+
+impl Side {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::End => "end",
+        }
+    }
+}
+
 /// The part of a problem that an error is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -36,6 +55,14 @@ pub enum Place {
     ControlPoints(Axis),
     /// Whether a direction is closed.
     Closed(Axis),
+    /// How a direction ends.
+    Ends(Axis),
+    /// How a direction ends on one side.
+    End(Axis, Side),
+    /// The vectors of an end of one order, counted from zero.
+    EndOrder(Axis, Side, usize),
+    /// One of the vectors: order, counted from zero, and data point of the boundary.
+    EndVector(Axis, Side, usize, usize),
     /// All weights.
     Weights,
     /// The weight of the data point with this index.

@@ -11,12 +11,13 @@ use std::sync::Arc;
 
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
+use super::ends::{Fitted, Offsets};
 use super::extent::Extent;
 use super::invalid::{Axis, Invalid};
 use super::method::{Method, Scope};
 use super::missing::Missing;
 use super::parameters::Parametrization;
-use super::points::{self, Points};
+use super::points::{self, Grid, Points};
 use super::setup::Setup;
 use super::warning::Warning;
 use super::weights;
@@ -64,11 +65,14 @@ impl Problem {
         let tolerance =
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         request.method.scheme().check(&scope(&request))?;
+        settle(&mut request);
         let (u, v) = directions(&request, missing.as_ref())?;
         let lifted = match &request.weights {
             Weights::Homogeneous(values) => Some(Arc::new(weights::lift(&request.points, values)?)),
             _ => None,
         };
+        let data = lifted.as_ref().unwrap_or(&request.points);
+        let (offsets, target) = constants(&request, data, &u, v.as_ref())?;
         let choices = || std::iter::once(&request.u).chain(&request.v);
         let setup = Setup {
             points: Arc::clone(&request.points),
@@ -76,6 +80,8 @@ impl Problem {
             extents: lifted.as_ref().map_or(extents, |it| it.extents()),
             lifted,
             missing,
+            offsets,
+            target,
             u,
             v,
             selected: request.selected.clone(),
@@ -160,14 +166,16 @@ impl Problem {
         let demand = self.method().scheme().demand();
         // Data, control points, residual and what the method needs besides; scratch on surfaces.
         let given = usize::from(self.is_homogeneous()) + usize::from(self.start().is_some());
-        let vectors = 3 + given + demand.vectors;
+        let shifted = usize::from(self.offsets().is_some());
+        let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
         let directions = self.directions().map(|direction| {
             2 * direction.parameters.len() * size_of::<f64>()
                 + demand.matrices * Collocation::memory(direction)
         });
-        directions.sum::<usize>() + arrays + demand.bytes
+        let offsets = self.offsets().map_or(0, Offsets::numbers) * size_of::<f64>();
+        directions.sum::<usize>() + arrays + offsets + demand.bytes
     }
 
     /// Multiplications of one iteration: the measure of how long a step takes, for fair shares of
@@ -258,6 +266,41 @@ fn directions(
     let u = direction(choice_u, Axis::U)?;
     let v = choice_v.map(|choice| direction(choice, Axis::V));
     Ok((u, v.transpose()?))
+}
+
+/// Names what is usual where nothing is said.
+fn settle(request: &mut Request) {
+    if !request.method.has_fewer_control_points() {
+        let Grid { rows, columns } = request.grid;
+        request.u.settle(rows);
+        if let Some(v) = &mut request.v {
+            v.settle(columns);
+        }
+    }
+}
+
+/// The constants of control points at the ends, and the data without their share.
+fn constants(
+    request: &Request,
+    data: &Arc<Points>,
+    u: &Direction,
+    v: Option<&Direction>,
+) -> Result<(Option<Arc<Offsets>>, Arc<Points>), Invalid> {
+    let fitted = Fitted {
+        points: data,
+        grid: request.grid,
+        homogeneous: matches!(request.weights, Weights::Homogeneous(_)),
+    };
+    let across = v.zip(request.v.as_ref());
+    let across = across.map(|(direction, choice)| (direction, choice.ends.as_ref()));
+    let offsets = Offsets::new(fitted, (u, request.u.ends.as_ref()), across)?;
+    let Some(offsets) = offsets else {
+        return Ok((None, Arc::clone(data)));
+    };
+    let mut target = Points::clone(data);
+    let across = v.map(|v| (v, &v.parameters[..]));
+    offsets.add(-1.0, (u, &u.parameters), across, target.lanes_mut());
+    Ok((Some(Arc::new(offsets)), Arc::new(target)))
 }
 
 /// Refuses coordinates that are infinite or NaN, and names the first one.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::direction::Direction;
+use super::ends::Offsets;
 use super::extent::Extent;
 use super::missing::Missing;
 use super::points::{Grid, Points};
@@ -24,6 +25,10 @@ pub struct Setup {
     pub(super) grid: Grid,
     /// The data in homogeneous coordinates.
     pub(super) lifted: Option<Arc<Points>>,
+    /// The constants of control points at the ends, if there are some.
+    pub(super) offsets: Option<Arc<Offsets>>,
+    /// The data without the share of these constants.
+    pub(super) target: Arc<Points>,
     /// The extent of each coordinate of the data, lifted if they are.
     pub(super) extents: Vec<Extent>,
     /// Which points are missing, for least-squares fits.
@@ -49,10 +54,21 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The points that the iteration approaches; of a surface row by row. In homogeneous fits they
+    /// The points that the curve approaches; of a surface row by row. In homogeneous fits they
     /// are `(w_i P_i, w_i)`, with one coordinate more than the data.
     pub fn data(&self) -> &Arc<Points> {
         self.lifted.as_ref().unwrap_or(&self.points)
+    }
+
+    /// What `B X` approaches: the data without the share of the constants g of control points
+    /// `c = E x + g`, `P − N g`.
+    pub(super) fn target(&self) -> &Arc<Points> {
+        &self.target
+    }
+
+    /// The constants of control points at the ends, if there are some.
+    pub(super) fn offsets(&self) -> Option<&Offsets> {
+        self.offsets.as_deref()
     }
 
     /// The extent of each coordinate of [`data`](Self::data).

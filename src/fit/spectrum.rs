@@ -385,6 +385,7 @@ mod tests {
             parameters: Parametrization::ChordLength,
             closed: false,
             control_points: None,
+            ends: None,
             weights: None,
         };
         Collocation::new(&Direction::new(choice, &points, grid, None, Axis::U).unwrap())

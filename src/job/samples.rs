@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::ends::{End, Ends};
 use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -24,6 +25,7 @@ pub(crate) fn problem() -> Problem {
         parameters: Parametrization::Uniform,
         closed: false,
         control_points: None,
+        ends: Some(Ends::both(End::Repeated)),
         weights: None,
     };
     let grid = Grid {

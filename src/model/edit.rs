@@ -10,6 +10,7 @@ use super::shape::MAX_DIMENSION;
 use super::stop::StopSpec;
 use super::stream::StreamSpec;
 use super::weights::{Rational, WeightSpec, check_unused};
+use crate::fit::direction::DirectionChoice;
 use crate::fit::invalid::{self as fit, Invalid};
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Weights};
@@ -99,6 +100,11 @@ impl EditSpec {
         let changed = change_points(self.points, &mut request, &mut mistakes);
         if let Some(method) = mistakes.keep(self.method).flatten() {
             (request.method, request.selected) = (method.method, method.selected);
+            // Least squares has knots and ends of its own, and other bases are refused below.
+            if request.method.has_fewer_control_points() {
+                request.u.unsettle();
+                request.v.iter_mut().for_each(DirectionChoice::unsettle);
+            }
         }
         if let Some(stop) = self.stop {
             let rules = stop.rules(limits.iterations, &mut mistakes);

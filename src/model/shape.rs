@@ -10,6 +10,7 @@ use super::stop::StopRules;
 use super::weights::{Rational, WeightSpec, check_unused};
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::ends::Ends;
 use crate::fit::invalid::{self as fit, Axis};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -82,6 +83,8 @@ pub struct AxisSpec {
     pub parameters: Parametrization,
     /// Whether it is periodic.
     pub closed: bool,
+    /// How it ends.
+    pub ends: OrMistakes<Option<Ends>>,
 }
 
 /// A curve or a surface.
@@ -125,11 +128,13 @@ impl ShapeSpec {
         let weights = mistakes.keep(weights).unwrap_or(Weights::None.into());
         let mut direction = |spec: AxisSpec, axis, weights| {
             let basis = spec.basis.and_then(|basis| basis.choice(axis));
+            let (basis, ends) = (mistakes.keep(basis), mistakes.keep(spec.ends));
             Some(DirectionChoice {
-                basis: mistakes.keep(basis)?,
+                basis: basis?,
                 parameters: spec.parameters,
                 closed: spec.closed,
                 control_points: None,
+                ends: ends?,
                 weights,
             })
         };

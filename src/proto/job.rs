@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::ends::{self, flat};
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
 use super::method::{self, MethodTarget};
 use super::stream;
@@ -50,6 +51,7 @@ pub fn spec(input: pb::JobInput, most_points: usize) -> JobSpec {
 
 fn curve(curve: pb::Curve, most: usize) -> Result<ShapeSpec, Mistake> {
     let points = points(curve.dimension, &curve.points, most, "curve")?;
+    let dimension = points.dimension();
     Ok(ShapeSpec {
         grid: Grid {
             rows: points.len(),
@@ -57,7 +59,10 @@ fn curve(curve: pb::Curve, most: usize) -> Result<ShapeSpec, Mistake> {
         },
         points,
         missing: Vec::new(),
-        u: axis(curve.basis, curve.parameters, curve.closed, "curve")?,
+        u: AxisSpec {
+            ends: Ok(ends::spec(curve.ends, (1, dimension), "curve.ends")?),
+            ..axis(curve.basis, curve.parameters, curve.closed, "curve")?
+        },
         v: None,
         weights: Ok(some(curve.weights).map(WeightSpec::List)),
     })
@@ -79,12 +84,19 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
         u: u.weights,
         v: v.weights,
     };
+    let dimension = points.dimension();
     Ok(ShapeSpec {
         points,
         grid,
         missing,
-        u: axis(u.basis, u.parameters, u.closed, "surface.u")?,
-        v: Some(axis(v.basis, v.parameters, v.closed, "surface.v")?),
+        u: AxisSpec {
+            ends: Ok(ends::spec(u.ends, (columns, dimension), "surface.u.ends")?),
+            ..axis(u.basis, u.parameters, u.closed, "surface.u")?
+        },
+        v: Some(AxisSpec {
+            ends: Ok(ends::spec(v.ends, (rows, dimension), "surface.v.ends")?),
+            ..axis(v.basis, v.parameters, v.closed, "surface.v")?
+        }),
         weights: Ok(surface_weights(weights, grid, "surface.weights")?),
     })
 }
@@ -105,6 +117,7 @@ fn axis(
             &format!("{root}.parameters"),
         )?,
         closed,
+        ends: Ok(None),
     })
 }
 
@@ -290,6 +303,7 @@ fn curve_message(request: &Request) -> pb::Curve {
         parameters: Some(parameters_message(&request.u.parameters)),
         weights: grid_weights(&request.weights).or(fixed).unwrap_or_default(),
         closed: request.u.closed,
+        ends: request.u.ends.as_ref().map(ends::message),
     }
 }
 
@@ -312,13 +326,8 @@ fn direction(choice: &DirectionChoice) -> pb::SurfaceDirection {
         parameters: Some(parameters_message(&choice.parameters)),
         closed: choice.closed,
         weights: choice.weights.clone().unwrap_or_default(),
+        ends: choice.ends.as_ref().map(ends::message),
     }
-}
-
-fn flat(points: &Points) -> Vec<f64> {
-    let mut flat = Vec::with_capacity(points.len() * points.dimension());
-    flat.extend((0..points.len()).flat_map(|index| points.point(index)));
-    flat
 }
 
 fn basis_message(choice: &BasisChoice) -> pb::Basis {

@@ -1,10 +1,11 @@
 //! The messages of the contract (`proto/piad/v1/fitting.proto`), and how they say a job.
 //!
-//! - [`job`]: a job and its message, both ways; [`method`] and [`stream`]: parts of it; [`values`]: numbers, lists and
+//! - [`job`]: a job and its message, both ways; [`ends`], [`method`] and [`stream`]: parts of it; [`values`]: numbers, lists and
 //!   enumerations.
 //!
 //! Requests, answers and the store use the same messages.
 
+pub mod ends;
 pub mod job;
 pub mod method;
 pub mod stream;

@@ -27,10 +27,10 @@ fn turns(iteration: &Value) -> Vec<i8> {
         .collect()
 }
 
-async fn fit(points: &[[f64; 2]], method: &str) -> Story {
+async fn fit(points: &[[f64; 2]], method: &str, ends: &str) -> Story {
     let server = Server::start().await;
     let job = json!({
-        "curve": {"points": points},
+        "curve": {"points": points, "ends": ends},
         "method": {"kind": method},
         "stop": {"tolerance": 1e-6},
     });
@@ -45,10 +45,10 @@ async fn a_fit_that_cannot_go_on_says_so() {
         .map(|i| 0.75 * PI * f64::from(i) / 4.0)
         .map(|a| [2.0 * a.cos(), a.sin()])
         .collect();
-    let plain = fit(&points, "global").await;
+    let plain = fit(&points, "global", "repeated").await;
     let signs = turns(&plain.iterations[0]);
     assert_ne!(turns(plain.iterations.last().unwrap()), signs);
-    let story = fit(&points, "convex").await;
+    let story = fit(&points, "convex", "repeated").await;
     assert_eq!(story.state(), "stalled");
     assert_eq!(story.end["reason"], "convexity");
     let reached = story.end["error"]["max"].as_f64().unwrap();
@@ -66,16 +66,16 @@ async fn a_fit_that_cannot_go_on_says_so() {
 #[tokio::test]
 async fn convexity_is_kept_at_every_level() {
     let mut lost = 0;
-    for k in 5..30 {
+    for (k, ends) in (5..30).flat_map(|k| [(k, "repeated"), (k, "estimated")]) {
         let n = 12;
         let points: Vec<[f64; 2]> = (0..n)
             .map(|i| f64::from(i) / f64::from(n - 1))
             .map(|s| PI * 2.0 * (f64::from(k) / 40.0) * s.powf(1.5))
             .map(|a| [3.0 * a.cos(), a.sin()])
             .collect();
-        let plain = fit(&points, "global").await;
+        let plain = fit(&points, "global", ends).await;
         let signs = turns(&plain.iterations[0]);
-        let convex = fit(&points, "convex").await;
+        let convex = fit(&points, "convex", ends).await;
         assert!(
             convex
                 .iterations
@@ -104,7 +104,7 @@ fn elliptic(method: &Value) -> Value {
         .map(|a| [2.0 * a.cos(), a.sin()])
         .collect();
     json!({
-        "curve": {"points": points},
+        "curve": {"points": points, "ends": "repeated"},
         "method": method,
         "stop": {"tolerance": 1e-6},
     })

@@ -264,10 +264,10 @@ async fn a_store_of_the_version_before_gets_the_version_of_today() {
     let data = tempfile::tempdir().unwrap();
     let file = data.path().join("piad.redb");
     drop(Program::start(data.path()));
-    assert_eq!(set_version(&file, 1), Some(2));
+    assert_eq!(set_version(&file, 2), Some(3));
     drop(Program::start(data.path()));
     // The program of then would misread what this one has written: it must not open it.
-    assert_eq!(set_version(&file, 1), Some(2));
+    assert_eq!(set_version(&file, 2), Some(3));
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -284,7 +284,7 @@ async fn unknown_files_and_versions_are_clear_errors() {
     refused(data.path(), "cannot be opened");
     std::fs::remove_file(&file).unwrap();
 
-    for version in [0, 3, 99] {
+    for version in [0, 4, 99] {
         set_version(&file, version);
         let reason = format!("has version {version} of the format");
         refused(data.path(), &reason);

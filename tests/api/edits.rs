@@ -205,7 +205,8 @@ async fn edits_of_edits_of_surfaces() {
 #[tokio::test]
 async fn weights_are_added_and_changed() {
     let server = Server::start().await;
-    let parent = server.stream(&json!({"curve": {"points": wave(6)}})).await;
+    let parent = json!({"curve": {"points": wave(6), "ends": "repeated"}});
+    let parent = server.stream(&parent).await;
     let body = json!({"weights": [1, 1.2, 1, 1, 1.3, 1]});
     let weighted = edit(&server, &parent.job, &body).await;
     assert_eq!(weighted.state(), "converged");
@@ -218,7 +219,7 @@ async fn weights_are_added_and_changed() {
         weighted.iterations[0]["weights"],
         json!([1.0, 1.0, 1.2, 1.0, 1.0, 1.3, 1.0, 1.0])
     );
-    let fresh = json!({"curve": {"points": wave(6), "weights": [1, 1.2, 1, 1, 1.3, 1]}});
+    let fresh = json!({"curve": {"points": wave(6), "weights": [1, 1.2, 1, 1, 1.3, 1], "ends": "repeated"}});
     let fresh = server.stream(&fresh).await;
     let last = |story: &Story, field: &str| story.iterations.last().unwrap()[field].clone();
     for field in ["control_points", "weights"] {

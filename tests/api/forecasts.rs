@@ -340,7 +340,9 @@ async fn forecasts_do_not_wait_for_the_end_of_the_spectrum() {
 async fn long_fits_are_foretold_while_they_run() {
     let server = Server::start().await;
     let (points, basis) = (curve(120_000, true), Basis::UniformSpline(3));
-    let global = job(&points, basis, &of_kind("global"), 1e-9);
+    let mut global = job(&points, basis, &of_kind("global"), 1e-9);
+    // Estimated ends leave so little that the fit has ended before anything can be foretold.
+    global["curve"]["ends"] = json!("repeated");
     let story = server.stream(&global).await;
     assert_eq!(story.state(), "converged");
     assert_eq!(story.job["predicted"]["iterations"], Value::Null);

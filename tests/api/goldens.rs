@@ -94,6 +94,7 @@ async fn helix_cubic_bspline() {
         "points": data::helix(),
         "basis": {"kind": "bspline", "degree": 3, "knots": "data"},
         "parameters": "chord_length",
+        "ends": "repeated",
     }});
     let story = fit(job, 60).await;
     for (level, printed) in [
@@ -116,6 +117,7 @@ async fn peaks_bicubic() {
         "points": data::peaks(11),
         "basis": {"kind": "bspline", "degree": 3, "knots": "data"},
         "parameters": "chord_length",
+        "ends": "repeated",
     }});
     let story = fit(job, 60).await;
     for (level, printed) in [

@@ -27,7 +27,7 @@ async fn fixed_points_do_not_move_by_a_bit_and_end_where_the_theorem_says() {
     let adjusted = [3, 4, 5, 17, 22];
     let story = server
         .stream(&json!({
-            "curve": {"points": points, "basis": {"kind": "bspline", "degree": 3, "knots": "data"}},
+            "curve": {"points": points, "basis": {"kind": "bspline", "degree": 3, "knots": "data"}, "ends": "repeated"},
             "method": {"kind": "local", "indices": adjusted},
             "stop": {"tolerance": 1e-13},
         }))
@@ -91,7 +91,7 @@ async fn adaptive_peaks_take_the_published_levels() {
     let server = Server::start().await;
     let story = server
         .stream(&json!({
-            "surface": {"points": data::peaks(11)},
+            "surface": {"points": data::peaks(11), "ends": "repeated"},
             "method": {"kind": "adaptive", "threshold": 1e-2},
         }))
         .await;

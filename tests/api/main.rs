@@ -28,6 +28,7 @@ mod doors;
 mod durable;
 mod edits;
 mod encodings;
+mod ends;
 mod examples;
 mod exports;
 mod extremes;

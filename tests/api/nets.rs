@@ -53,6 +53,10 @@ fn job(rows: usize, columns: usize, kind: Kind) -> Value {
         },
         "stop": {"tolerance": 0, "max_iterations": 2},
     });
+    // Some with copies at the ends, others with estimated ends.
+    if rows % 2 == 1 {
+        job["surface"]["ends"] = json!("repeated");
+    }
     match kind {
         Kind::Polynomial => {}
         Kind::Homogeneous => job["surface"]["weights"] = json!(grid(rows, columns, weight)),
@@ -163,8 +167,10 @@ async fn assert_surfaces(kind: Kind) {
         if kind == Kind::Homogeneous {
             let places = &story.job["control_points"];
             let shape = json!([places["u"], places["v"]]);
-            let expected = expected_weights(&shape, rows, columns);
-            assert!(first["weights"] == expected, "{rows} × {columns}");
+            if rows % 2 == 1 {
+                let expected = expected_weights(&shape, rows, columns);
+                assert!(first["weights"] == expected, "{rows} × {columns}");
+            }
         }
         assert_every_form(&server, base(&story.job)).await;
         // Some control points stay.

@@ -109,7 +109,7 @@ async fn large_weights_do_not_hide_errors() {
     for weight in [1.0, 1e175, 1e200] {
         let story = server
             .stream(&json!({
-                "curve": {"points": points, "weights": vec![weight; 4]},
+                "curve": {"points": points, "weights": vec![weight; 4], "ends": "repeated"},
                 "stop": {"tolerance": 1e-6},
             }))
             .await;

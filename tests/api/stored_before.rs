@@ -1,6 +1,7 @@
-//! A store file of an earlier program: nothing in it is lost, and what it had not ended ends.
+//! Store files of earlier programs: nothing in them is lost, and what they had not ended ends.
 //!
-//! `tests/stored/README.md` says what is in the file. It was killed while jobs were running.
+//! `tests/stored/README.md` says what is in the files. The programs were killed while jobs were
+//! running.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -24,10 +25,13 @@ fn stored(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// A data directory with the file.
-fn data() -> TempDir {
+/// The versions of the format of which there are files, with the number of unfinished jobs.
+const VERSIONS: [(u32, usize); 2] = [(1, 11), (2, 9)];
+
+/// A data directory with the file of a version.
+fn data(version: u32) -> TempDir {
     let data = tempfile::tempdir().unwrap();
-    let packed = std::fs::File::open(stored("version_1.redb.gz")).unwrap();
+    let packed = std::fs::File::open(stored(&format!("version_{version}.redb.gz"))).unwrap();
     let mut bytes = Vec::new();
     GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
     std::fs::write(data.path().join("piad.redb"), bytes).unwrap();
@@ -35,8 +39,8 @@ fn data() -> TempDir {
 }
 
 /// What the earlier program answered for each job, the newest first.
-fn answers() -> Vec<Value> {
-    let lines = std::fs::read_to_string(stored("version_1.jsonl")).unwrap();
+fn answers(version: u32) -> Vec<Value> {
+    let lines = std::fs::read_to_string(stored(&format!("version_{version}.jsonl"))).unwrap();
     let answer = |line| serde_json::from_str(line).unwrap();
     lines.lines().map(answer).collect()
 }
@@ -147,7 +151,13 @@ async fn assert_kept(server: &Server, answer: &Value) {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn jobs_of_an_earlier_program_are_as_they_were() {
-    let (data, answers) = (data(), answers());
+    for (version, _) in VERSIONS {
+        assert_as_they_were(version).await;
+    }
+}
+
+async fn assert_as_they_were(version: u32) {
+    let (data, answers) = (data(version), answers(version));
     let server = start(&data).await;
     let list = listed(&server, "").await;
     assert_eq!(list.len(), answers.len());
@@ -175,10 +185,16 @@ async fn jobs_of_an_earlier_program_are_as_they_were() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn unfinished_jobs_of_an_earlier_program_end_with_the_same_bits() {
-    let (data, answers) = (data(), answers());
+    for (version, count) in VERSIONS {
+        assert_unfinished_end(version, count).await;
+    }
+}
+
+async fn assert_unfinished_end(version: u32, count: usize) {
+    let (data, answers) = (data(version), answers(version));
     let server = start(&data).await;
     let unfinished = || answers.iter().filter(|answer| is_unfinished(answer));
-    assert_eq!(unfinished().count(), 11);
+    assert_eq!(unfinished().count(), count);
     for answer in unfinished() {
         until_ended(&server, answer).await;
         assert_kept(&server, answer).await;
@@ -238,7 +254,13 @@ fn is_computed_again(answer: &Value) -> bool {
 /// What is stored of a job is enough to compute it again: as a stream, and as a new job.
 #[tokio::test(flavor = "multi_thread")]
 async fn jobs_of_an_earlier_program_are_computed_again() {
-    let (data, answers) = (data(), answers());
+    for (version, _) in VERSIONS {
+        assert_computed_again(version).await;
+    }
+}
+
+async fn assert_computed_again(version: u32) {
+    let (data, answers) = (data(version), answers(version));
     let server = start(&data).await;
     cancel_unfinished(&server, &answers).await;
     let mut posted = 0;
@@ -259,12 +281,8 @@ async fn jobs_of_an_earlier_program_are_computed_again() {
         if answer["job"].get("parent").is_some() {
             continue;
         }
-        // Whatever is the default now: the input says all that it takes. That of least squares then did not
-        // say where it ends, as there was one rule.
-        let input = match answer["input"]["method"]["kind"] == "least_squares" {
-            true => server.json(&format!("{}/input", path(answer))).await,
-            false => answer["input"].clone(),
-        };
+        // Whatever is the default now: the input says all that it takes.
+        let input = server.json(&format!("{}/input", path(answer))).await;
         let job = server.fit(&input).await;
         assert_eq!(job["iteration"], answer["job"]["iteration"], "{name}");
         let result = server.json(&format!("{}/result", base(&job))).await;
@@ -281,7 +299,7 @@ async fn jobs_of_an_earlier_program_are_computed_again() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn jobs_of_an_earlier_program_can_be_edited() {
-    let (data, answers) = (data(), answers());
+    let (data, answers) = (data(1), answers(1));
     let server = start(&data).await;
     cancel_unfinished(&server, &answers).await;
     for (name, index, point) in [
@@ -318,7 +336,7 @@ async fn jobs_of_an_earlier_program_can_be_edited() {
 /// ahead; with the others, which are too old, a request makes a new job.
 #[tokio::test(flavor = "multi_thread")]
 async fn keys_of_an_earlier_program_are_known_for_a_day() {
-    let (data, answers) = (data(), answers());
+    let (data, answers) = (data(1), answers(1));
     let server = start(&data).await;
     cancel_unfinished(&server, &answers).await;
     let (mut known, mut expired) = (0, 0);

@@ -56,7 +56,7 @@ impl Fit {
     pub fn result(&self) -> Value {
         let problem = &self.problem;
         let geometry = Geometry::new(problem, &self.control_points);
-        let place = |index| json!(geometry.place(index).collect::<Vec<f64>>());
+        let place = |row, column| json!(geometry.place(row, column).collect::<Vec<f64>>());
         let mut result = json!({
             "name": self.name,
             "kind": if problem.v().is_some() { "surface" } else { "curve" },
@@ -70,7 +70,7 @@ impl Fit {
         });
         if problem.is_homogeneous() {
             result["rational"] = json!("homogeneous");
-            result["weights"] = net(geometry, |index| json!(geometry.weight(index)));
+            result["weights"] = net(geometry, |row, column| json!(geometry.weight(row, column)));
         } else if problem.directions().any(Direction::is_rational) {
             result["rational"] = json!("fixed");
             result["weights"] = each(problem, |it| json!(it.weights()));
@@ -138,17 +138,16 @@ fn each(problem: &Problem, of: impl Fn(&Direction) -> Value) -> Value {
     }
 }
 
-fn net(geometry: Geometry<'_>, of: impl Fn(usize) -> Value) -> Value {
+fn net(geometry: Geometry<'_>, of: impl Fn(usize, usize) -> Value) -> Value {
     let rows = 0..geometry.rows();
     match geometry.columns() {
-        None => json!(
-            rows.flat_map(|row| geometry.row(row))
-                .map(of)
-                .collect::<Vec<_>>()
-        ),
-        Some(_) => json!(
-            rows.map(|row| geometry.row(row).map(&of).collect::<Vec<_>>())
-                .collect::<Vec<_>>()
-        ),
+        None => rows.map(|row| of(row, 0)).collect(),
+        Some(columns) => rows
+            .map(|row| {
+                (0..columns)
+                    .map(|column| of(row, column))
+                    .collect::<Value>()
+            })
+            .collect(),
     }
 }

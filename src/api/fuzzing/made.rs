@@ -215,18 +215,23 @@ impl<'a> Choices<'a> {
 
     /// Bases, parameters and whether they are closed: of one direction, or of two.
     fn directions(&mut self, shape: &Shape) -> Vec<(&'static str, Value)> {
-        let u = self.direction(shape.rows);
+        let boundary = |count: Option<usize>| (count, shape.dimension);
+        let u = self.direction(shape.rows, boundary(shape.columns));
         let Some(columns) = shape.columns else {
             return u;
         };
-        let v = self.direction(columns);
+        let v = self.direction(columns, boundary(Some(shape.rows)));
         let pairs = u.into_iter().zip(v);
         pairs
             .map(|((name, u), (_, v))| (name, json!({"u": u, "v": v})))
             .collect()
     }
 
-    fn direction(&mut self, count: usize) -> Vec<(&'static str, Value)> {
+    fn direction(
+        &mut self,
+        count: usize,
+        boundary: (Option<usize>, usize),
+    ) -> Vec<(&'static str, Value)> {
         let closed = self.below(4) == 3;
         let basis = match self.below(6) {
             0..=3 => {
@@ -253,7 +258,35 @@ impl<'a> Choices<'a> {
             ("basis", basis),
             ("parameters", parameters),
             ("closed", json!(closed)),
+            ("ends", self.ends(boundary)),
         ]
+    }
+
+    /// How a direction ends; of a surface with a vector for each data point of the boundary.
+    fn ends(&mut self, boundary: (Option<usize>, usize)) -> Value {
+        match self.below(32) {
+            0 => json!("repeated"),
+            1 => json!("natural"),
+            2 => json!("estimated"),
+            3 => json!({"start": self.end(boundary)}),
+            4 => json!({"start": self.end(boundary), "end": self.end(boundary)}),
+            _ => Value::Null,
+        }
+    }
+
+    fn end(&mut self, (boundary, dimension): (Option<usize>, usize)) -> Value {
+        let mut one = || match boundary {
+            None => json!(self.numbers(dimension)),
+            Some(count) => (0..count).map(|_| json!(self.numbers(dimension))).collect(),
+        };
+        let vectors = [one(), one()];
+        match self.below(5) {
+            0 => json!("natural"),
+            1 => json!({"derivative": vectors[0]}),
+            2 => json!({"derivatives": vectors}),
+            3 => json!({"tangent": vectors[0]}),
+            _ => json!("repeated"),
+        }
     }
 
     /// Clamped knots.

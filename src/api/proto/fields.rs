@@ -1,9 +1,10 @@
 //! Where in a message the parts of the model are.
 
 use crate::api::problem::{self, Problem, Words};
-use crate::fit::invalid::{Axis, Place as P};
+use crate::fit::invalid::{Axis, Place as P, Side};
 use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
 use crate::model::stream::choices::ChoiceMistake;
+use crate::proto::ends::EndsLayout;
 use crate::proto::messages::{self as pb, job_input::Geometry};
 use crate::proto::{method, stream};
 
@@ -19,6 +20,7 @@ pub struct MessageLayout {
     /// Edits: for each point that changes, its entry in `moved` and in `weighted`.
     pub(super) changes: Vec<(Option<usize>, Option<usize>)>,
     method: method::SettingsLayout,
+    ends: EndsLayout,
 }
 
 impl MessageLayout {
@@ -34,6 +36,7 @@ impl MessageLayout {
             dimension: dimension as usize,
             columns: columns as usize,
             method: method::SettingsLayout::of(input.method.as_ref()),
+            ends: EndsLayout::of(input),
             ..Self::default()
         }
     }
@@ -69,6 +72,13 @@ impl MessageLayout {
         format!("{}.points[{}]", self.root, index * self.dimension)
     }
 
+    /// The vectors of an end.
+    fn end(&self, axis: Axis, side: Side, order: usize, index: Option<usize>) -> String {
+        let number = usize::from(axis == Axis::V);
+        let field = self.ends.field(number, side, order, index);
+        self.direction(axis, &format!("ends.{}.{field}", side.name()))
+    }
+
     /// The field of a part of the fitting problem.
     fn field(&self, place: P) -> String {
         let root = self.root;
@@ -86,6 +96,10 @@ impl MessageLayout {
                 self.direction(axis, &format!("parameters.values[{index}]"))
             }
             P::Closed(axis) => self.direction(axis, "closed"),
+            P::Ends(axis) => self.direction(axis, "ends"),
+            P::End(axis, side) => self.direction(axis, &format!("ends.{}", side.name())),
+            P::EndOrder(axis, side, order) => self.end(axis, side, order, None),
+            P::EndVector(axis, side, order, index) => self.end(axis, side, order, Some(index)),
             P::Weights if is_edit => "weights.values".to_owned(),
             P::Weights => format!("{root}.weights"),
             P::Weight(index) if is_edit => format!("weights.values[{index}]"),

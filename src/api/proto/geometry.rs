@@ -7,7 +7,7 @@ use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
 
 use super::names;
-use super::view::{direction, distances};
+use super::view::{directions, distances};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::fit::geometry::Geometry;
@@ -87,6 +87,7 @@ pub fn result(
         }
         View::ControlPoints | View::Changed => Some((NET_OF_RESULT, Large::Net(problem, points))),
     };
+    let (u, v) = directions(problem, false);
     let message = pb::FitResult {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
@@ -95,8 +96,8 @@ pub fn result(
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
         rational: names::rational(problem).into(),
-        u: Some(direction(problem.u(), false)),
-        v: problem.v().map(|v| direction(v, false)),
+        u: Some(u),
+        v,
         bad_weight: bad_weight(level),
         geometry: None,
     };
@@ -225,12 +226,10 @@ fn changes(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> pb::Ch
         dimension: count(problem.dimension()),
         ..pb::Changes::default()
     };
-    for &index in moved {
-        for (row, column) in geometry.occurrences(index) {
-            changes.indices.push(count(row * across + column));
-            changes.points.extend(geometry.place(index));
-            changes.weights.extend(geometry.weight(index));
-        }
+    for (row, column) in geometry.changed(moved) {
+        changes.indices.push(count(row * across + column));
+        changes.points.extend(geometry.place(row, column));
+        changes.weights.extend(geometry.weight(row, column));
     }
     changes
 }
@@ -269,6 +268,7 @@ mod tests {
                     parameters: Parametrization::Uniform,
                     closed: false,
                     control_points: None,
+                    ends: None,
                     weights: None,
                 },
                 v: None,
@@ -299,11 +299,9 @@ mod tests {
             assert_eq!((message.iteration, net.rows), (7, count as u32 + 2));
             assert_eq!((net.columns, net.dimension), (1, 2));
             let geometry = Geometry::new(&problem, &control_points);
-            let places = || (0..geometry.rows()).flat_map(|row| geometry.row(row));
-            let points: Vec<f64> = places().flat_map(|index| geometry.place(index)).collect();
-            let weights: Vec<f64> = places()
-                .filter_map(|index| geometry.weight(index))
-                .collect();
+            let places = || 0..geometry.rows();
+            let points: Vec<f64> = places().flat_map(|row| geometry.place(row, 0)).collect();
+            let weights: Vec<f64> = places().filter_map(|row| geometry.weight(row, 0)).collect();
             assert!(net.points == points && net.weights == weights);
         }
     }

@@ -11,6 +11,7 @@ use super::names;
 use crate::api::problem::{self as api, Words};
 use crate::api::rates::Rates;
 use crate::fit::direction::Direction;
+use crate::fit::ends::{End, Ends};
 use crate::fit::iteration::Level;
 use crate::fit::method::Method;
 use crate::fit::norms::FitError;
@@ -26,7 +27,7 @@ use crate::job::state::{Failure, Levels, Status};
 use crate::model::mistakes::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
-use crate::proto::{job, method, stream};
+use crate::proto::{ends::rule, job, method, stream};
 
 /// The job as a resource.
 pub fn job(job: &Job) -> pb::Job {
@@ -179,8 +180,13 @@ pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
 }
 
 /// A direction of what was fitted; the parameters of the data are a part of descriptions only.
-pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDirection {
+fn direction(
+    direction: &Direction,
+    ends: Option<&Ends>,
+    with_parameters: bool,
+) -> pb::FittedDirection {
     let basis = &direction.basis;
+    let rule = |end: fn(&Ends) -> &End| ends.map_or(pb::EndRule::Unspecified, |it| rule(end(it)));
     pb::FittedDirection {
         basis: names::basis(basis).into(),
         degree: count(basis.degree()),
@@ -192,7 +198,21 @@ pub fn direction(direction: &Direction, with_parameters: bool) -> pb::FittedDire
             false => Vec::new(),
         },
         weights: direction.weights().unwrap_or_default().to_vec(),
+        start: rule(|it| &it.start).into(),
+        end: rule(|it| &it.end).into(),
     }
+}
+
+/// Both directions of a problem, or the one of a curve.
+pub fn directions(
+    problem: &Problem,
+    with_parameters: bool,
+) -> (pb::FittedDirection, Option<pb::FittedDirection>) {
+    let request = problem.request();
+    let u = direction(problem.u(), request.u.ends.as_ref(), with_parameters);
+    let v = problem.v().zip(request.v.as_ref());
+    let v = v.map(|(v, choice)| direction(v, choice.ends.as_ref(), with_parameters));
+    (u, v)
 }
 
 /// All that does not change from iteration to iteration, as the bytes of a `JobDescription`.
@@ -200,6 +220,7 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
     let outline = job.outline();
     let forecast = levels.map(|levels| levels.forecast);
     let first = levels.map(|levels| levels.first);
+    let (u, v) = directions(problem, true);
     let message = pb::JobDescription {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
@@ -207,8 +228,8 @@ pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Cont
         dimension: count(problem.dimension()),
         rows: count(outline.grid.rows),
         columns: count(outline.grid.columns),
-        u: Some(direction(problem.u(), true)),
-        v: problem.v().map(|v| direction(v, true)),
+        u: Some(u),
+        v,
         rational: names::rational(problem).into(),
         method: Some(method::message(&outline.method, outline.surface, forecast)),
         computed: Some(computed(outline, forecast)),

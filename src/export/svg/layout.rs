@@ -2,7 +2,6 @@
 
 use crate::export::nurbs::{Nurbs, in_space};
 use crate::export::text::Text;
-use crate::fit::geometry::Geometry;
 use crate::fit::problem::Problem;
 
 /// The width of the drawing.
@@ -43,11 +42,11 @@ pub(super) struct DrawnData {
 
 impl DrawnData {
     pub(super) fn new(problem: &Problem) -> Self {
-        let geometry = Geometry::new(problem, problem.data());
+        let points = &problem.request().points;
         let count = problem.grid().count();
         let stride = count.div_ceil(MOST_POINTS);
         let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
-        let place = |index| in_space(geometry.place(index));
+        let place = |index| in_space(points.point(index));
         let indices = (0..count).step_by(stride).filter(known);
         Self {
             places: indices.map(place).collect(),

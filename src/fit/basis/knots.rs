@@ -32,7 +32,8 @@ pub(in crate::fit) const LARGEST: f64 = 1e300;
 /// How the knots of a B-spline direction are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Knots {
-    /// What suits the method: at the data, and for least squares as [`least_squares`] places them.
+    /// What suits the method and the degree: at the data for odd degrees, averaged for even ones, and
+    /// for least squares as [`least_squares`] places them.
     Usual,
     /// Interior knots are the interior parameters (LBW05 (3.1), LWD04 (1)).
     Data,

@@ -19,6 +19,7 @@ fn direction(basis: BasisChoice, t: Vec<f64>, closed: bool) -> Direction {
         parameters: Parametrization::Explicit(Arc::new(t)),
         closed,
         control_points: None,
+        ends: None,
         weights: None,
     };
     Direction::new(choice, &Points::zeros(1, rows), grid, None, Axis::U).unwrap()

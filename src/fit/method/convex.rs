@@ -16,7 +16,7 @@ use super::scheme::{Demand, Scheme, Scope};
 use super::update::{Change, State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
-use crate::fit::invalid::Invalid;
+use crate::fit::invalid::{Invalid, Side};
 use crate::fit::outcome::Stall;
 use crate::fit::points::Points;
 use crate::fit::scaling::normalizing_scale;
@@ -107,6 +107,9 @@ struct Steps {
     threshold: f64,
     /// Whether the polygon turns at its ends, too.
     closed: bool,
+    /// The constants of control points beside the first and the last one, by which they differ from
+    /// these, in the order of the polygon.
+    beside: [Vec<[f64; 2]>; 2],
     /// A power of two that keeps products of lengths within the range of numbers.
     scale: f64,
     /// The polygon before the step.
@@ -126,6 +129,7 @@ impl Steps {
         Self {
             threshold,
             closed: setup.u().is_closed(),
+            beside: [Side::Start, Side::End].map(|side| beside(setup, side)),
             scale: normalizing_scale(setup.diagonal()),
             before: Points::zeros(data.dimension(), data.len()),
             step: Points::zeros(data.dimension(), data.len()),
@@ -150,7 +154,7 @@ impl Steps {
                 };
             }
         }
-        turns(control_points, self.closed, self.scale).eq(self.turns.iter().copied())
+        self.turns_of(control_points).eq(self.turns.iter().copied())
     }
 
     /// The largest ε in (0, 1], but for the threshold, that keeps the turns; 0 if there is none.
@@ -193,7 +197,7 @@ impl Update for Steps {
             ..
         } = state;
         self.turns.clear();
-        let signs = turns(control_points, self.closed, self.scale);
+        let signs = self.turns_of(control_points);
         self.turns.extend(signs);
         copy(control_points, &mut self.before);
         copy(residual, &mut self.step);
@@ -223,17 +227,62 @@ fn copy(from: &Points, to: &mut Points) {
     }
 }
 
+/// The constants of the control points beside an end, in the order of the polygon; none where these
+/// are copies, or lie on the polygon of the free ones.
+fn beside(setup: &Setup, side: Side) -> Vec<[f64; 2]> {
+    let direction = setup.u();
+    let Some(offsets) = setup
+        .offsets()
+        .filter(|_| direction.natural(side).is_none())
+    else {
+        return Vec::new();
+    };
+    let last = direction.basis.functions() - 1;
+    let copies = 1..=direction.copies(side);
+    let constants = copies.map(|j| {
+        let row = match side {
+            Side::Start => j,
+            Side::End => last - j,
+        };
+        [0, 1].map(|coordinate| offsets.at(row, 0, coordinate))
+    });
+    let mut constants: Vec<[f64; 2]> = constants.collect();
+    // Copies that are equal to the end do not turn.
+    constants.retain(|constant| *constant != [0.0; 2]);
+    if side == Side::End {
+        constants.reverse();
+    }
+    constants
+}
+
+impl Steps {
+    /// The signs of the turning angles of the control polygon of these free control points.
+    fn turns_of(&self, free: &Points) -> impl Iterator<Item = i8> + use<> {
+        let [front, back] = &self.beside;
+        let last = free.len() - 1;
+        let point = |i: usize| [free.lane(0)[i], free.lane(1)[i]];
+        let moved = |i: usize, by: &[f64; 2]| [point(i)[0] + by[0], point(i)[1] + by[1]];
+        let mut polygon = Vec::with_capacity(free.len() + front.len() + back.len());
+        polygon.push(point(0));
+        polygon.extend(front.iter().map(|by| moved(0, by)));
+        polygon.extend((1..last).map(point));
+        polygon.extend(back.iter().map(|by| moved(last, by)));
+        polygon.push(point(last));
+        turns(polygon, self.closed, self.scale)
+    }
+}
+
 /// The signs of the turning angles of a polygon at its inner points and, if it is closed, at its
 /// ends: 1 to the left, −1 to the right, 0 straight on. `scale` keeps products of lengths within
 /// the range of numbers.
-fn turns(polygon: &Points, closed: bool, scale: f64) -> impl Iterator<Item = i8> + '_ {
+fn turns(polygon: Vec<[f64; 2]>, closed: bool, scale: f64) -> impl Iterator<Item = i8> {
     let n = polygon.len();
-    let (x, y) = (polygon.lane(0), polygon.lane(1));
     let angles = if closed { n } else { n.saturating_sub(2) };
     (0..angles).map(move |i| {
-        let (a, b, c) = (i, (i + 1) % n, (i + 2) % n);
-        let edge = |lane: &[f64], i: usize, j: usize| (lane[j] - lane[i]) * scale;
-        let cross = edge(x, a, b) * edge(y, b, c) - edge(y, a, b) * edge(x, b, c);
+        let [a, b, c] = [0, 1, 2].map(|k| polygon[(i + k) % n]);
+        let edge = |a: [f64; 2], b: [f64; 2]| [(b[0] - a[0]) * scale, (b[1] - a[1]) * scale];
+        let ([ax, ay], [bx, by]) = (edge(a, b), edge(b, c));
+        let cross = ax * by - ay * bx;
         if cross > 0.0 {
             1
         } else if cross < 0.0 {

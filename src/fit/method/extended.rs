@@ -111,11 +111,10 @@ impl Scheme for Extended {
 
     /// `U P`, which is one level ahead, unless the data are asked for.
     fn start(&self, equations: &Equations) -> Arc<Points> {
-        let data = equations.setup.data();
         match self.start {
-            Start::Data => Arc::clone(data),
+            Start::Data => Arc::clone(equations.setup.data()),
             Start::Transformed => {
-                let mut control_points = Points::clone(data);
+                let mut control_points = Points::clone(equations.setup.target());
                 equations.transform(&mut control_points, &mut vec![0.0; equations.scratch()]);
                 Arc::new(control_points)
             }

@@ -153,6 +153,11 @@ impl Method {
         }
     }
 
+    /// Whether it chooses the number of control points, which can be less than that of data points.
+    pub fn has_fewer_control_points(&self) -> bool {
+        self.scheme().control_points().is_some()
+    }
+
     /// What it is called, what it does, and where it comes from.
     pub fn about(&self) -> &'static About {
         self.scheme().about()

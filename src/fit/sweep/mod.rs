@@ -279,7 +279,7 @@ impl Sweep {
         let pass = Pass {
             u,
             v,
-            data: system.problem().data(),
+            data: system.problem().target(),
             source: &self.current,
             steps,
             scale: self.norms.scale(),

@@ -33,6 +33,7 @@ fn direction() -> impl Strategy<Value = DirectionChoice> {
             parameters,
             closed,
             control_points: None,
+            ends: None,
             weights: None,
         },
     )

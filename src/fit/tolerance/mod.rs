@@ -27,8 +27,9 @@
 //! # What can be relied on
 //!
 //! - Levels are pure functions of data, parameters and options, the same to the last bit.
-//! - The first level has p + 1 control points. The last one is within the tolerance if any was, with
-//!   the fewest control points found; otherwise it is the one that came closest.
+//! - The first level has p + 1 control points (of fewer data than that one for each datum raised to
+//!   the degree), and the last one is within the tolerance if any was, with the fewest control
+//!   points found.
 //! - Insertion does not change the curve, but for rounding. While knots stay where they are, and in
 //!   redistribution while their number does, the largest distance never rises.
 //! - A level costs O(n p²) for n data, and their number does not grow with n.
@@ -39,12 +40,10 @@
 //! Lawson, *Contributions to the theory of linear least maximum approximation* (1961); Cohen, Lyche,
 //! Riesenfeld, *Discrete B-splines and subdivision techniques* (1980).
 
-mod across;
 mod attempt;
 pub mod correction;
 pub mod equations;
 mod gram;
-mod growing;
 pub mod growth;
 pub mod insertion;
 pub mod line;

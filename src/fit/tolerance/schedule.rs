@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 use super::attempt::Attempt;
 use super::correction::corrected;
-use super::equations::{Distances, Minimum};
+use super::equations::{self, Distances, Minimum};
+use super::growth::grown;
+use super::insertion::refine;
 use super::line::{KnotLine, control_points_beyond_spans};
 use super::minimax::Weights;
 use super::monitor::{Monitor, needed, span_maxima};
@@ -21,8 +23,20 @@ use super::{Level, Options, Phase};
 use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
 
+/// The most steps of conjugate gradients over the same knots.
+const STEPS: usize = 6;
+
+/// The same where the data do not determine the fit, so that nothing else leads to them.
+const STEPS_ALONE: usize = 60;
+
+/// Steps end when the rms falls to no less than this part.
+const SLOW: f64 = 0.9;
+
+/// The largest distance may rise by this part, which is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Levels that gain less than this part are not worth a level.
-pub(super) const GAIN: f64 = 1e-6;
+const GAIN: f64 = 1e-6;
 
 /// How far knots go towards equal distances in a redistribution.
 const DAMPING: f64 = 0.7;
@@ -39,16 +53,16 @@ const BUDGET: usize = 120;
 /// A fit with as few control points as its tolerance needs, level by level.
 #[derive(Debug)]
 pub struct Schedule<M> {
-    pub(super) minimum: M,
-    pub(super) points: Arc<Points>,
-    pub(super) options: Options,
-    pub(super) parameters: Arc<Vec<f64>>,
-    pub(super) stage: Stage,
+    minimum: M,
+    points: Arc<Points>,
+    options: Options,
+    parameters: Arc<Vec<f64>>,
+    stage: Stage,
     queue: VecDeque<Arc<Level>>,
     /// The last level.
-    pub(super) last: Option<Arc<Level>>,
+    last: Option<Arc<Level>>,
     /// The level within the tolerance with the fewest control points.
-    pub(super) best: Option<Arc<Level>>,
+    best: Option<Arc<Level>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<Level>>,
     /// What the distances of the best level ask for.
@@ -56,15 +70,15 @@ pub struct Schedule<M> {
     /// This many control points, or fewer, are known not to do.
     low: usize,
     /// This many are known to do, or too many.
-    pub(super) high: usize,
+    high: usize,
     /// Least-squares fits since the end of growth.
     spent: usize,
-    pub(super) outcome: Option<Outcome>,
+    outcome: Option<Outcome>,
 }
 
 /// What the next level comes from.
 #[derive(Debug)]
-pub(super) enum Stage {
+enum Stage {
     /// Nothing: the first level.
     Start,
     /// Steps over the knots of the last level.
@@ -134,8 +148,104 @@ impl<M: Minimum> Schedule<M> {
         }
     }
 
+    /// The first level: p + 1 control points, at data points that are as far from each other; of
+    /// fewer data on the segment between the ends.
+    fn begin(&mut self) {
+        let (degree, closed) = (self.options.degree, self.options.period.is_some());
+        let (first, last) = (self.parameters[0], self.parameters[self.points.len() - 1]);
+        let end = self.options.period.map_or(last, |period| first + period);
+        let Some(line) = KnotLine::coarsest(degree, closed, first, end) else {
+            self.outcome = Some(Outcome::Overflow);
+            return;
+        };
+        let count = line.control_points();
+        let control_points = if self.points.len() <= count {
+            equations::start(&line, &self.points)
+        } else {
+            let parts = if closed { count } else { count - 1 };
+            let index = |j: usize| (self.points.len() * j / parts).min(self.points.len() - 1);
+            let lanes = self.points.lanes().iter();
+            Points::from_lanes(
+                lanes.map(|lane| (0..count).map(|j| lane[index(j)]).collect::<Vec<_>>()),
+            )
+        };
+        let values = Values::new(&line, &self.parameters);
+        self.issue_new(Phase::Steps, line, &values, control_points);
+        // Fewer there are not.
+        if self.best.is_none() {
+            self.stage = self.begin_steps(values);
+        }
+    }
+
+    /// Steps from the last level on.
+    fn begin_steps(&self, values: Values) -> Stage {
+        let Some(last) = &self.last else {
+            return Stage::Done;
+        };
+        let steps = Steps::new(&last.line, &values, &last.control_points, &self.points);
+        Stage::Steps(Box::new(steps), values, 0)
+    }
+
+    /// One step of conjugate gradients, unless it brings nothing.
+    fn step(&mut self, mut steps: Box<Steps>, values: Values, done: usize) {
+        let Some(last) = self.last.clone() else {
+            return;
+        };
+        let mut control_points = last.control_points.clone();
+        steps.step(&last.line, &values, &mut control_points);
+        let level = self.level(Phase::Steps, last.line.clone(), &values, control_points);
+        let distances = &level.distances;
+        let alone = last.line.control_points() > self.points.len();
+        let most = if alone { STEPS_ALONE } else { STEPS };
+        let falls = distances.max <= last.distances.max * (1.0 + ROUNDING)
+            && distances.rms < last.distances.rms * (1.0 - GAIN);
+        let slow = distances.rms > SLOW * last.distances.rms && !alone;
+        if falls {
+            self.issue(level);
+        }
+        self.stage = if falls && !slow && done + 1 < most {
+            Stage::Steps(steps, values, done + 1)
+        } else {
+            Stage::Growth(values)
+        };
+    }
+
+    /// The least-squares fit over the knots of the last level, and where it is too far from the
+    /// data new knots.
+    fn grow(&mut self, values: &Values) {
+        let Some(last) = self.last.clone() else {
+            return;
+        };
+        let mut nearest = Arc::clone(&last);
+        if let Some(control_points) = self.minimum.minimum(&last.line, values, None) {
+            nearest = self.level(Phase::Steps, last.line.clone(), values, control_points);
+            if nearest.distances.max < last.distances.max * (1.0 - GAIN) {
+                self.issue(Arc::clone(&nearest));
+            }
+        }
+        let tolerance = self.options.tolerance;
+        let Some(last) = self.last.clone() else {
+            return;
+        };
+        if last.distances.max <= tolerance {
+            self.begin_search(&nearest, values);
+            return;
+        }
+        let each = &nearest.distances.each;
+        let limit = self.high - 1;
+        match grown(&last.line, &self.parameters, each, tolerance, limit) {
+            Some(line) => {
+                let control_points = refine(&last.line, &line, &last.control_points);
+                let values = Values::new(&line, &self.parameters);
+                self.issue_new(Phase::Insertion, line, &values, control_points);
+                self.stage = self.begin_steps(values);
+            }
+            None => self.begin_search(&nearest, values),
+        }
+    }
+
     /// The first attempt, with as many control points as the distances ask for.
-    pub(super) fn begin_search(&mut self, nearest: &Level, values: &Values) {
+    fn begin_search(&mut self, nearest: &Level, values: &Values) {
         let each = &nearest.distances.each;
         let maxima = span_maxima(values.starts(), each);
         let asked = needed(&nearest.line, &maxima, self.options.tolerance);
@@ -306,7 +416,7 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// A level at the present parameters.
-    pub(super) fn level(
+    fn level(
         &self,
         phase: Phase,
         line: KnotLine,
@@ -337,19 +447,13 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// Makes a level and hands it out.
-    pub(super) fn issue_new(
-        &mut self,
-        phase: Phase,
-        line: KnotLine,
-        values: &Values,
-        control_points: Points,
-    ) {
+    fn issue_new(&mut self, phase: Phase, line: KnotLine, values: &Values, control_points: Points) {
         let level = self.level(phase, line, values, control_points);
         self.issue(level);
     }
 
     /// Hands out a level, and remembers it if it is the best or the closest.
-    pub(super) fn issue(&mut self, level: Arc<Level>) {
+    fn issue(&mut self, level: Arc<Level>) {
         let count = level.line.control_points();
         let fewer = |best: &Arc<Level>| count <= best.line.control_points();
         if level.distances.max <= self.options.tolerance && self.best.as_ref().is_none_or(fewer) {

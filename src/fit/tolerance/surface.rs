@@ -15,7 +15,6 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::Phase;
-use super::across::{flipped, joined, lines_of, transposed};
 use super::equations::{Distances, LeastSquares, Minimum};
 use super::growth::grown;
 use super::insertion::refine;
@@ -397,4 +396,33 @@ fn refined(level: &SurfaceLevel, axis: usize, fine: &KnotLine) -> Points {
         let joined = joined(&curves, dimension, columns, fine.control_points());
         transposed(&joined, columns, fine.control_points())
     }
+}
+
+/// The lines of a grid side by side: coordinate c of line k becomes lane c · lines + k.
+fn lines_of(points: &Points, lines: usize, length: usize) -> Points {
+    let all = points.lanes().iter();
+    debug_assert_eq!(points.len(), lines * length);
+    Points::from_lanes(all.flat_map(|lane| lane.chunks_exact(length)))
+}
+
+/// The inverse of [`lines_of`].
+fn joined(curves: &Points, dimension: usize, lines: usize, length: usize) -> Points {
+    Points::from_lanes((0..dimension).map(|c| {
+        let mut lane = Vec::with_capacity(lines * length);
+        (0..lines).for_each(|k| lane.extend_from_slice(curves.lane(c * lines + k)));
+        lane
+    }))
+}
+
+/// The grid with rows and columns exchanged.
+fn transposed(points: &Points, rows: usize, columns: usize) -> Points {
+    let lanes = points.lanes().iter();
+    Points::from_lanes(lanes.map(|lane| flipped(lane, rows, columns)))
+}
+
+/// The same for one coordinate.
+fn flipped(lane: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+    (0..columns)
+        .flat_map(|j| (0..rows).map(move |i| lane[i * columns + j]))
+        .collect()
 }

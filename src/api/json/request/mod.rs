@@ -1,13 +1,14 @@
 //! The JSON of jobs and edits: how it becomes the model.
 //!
 //! - [`job`]: a job; [`edit`]: changes of another one;
-//! - [`shape`]: a curve or a surface; [`basis`]: its basis, knots and parameters;
+//! - [`shape`]: a curve or a surface; [`basis`]: its basis, knots and parameters; [`ends`]: how it ends;
 //! - [`method`]: the method and its [`settings`]; [`iteration`]: the one that an edit starts from; [`stop`]: when the iteration ends;
 //! - [`places`]: where a part of the model stands;
 //! - `schema`: what is not derived of the schemas.
 
 pub mod basis;
 pub mod edit;
+pub mod ends;
 pub mod iteration;
 pub mod job;
 pub mod method;

@@ -1,5 +1,6 @@
 //! Where in the JSON of a request the parts of the model stand.
 
+use super::ends::EndsForm;
 use super::method;
 use crate::api::json::per_direction::direction;
 use crate::api::problem::{self, Words};
@@ -20,6 +21,9 @@ pub struct Places {
     pub(super) parameters_each: bool,
     pub(super) closed_each: bool,
     pub(super) weights_each: bool,
+    pub(super) ends_each: bool,
+    /// How the ends of u and v are written.
+    pub(super) ends: [EndsForm; 2],
     /// The setting of the method that has a value for each direction.
     pub(super) method_each: bool,
 }
@@ -66,6 +70,12 @@ impl Places {
         self.part("weights", self.weights_each, axis)
     }
 
+    /// A part of how a direction ends.
+    fn ends(&self, axis: Axis, place: P) -> String {
+        let form = self.ends[usize::from(axis == Axis::V)];
+        self.part("ends", self.ends_each, axis) + &form.pointer(place)
+    }
+
     /// A point or its weight in a list or a grid.
     fn element(&self, name: &str, index: usize) -> String {
         format!("{}/{name}/{}", self.root, self.index(index))
@@ -100,6 +110,9 @@ impl Places {
             P::Parameters(axis) => self.parameters(axis),
             P::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
             P::Closed(axis) => self.part("closed", self.closed_each, axis),
+            P::Ends(axis) | P::End(axis, _) | P::EndOrder(axis, ..) | P::EndVector(axis, ..) => {
+                self.ends(axis, place)
+            }
             P::Weights => format!("{root}/weights"),
             P::Weight(index) => self.element("weights", index),
             P::AxisWeights(axis) => self.weights(axis),

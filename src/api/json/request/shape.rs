@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 
 use super::basis::{BasisRequest, Degree, ParameterRule, Parameters, parametrization};
+use super::ends::{CurveEnds, EndsForm, EndsRequest, SurfaceEnds};
 use super::places::Places;
 use super::schema;
 use crate::api::json::numbers::{RuleOrNumbers, WeightList};
@@ -11,7 +12,8 @@ use crate::api::json::points::{PointGrid, PointList};
 use crate::api::json::read::object;
 use crate::api::json::schema::numbers::{CurveWeights, SurfaceWeights};
 use crate::fit::basis::MAX_DEGREE;
-use crate::fit::invalid as fit;
+use crate::fit::ends::Ends;
+use crate::fit::invalid::{self as fit, Axis};
 use crate::fit::points::Grid;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::{AxisSpec, BasisSpec, ShapeSpec};
@@ -38,6 +40,9 @@ pub(in crate::api) struct CurveRequest {
     /// Whether the curve is a periodic B-spline, which returns to its first point.
     #[schemars(extend("default" = false))]
     pub(in crate::api) closed: Option<bool>,
+    /// How it ends.
+    #[schemars(with = "Option<CurveEnds>")]
+    pub(in crate::api) ends: Option<EndsRequest>,
 }
 
 /// A surface through a grid of data points. `basis`, `parameters` and `closed` are one value for
@@ -62,17 +67,20 @@ pub(in crate::api) struct SurfaceRequest {
     /// Whether the directions are periodic.
     #[schemars(extend("default" = false))]
     pub(in crate::api) closed: Option<PerDirection<bool>>,
+    /// How it ends; one value for both directions, or one for each that is not closed.
+    #[schemars(with = "Option<SurfaceEnds>")]
+    pub(in crate::api) ends: Option<PerDirection<Option<EndsRequest>>>,
 }
 
 object!(
     CurveRequest,
     "an object with points",
-    [points, basis, degree, parameters, weights, closed]
+    [points, basis, degree, parameters, weights, closed, ends]
 );
 object!(
     SurfaceRequest,
     "an object with points",
-    [points, basis, degree, parameters, weights, closed]
+    [points, basis, degree, parameters, weights, closed, ends]
 );
 
 impl CurveRequest {
@@ -80,6 +88,7 @@ impl CurveRequest {
     pub(super) fn spec(self) -> (ShapeSpec, Places) {
         let places = Places {
             degree_alone: self.degree.is_some(),
+            ends: [form(self.ends.as_ref(), false), EndsForm::default()],
             ..Places::of_curve()
         };
         let PointList(points) = self.points;
@@ -96,6 +105,7 @@ impl CurveRequest {
                 basis: basis(self.basis.or(of_degree), doubled, &places),
                 parameters: parametrization(self.parameters),
                 closed: self.closed.unwrap_or(false),
+                ends: ends(self.ends, Axis::U, false),
             },
             v: None,
             weights: weights(self.weights.map(PerDirection::Both), false),
@@ -118,32 +128,48 @@ impl SurfaceRequest {
             .degree
             .map(|degree| degree.map(BasisRequest::of_degree));
         let bases = self.basis.or(of_degree);
+        let (ends_u, ends_v) = self.ends.clone().map(PerDirection::split).unzip();
+        let (ends_u, ends_v) = (ends_u.flatten(), ends_v.flatten());
         let places = Places {
             degree_alone: self.degree.is_some(),
             basis_each: bases.as_ref().is_some_and(PerDirection::is_each),
             parameters_each: self.parameters.as_ref().is_some_and(PerDirection::is_each),
             closed_each: self.closed.is_some_and(|closed| closed.is_each()),
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
+            ends_each: self.ends.as_ref().is_some_and(PerDirection::is_each),
+            ends: [&ends_u, &ends_v].map(|it| form(it.as_ref(), true)),
             ..Places::of_surface(columns)
         };
         let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
-        let axis = |request, doubled, parameters, closed: Option<bool>| AxisSpec {
+        let axis = |request, doubled, parameters, closed: Option<bool>, ends| AxisSpec {
             basis: basis(request, doubled, &places),
             parameters: parametrization(parameters),
             closed: closed.unwrap_or(false),
+            ends,
         };
+        let (ends_u, ends_v) = (ends(ends_u, Axis::U, true), ends(ends_v, Axis::V, true));
         let spec = ShapeSpec {
             points,
             grid: Grid { rows, columns },
             missing,
-            u: axis(basis_u, doubled, parameters_u, closed_u),
-            v: Some(axis(basis_v, false, parameters_v, closed_v)),
+            u: axis(basis_u, doubled, parameters_u, closed_u, ends_u),
+            v: Some(axis(basis_v, false, parameters_v, closed_v, ends_v)),
             weights: weights(self.weights, true),
         };
         (spec, places)
     }
+}
+
+/// How the ends of a direction are written.
+fn form(request: Option<&EndsRequest>, surface: bool) -> EndsForm {
+    request.map(|it| it.form(surface)).unwrap_or_default()
+}
+
+/// The ends of a direction.
+fn ends(request: Option<EndsRequest>, axis: Axis, surface: bool) -> OrMistakes<Option<Ends>> {
+    request.map(|ends| ends.spec(axis, surface)).transpose()
 }
 
 /// The basis of a direction. A degree that stands instead of a basis does not stand beside one.

@@ -10,6 +10,7 @@ use uuid::Uuid;
 
 use super::arrays::{KnotArray, NumberArray};
 use super::document::{BinaryEncoding, Document};
+use super::ends::EndRules;
 use super::error::ErrorView;
 use super::job::{AppliedMethod, AppliedStop, GeometryKind, Links, Prediction, failure, path};
 use super::level::IterationEvent;
@@ -55,6 +56,8 @@ struct JobEvent<'a> {
     degree: PerDirection<usize>,
     /// Whether it is periodic.
     closed: PerDirection<bool>,
+    /// How it ends.
+    ends: PerDirection<EndRules>,
     /// How weights are used, if there are any.
     #[schemars(with = "Option<Rational>")]
     rational: Option<&'static str>,
@@ -101,6 +104,7 @@ pub fn description(
         basis: each(problem, |_, direction| direction.basis.name()),
         degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
+        ends: EndRules::of(problem),
         rational: rational(problem),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
         predicted: Prediction::at_first(levels),

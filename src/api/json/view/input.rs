@@ -5,6 +5,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+use super::ends;
 use super::job::stream;
 use super::to_bytes;
 use crate::api::json::request::method;
@@ -67,6 +68,11 @@ impl Serialize for Shape<'_> {
             fields.serialize_entry("weights", &weights)?;
         }
         fields.serialize_entry("closed", &per_direction(request, |it| json!(it.closed)))?;
+        let surface = request.v.is_some();
+        match per_direction(request, |it| ends::written(it.ends.as_ref(), surface)) {
+            Value::Null => {}
+            ends => fields.serialize_entry("ends", &ends)?,
+        }
         fields.end()
     }
 }

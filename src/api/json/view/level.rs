@@ -184,22 +184,18 @@ enum MovedPoint {
 
 impl Changes {
     fn new(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> Self {
-        let change = |index: usize, (row, column): (usize, usize)| {
+        let change = |(row, column): (usize, usize)| {
             let place = match problem.v() {
                 None => PointIndex::OfCurve(row),
                 Some(_) => PointIndex::OfSurface([row, column]),
             };
-            let point = geometry.place(index).collect();
-            match geometry.weight(index) {
+            let point = geometry.place(row, column).collect();
+            match geometry.weight(row, column) {
                 None => MovedPoint::Point(place, point),
                 Some(weight) => MovedPoint::Weighted(place, point, weight),
             }
         };
-        let changes = moved.iter().flat_map(|&index| {
-            let places = geometry.occurrences(index);
-            places.map(move |place| change(index, place))
-        });
-        Self(changes.collect())
+        Self(geometry.changed(moved).map(change).collect())
     }
 }
 

@@ -14,6 +14,7 @@
 mod arrays;
 mod decimal;
 mod document;
+mod ends;
 pub mod error;
 pub mod events;
 pub mod examples;

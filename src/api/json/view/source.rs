@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::fit::direction::Direction;
+use crate::fit::geometry::Geometry;
 use crate::fit::invalid::Axis;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
@@ -58,8 +59,8 @@ impl Source for Samples {
     /// Samples lie in the convex hull of the control points if all weights are positive.
     fn fits_32_bits(&self) -> Option<bool> {
         let geometry = self.geometry();
-        let fits = |index| geometry.place(index).all(|x| (x as f32).is_finite());
-        Some(geometry.is_within_hull() && (0..geometry.control_points()).all(fits))
+        let fits = |(row, column)| geometry.place(row, column).all(|x| (x as f32).is_finite());
+        Some(geometry.is_within_hull() && geometry.places().all(fits))
     }
 }
 
@@ -79,26 +80,44 @@ pub struct NetPoints {
     pub control_points: Arc<Points>,
 }
 
+/// A part of the net that follows in memory, or a control point by itself.
+enum Part {
+    /// These free control points.
+    Free(Range<usize>),
+    /// The control point at this row and column, which is none of the free ones.
+    Single(usize, usize),
+}
+
 impl NetPoints {
-    /// Calls `visit` for each run of consecutive free control points in the part of the net from `start`
-    /// on: with the offset of the run from `start`, and with the range of these points.
-    fn each(&self, start: usize, count: usize, mut visit: impl FnMut(usize, Range<usize>)) {
-        let (u, v) = (self.problem.u(), self.problem.v());
-        let across = v.map_or(usize::MAX, |v| v.basis.functions());
-        let free = self.problem.control_grid().columns;
+    fn geometry(&self) -> Geometry<'_> {
+        Geometry::new(&self.problem, &self.control_points)
+    }
+
+    /// Calls `visit` for each part of the net from `start` on, with its offset from `start`.
+    fn each(&self, start: usize, count: usize, mut visit: impl FnMut(usize, Part)) {
+        let geometry = self.geometry();
+        let is_surface = self.problem.v().is_some();
+        let across = geometry.columns().unwrap_or(usize::MAX);
+        let equal_to = |place: usize| match is_surface {
+            true => geometry.equal_to(place / across, place % across),
+            false => geometry.equal_to(place, 0),
+        };
         let mut k = 0;
         while k < count {
-            let (row, column) = ((start + k) / across, (start + k) % across);
-            let (along, place, first) = match v {
-                None => (u, column, 0),
-                Some(v) => (v, column, u.free_index(row) * free),
+            let place = start + k;
+            let Some(index) = equal_to(place) else {
+                match is_surface {
+                    true => visit(k, Part::Single(place / across, place % across)),
+                    false => visit(k, Part::Single(place, 0)),
+                }
+                k += 1;
+                continue;
             };
-            let most = (count - k).min(across - column);
-            let index = along.free_index(place);
-            let next = |n: usize| along.free_index(place + n) == index + n;
+            let most = (count - k).min(across - place % across);
+            let next = |n: usize| equal_to(place + n) == Some(index + n);
             // Only points at the ends are repeated, so the length of the run is found by bisection.
             let run = first_not(most, next);
-            visit(k, first + index..first + index + run);
+            visit(k, Part::Free(index..index + run));
             k += run;
         }
     }
@@ -126,7 +145,16 @@ impl Source for NetPoints {
         let dimension = self.problem.dimension();
         let lanes = self.control_points.lanes();
         let count = numbers.len() / dimension;
-        self.each(start / dimension, count, |k, points| {
+        self.each(start / dimension, count, |k, part| {
+            let points = match part {
+                Part::Free(points) => points,
+                Part::Single(row, column) => {
+                    let place = self.geometry().place(row, column);
+                    let to = numbers[k * dimension..].iter_mut();
+                    to.zip(place).for_each(|(to, x)| *to = x);
+                    return;
+                }
+            };
             let places = &mut numbers[k * dimension..][..points.len() * dimension];
             let part = |c: usize| &lanes[c][points.clone()];
             match (dimension, lanes.len()) {
@@ -163,8 +191,13 @@ impl Source for NetWeights {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         let Self(net) = self;
         if let Some(weights) = net.control_points.lanes().last() {
-            net.each(start, numbers.len(), |k, points| {
-                numbers[k..k + points.len()].copy_from_slice(&weights[points]);
+            net.each(start, numbers.len(), |k, part| match part {
+                Part::Free(points) => {
+                    numbers[k..k + points.len()].copy_from_slice(&weights[points]);
+                }
+                Part::Single(row, column) => {
+                    numbers[k] = net.geometry().weight(row, column).unwrap_or(1.0);
+                }
             });
         }
     }

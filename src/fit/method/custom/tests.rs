@@ -35,6 +35,7 @@ fn request(rows: usize, columns: usize, basis: BasisChoice, method: Method) -> R
         parameters: Parametrization::ChordLength,
         closed: false,
         control_points: None,
+        ends: None,
         weights: None,
     };
     Request {

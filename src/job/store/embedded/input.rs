@@ -9,7 +9,7 @@ use prost::Message;
 use super::super::StoreError;
 use super::error::{damaged, mistaken};
 use super::points::PointsMessage;
-use super::version_1;
+use super::{version_1, version_2};
 use crate::fit::method::{Ending, Method};
 use crate::fit::problem::{Problem, Request};
 use crate::proto::job;
@@ -42,10 +42,12 @@ impl Input {
     /// What was asked for, to be computed again, from these bytes.
     pub(super) fn read(bytes: &[u8]) -> Result<Request, StoreError> {
         let input = Self::decode(bytes).map_err(damaged)?;
-        match input.job {
+        let mut request = match input.job {
             Some(_) => input.into_request(),
             None => version_1::request(bytes),
-        }
+        }?;
+        version_2::complete(&mut request);
+        Ok(request)
     }
 
     /// What was asked for.

@@ -31,6 +31,7 @@ mod status;
 mod tables;
 mod transaction;
 mod version_1;
+mod version_2;
 mod warning;
 mod writer;
 

@@ -4,8 +4,9 @@ use redb::TableDefinition;
 
 /// The version of what is described here. Messages may get new fields under the same version;
 /// whatever an older program would misread needs a new one.
-pub(super) const VERSION: u64 = 2;
-/// The earliest version that is read; see [`version_1`](super::version_1).
+pub(super) const VERSION: u64 = 3;
+/// The earliest version that is read; see [`version_1`](super::version_1) and
+/// [`version_2`](super::version_2).
 pub(super) const EARLIEST: u64 = 1;
 
 /// Facts about the file itself.

@@ -232,6 +232,7 @@ impl Direction {
             },
             closed: self.closed,
             control_points: None,
+            ends: None,
             weights: self.weighted.then_some(self.weights),
         })
     }
@@ -286,6 +287,7 @@ fn rows(rows: Vec<Row>) -> Vec<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::version_2;
     use super::*;
     use crate::job::samples::problem;
 
@@ -309,7 +311,8 @@ mod tests {
             max_iterations: 10,
             ..Input::default()
         };
-        let read = request(&whole.encode_to_vec()).unwrap();
+        let mut read = request(&whole.encode_to_vec()).unwrap();
+        version_2::complete(&mut read);
         assert_eq!(format!("{read:?}"), format!("{kept:?}"));
         let damages: [fn(&mut Input); 5] = [
             |input| input.rows += 1,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::ends::{End, Ends};
 use crate::fit::method::{
     Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
     Threshold, Variant, Weighted,
@@ -210,6 +211,10 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
             }
         }
     }
+    let lines = [grid.columns, grid.rows];
+    for (choice, boundary) in std::iter::once(&mut u).chain(&mut v).zip(lines) {
+        set_ends(choice, turn, (boundary, 2 + turn % 2));
+    }
     let edited = turn.is_multiple_of(2) && weights != 1;
     Request {
         start: edited.then(|| Arc::clone(&points)),
@@ -248,6 +253,33 @@ fn points(grid: Grid, dimension: usize) -> Points {
     points
 }
 
+/// Ends of many kinds, where there are some to choose.
+fn set_ends(choice: &mut DirectionChoice, turn: usize, (boundary, dimension): (usize, usize)) {
+    if choice.closed
+        || choice.basis
+            != (BasisChoice::BSpline {
+                degree: 3,
+                knots: Knots::Data,
+            })
+    {
+        return;
+    }
+    let mut vectors = Points::new(dimension);
+    (0..boundary).for_each(|i| vectors.push(&[0.3, i as f64, -1.5][..dimension]));
+    let vectors = Arc::new(vectors);
+    let end = |turn| match turn % 5 {
+        0 => End::Estimated,
+        1 => End::Repeated,
+        2 => End::Natural,
+        3 => End::Derivatives(vec![Arc::clone(&vectors)]),
+        _ => End::Tangent(Arc::clone(&vectors)),
+    };
+    choice.ends = Some(Ends {
+        start: end(turn),
+        end: end(turn / 5),
+    });
+}
+
 fn direction(count: usize, basis: usize, turn: usize) -> DirectionChoice {
     let values: Vec<f64> = (0..=count).map(|i| 0.1 * i as f64 + 0.7).collect();
     let closed = turn.is_multiple_of(5) && basis < 3;
@@ -272,6 +304,7 @@ fn direction(count: usize, basis: usize, turn: usize) -> DirectionChoice {
         },
         closed,
         control_points: None,
+        ends: None,
         weights: None,
     }
 }
