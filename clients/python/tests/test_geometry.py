@@ -131,3 +131,22 @@ def test_cubic_ball_points() -> None:
     for kind in ("said_ball", "wang_ball"):
         bezier = np.array(to_bezier(kind, 3)) @ [1, 2, 4, 8]  # type: ignore[arg-type]
         assert np.allclose(bezier, [1, 5 / 3, 16 / 3, 8], rtol=1e-15)
+
+
+def test_ends_have_the_derivatives_that_are_given(client: piad.Client) -> None:
+    angle = np.linspace(0, np.pi, 9)
+    points = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    start = {"derivative": np.array([0.0, 1.0])}
+    curve = client.fit(points, ends={"start": start, "end": "natural"}, method="direct").geometry
+    assert isinstance(curve, piad.Curve)
+    spline = curve.to_scipy()
+    low, high = curve.domain
+    assert np.allclose(spline(low, 1), [0, 1], atol=1e-12)
+    assert np.allclose(spline(high, 2), 0, atol=1e-12)
+    repeated = client.fit(points, ends="repeated", method="direct").geometry
+    assert isinstance(repeated, piad.Curve)
+    assert np.allclose(repeated.to_scipy()(low, 1), 0, atol=1e-12)
+    # What is usual is more than ten times nearer to the circle.
+    usual = client.fit(points, method="direct").geometry
+    far = [np.abs(np.linalg.norm(it.evaluate(np.linspace(low, high, 200)), axis=1) - 1).max() for it in (usual, repeated)]
+    assert 10 * far[0] < far[1]

@@ -31,6 +31,12 @@ Method = Union[MethodKind, Mapping[str, Any]]
 
 Rational = Literal["homogeneous", "fixed"]
 Knots = Union[Literal["data", "averaged"], Sequence[float]]
+End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
+"""How a direction ends on one side: a word, or an object with a `derivative`, `derivatives` or a `tangent`."""
+Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start", "end"], End]]
+"""How a direction ends: a word for both sides, or an object with an end for each."""
+SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
+"""How a surface ends: as a curve, in both directions or in each."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 
 
@@ -42,6 +48,7 @@ def job(
     knots: Optional[PerDirection[Knots]],
     parameters: Optional[PerDirection[Parameters]],
     closed: PerDirection[bool],
+    ends: Optional[SurfaceEnds],
     weights: Any,
     rational: Optional[Rational],
     method: Method,
@@ -56,6 +63,7 @@ def job(
         "basis": _bases(basis, degree, knots),
         "parameters": plain(parameters),
         "closed": plain(closed),
+        "ends": plain(ends),
         "weights": plain(weights),
     }
     return given(

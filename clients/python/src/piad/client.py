@@ -9,7 +9,7 @@ from typing import Any, Optional
 import httpx
 
 from . import _request
-from ._request import Knots, Method, Parameters, PerDirection, Rational
+from ._request import Knots, Method, Parameters, PerDirection, Rational, SurfaceEnds
 from ._transport import Transport
 from .geometry import BasisKind
 from .iteration import Result
@@ -70,6 +70,7 @@ class Client:
         knots: Optional[PerDirection[Knots]] = None,
         parameters: Optional[PerDirection[Parameters]] = None,
         closed: PerDirection[bool] = False,
+        ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
         method: Method = "global",
@@ -86,7 +87,8 @@ class Client:
         an array or nested lists, in any unit. On surfaces `basis`, `degree`, `knots`, `parameters`
         and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
-        object such as `{"kind": "local", "indices": [3, 4]}`. What is not given is left to the
+        object such as `{"kind": "local", "indices": [3, 4]}`, and so are `ends`: `"natural"` or
+        `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. What is not given is left to the
         server, whose README says more about each.
 
         Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
@@ -100,6 +102,7 @@ class Client:
             knots=knots,
             parameters=parameters,
             closed=closed,
+            ends=ends,
             weights=weights,
             rational=rational,
             method=method,
@@ -118,6 +121,7 @@ class Client:
         knots: Optional[PerDirection[Knots]] = None,
         parameters: Optional[PerDirection[Parameters]] = None,
         closed: PerDirection[bool] = False,
+        ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
         method: Method = "global",
@@ -140,6 +144,7 @@ class Client:
             knots=knots,
             parameters=parameters,
             closed=closed,
+            ends=ends,
             weights=weights,
             rational=rational,
             method=method,
