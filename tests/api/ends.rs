@@ -111,7 +111,7 @@ async fn regular_ends_are_near_to_what_was_sampled() {
         (helix_points(30), from_helix, [3.0e-2, 2.1e-2, 7.8e-3]),
         (helix_points(60), from_helix, [7.3e-3, 5.1e-3, 8.5e-4]),
         (circle(5), from_circle, [1.0e-2, 7.6e-3, 6.5e-4]),
-        (circle(10), from_circle, [2.2e-3, 1.5e-3, 4.6e-5]),
+        (circle(10), from_circle, [2.2e-3, 1.5e-3, 2.5e-5]),
     ];
     for (points, distance, expected) in cases {
         for (ends, expected) in ["repeated", "natural", "estimated"]

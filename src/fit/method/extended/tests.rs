@@ -33,6 +33,7 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
             parameters: Parametrization::ChordLength,
             closed,
             control_points: None,
+            ends: None,
             weights: None,
         },
         v: None,
