@@ -133,6 +133,7 @@ fn direction(
         },
         closed: false,
         control_points: None,
+        ends: None,
         weights: None,
     };
     let grid = Grid {

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use super::*;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::ends::{End, Ends};
 use crate::fit::iteration::Iteration;
 use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
@@ -33,7 +34,7 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
             parameters: Parametrization::ChordLength,
             closed,
             control_points: None,
-            ends: None,
+            ends: (!closed).then(|| Ends::both(End::Repeated)),
             weights: None,
         },
         v: None,
