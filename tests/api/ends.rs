@@ -107,7 +107,8 @@ async fn regular_ends_are_near_to_what_was_sampled() {
             .collect()
     };
     let from_circle = |point: &[f64]| (point[0].hypot(point[1]) - 1.0).abs();
-    let cases: [(_, fn(&[f64]) -> f64, _); 4] = [
+    type Distance = fn(&[f64]) -> f64;
+    let cases: [(Vec<[f64; 3]>, Distance, [f64; 3]); 4] = [
         (helix_points(30), from_helix, [3.0e-2, 2.1e-2, 7.8e-3]),
         (helix_points(60), from_helix, [7.3e-3, 5.1e-3, 8.5e-4]),
         (circle(5), from_circle, [1.0e-2, 7.6e-3, 6.5e-4]),
