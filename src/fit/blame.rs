@@ -1,7 +1,6 @@
 //! Which part of a problem each mistake is about.
 
 use super::invalid::{Axis, Invalid as I, Place, Setting};
-use super::method::Sweeps;
 
 impl I {
     /// The part of the problem that is wrong.
@@ -75,10 +74,7 @@ impl I {
             I::Threshold { index, .. } => Place::Threshold(index),
             I::NoIndices => Place::Setting(Setting::Indices),
             I::IndexOutside { index, .. } | I::IndexRepeated { index } => Place::Index(index),
-            I::SweepsOfCurve { sweeps } => Place::Setting(match sweeps {
-                Sweeps::Rows => Setting::RowByRow,
-                Sweeps::Columns => Setting::Sweeps,
-            }),
+            I::SweepsOfCurve { setting } => Place::Setting(setting),
             I::TransformTooLarge { axis, .. } | I::TransformRows { axis, .. } => {
                 Place::Transform(axis)
             }

@@ -5,7 +5,7 @@
 
 use super::basis::Polynomial;
 use super::basis::knots::Knots;
-use super::ends::{End, Ends, MOST_ESTIMATED};
+use super::ends::rules::{End, Ends, MOST_ESTIMATED};
 use super::parameters::Parametrization;
 
 /// The basis asked for in one direction.

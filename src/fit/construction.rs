@@ -19,7 +19,7 @@ use super::basis::{
 };
 use super::choice::{BasisChoice, DirectionChoice};
 use super::direction::Direction;
-use super::ends;
+use super::ends::chosen;
 use super::invalid::{Axis, Invalid};
 use super::missing::Missing;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
@@ -50,7 +50,7 @@ impl Direction {
             return Err(Invalid::ControlPointCount { axis, free, count });
         }
         let given = matches!(choice.parameters, Parametrization::Explicit(_));
-        let ended = ends::are_chosen(&choice, axis)?;
+        let ended = chosen::are_chosen(&choice, axis)?;
         let placed = parameters(
             choice.parameters,
             points,
@@ -82,9 +82,9 @@ impl Direction {
         };
         match ended {
             None => Ok(direction),
-            Some(chosen) => {
+            Some(ends) => {
                 let boundary = grid.count() / count;
-                chosen.apply(direction, axis, (boundary, points.dimension()))
+                ends.apply(direction, axis, (boundary, points.dimension()))
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-use super::method::Sweeps;
 pub use super::place::{Axis, Place, Setting, Side};
 
 /// Why a problem is refused. The text names the index, the value and the rule; fields have the
@@ -99,7 +98,7 @@ pub enum Invalid {
     /// Estimated derivatives of a high degree.
     #[error(
         "derivatives are estimated up to degree {limit}, and this B-spline has degree {degree}: use repeated ends",
-        limit = super::ends::MOST_ESTIMATED
+        limit = super::ends::rules::MOST_ESTIMATED
     )]
     EstimatedDegree {
         axis: Axis,
@@ -253,7 +252,7 @@ pub enum Invalid {
     IndexRepeated { index: usize },
     /// A curve is to be fitted row by row, or column by column.
     #[error("sweeps are for surfaces; a curve has no rows and no columns")]
-    SweepsOfCurve { sweeps: Sweeps },
+    SweepsOfCurve { setting: Setting },
     /// A method for planar curves is asked for a surface, or for points with other coordinates.
     #[error("{method} fits only planar curves (two coordinates, not homogeneous): {found}")]
     NotPlanar {

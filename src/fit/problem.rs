@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
-use super::ends::{Fitted, Offsets};
+use super::ends::line::Fitted;
+use super::ends::offsets::Offsets;
 use super::extent::Extent;
 use super::invalid::{Axis, Invalid};
 use super::method::{Method, Scope};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::direction::Direction;
-use super::ends::Offsets;
+use super::ends::offsets::Offsets;
 use super::extent::Extent;
 use super::missing::Missing;
 use super::points::{Grid, Points};

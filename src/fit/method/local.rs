@@ -24,7 +24,7 @@ use super::update::{State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::invalid::Invalid;
+use crate::fit::invalid::{Invalid, Setting};
 use crate::fit::norms::Norms;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;
@@ -69,7 +69,11 @@ impl Scheme for Local {
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         self.omega.check()?;
         if let Some(sweeps) = self.sweeps.filter(|_| !scope.is_surface) {
-            return Err(Invalid::SweepsOfCurve { sweeps });
+            let setting = match sweeps {
+                Sweeps::Rows => Setting::RowByRow,
+                Sweeps::Columns => Setting::Sweeps,
+            };
+            return Err(Invalid::SweepsOfCurve { setting });
         }
         match scope.selected {
             None => Ok(()),
