@@ -35,27 +35,7 @@ impl I {
             I::TooFewControlPoints { axis, .. } | I::ControlPointCount { axis, .. } => {
                 Place::ControlPoints(axis)
             }
-            I::NoEnds { axis, .. } | I::EndsTooLarge { axis } => Place::Ends(axis),
-            I::NaturalDegree { axis, side, .. }
-            | I::NaturalWeights { axis, side }
-            | I::EstimatedDegree { axis, side, .. } => Place::End(axis, side),
-            I::EndOrders {
-                axis, side, most, ..
-            } => Place::EndOrder(axis, side, most),
-            I::EndVectorCount {
-                axis, side, order, ..
-            }
-            | I::EndVectorDimension {
-                axis, side, order, ..
-            } => Place::EndOrder(axis, side, order),
-            I::EndVectorNotFinite {
-                axis,
-                side,
-                order,
-                index,
-                ..
-            } => Place::EndVector(axis, side, order, index),
-            I::ZeroTangent { axis, side, index } => Place::EndVector(axis, side, 0, index),
+            I::Ends(ref mistake) => mistake.place(),
             I::ClosedPolynomial { axis } => Place::Closed(axis),
             I::WeightCount { .. } | I::NotSeparable | I::WeightsTooLarge => Place::Weights,
             I::Weight { index, .. } | I::WeightTooSmall { index, .. } => Place::Weight(index),

@@ -5,7 +5,8 @@
 
 use super::basis::Polynomial;
 use super::basis::knots::Knots;
-use super::ends::rules::{End, Ends, MOST_ESTIMATED};
+use super::ends::mistake::MOST_ESTIMATED;
+use super::ends::rules::{End, Ends};
 use super::parameters::Parametrization;
 
 /// The basis asked for in one direction.

@@ -84,7 +84,7 @@ impl Direction {
             None => Ok(direction),
             Some(ends) => {
                 let boundary = grid.count() / count;
-                ends.apply(direction, axis, (boundary, points.dimension()))
+                Ok(ends.apply(direction, axis, (boundary, points.dimension()))?)
             }
         }
     }

@@ -1,11 +1,12 @@
 //! The ends of a direction, as they are asked for, made a part of it.
 
 use super::copies::Copies;
+use super::mistake::EndsMistake;
 use super::rules::{End, Ends};
 use crate::fit::basis::knots::Knots;
 use crate::fit::choice::{BasisChoice, DirectionChoice};
 use crate::fit::direction::{CopyRule, Direction};
-use crate::fit::invalid::{Axis, Invalid, Side};
+use crate::fit::place::{Axis, Side};
 
 /// The ends that were chosen of a direction, if they can be: those of an open B-spline with knots at
 /// the data and a control point for each data point.
@@ -16,7 +17,7 @@ use crate::fit::invalid::{Axis, Invalid, Side};
 pub(in crate::fit) fn are_chosen(
     choice: &DirectionChoice,
     axis: Axis,
-) -> Result<Option<Ends>, Invalid> {
+) -> Result<Option<Ends>, EndsMistake> {
     let Some(ends) = &choice.ends else {
         return Ok(None);
     };
@@ -30,7 +31,7 @@ pub(in crate::fit) fn are_chosen(
             Knots::Explicit(_) => "with explicit knots each control point belongs to a data point",
         },
     };
-    Err(Invalid::NoEnds { axis, found })
+    Err(EndsMistake::NoEnds { axis, found })
 }
 
 impl Ends {
@@ -41,7 +42,7 @@ impl Ends {
         direction: Direction,
         axis: Axis,
         boundary: (usize, usize),
-    ) -> Result<Direction, Invalid> {
+    ) -> Result<Direction, EndsMistake> {
         let degree = direction.basis.degree();
         for side in [Side::Start, Side::End] {
             let copies = direction.copies(side);
@@ -67,11 +68,11 @@ impl Ends {
 
 /// The part of the next control point in a natural end, which lies between 0 and 1, so that the
 /// collocation matrix stays totally positive.
-fn natural(direction: &Direction, axis: Axis, side: Side) -> Result<f64, Invalid> {
+fn natural(direction: &Direction, axis: Axis, side: Side) -> Result<f64, EndsMistake> {
     let beta = Copies::natural(direction, side);
     if (0.0..=1.0).contains(&beta) {
         Ok(beta)
     } else {
-        Err(Invalid::NaturalWeights { axis, side })
+        Err(EndsMistake::NaturalWeights { axis, side })
     }
 }

@@ -14,9 +14,10 @@
 //! n points, and two B-splines for each copy.
 
 use super::line::{Along, Constants, Fitted, Line, each_value};
+use super::mistake::EndsMistake;
 use super::rules::Ends;
 use crate::fit::direction::Direction;
-use crate::fit::invalid::{Axis, Invalid};
+use crate::fit::place::Axis;
 use crate::fit::points::{Grid, Points};
 
 /// The constants of all copies.
@@ -47,7 +48,7 @@ impl Offsets {
         fitted: Fitted<'_>,
         u: (&Direction, Option<&Ends>),
         v: Option<(&Direction, Option<&Ends>)>,
-    ) -> Result<Option<Self>, Invalid> {
+    ) -> Result<Option<Self>, EndsMistake> {
         let along = Along::new(u.0, u.1);
         let across = v.map(|(direction, ends)| Along::new(direction, ends));
         let offsets = match &across {
@@ -57,7 +58,7 @@ impl Offsets {
         for (axis, strips) in [(Axis::U, &offsets.rows), (Axis::V, &offsets.columns)] {
             let finite = |strip: &Strip| strip.values.extents().iter().all(|it| it.is_finite);
             if !strips.iter().all(finite) {
-                return Err(Invalid::EndsTooLarge { axis });
+                return Err(EndsMistake::EndsTooLarge { axis });
             }
         }
         let some = !offsets.rows.is_empty() || !offsets.columns.is_empty();

@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::fit::invalid::{Axis, Invalid, Side};
+use super::mistake::{EndsMistake, MOST_ESTIMATED};
+use crate::fit::place::{Axis, Side};
 use crate::fit::points::Points;
-
-/// The highest degree whose ends are estimated: polynomials through more points lose all digits.
-pub const MOST_ESTIMATED: usize = 31;
 
 /// How a direction ends on both sides.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,15 +75,15 @@ impl End {
         degree: usize,
         copies: usize,
         (boundary, dimension): (usize, usize),
-    ) -> Result<(), Invalid> {
+    ) -> Result<(), EndsMistake> {
         match self {
             Self::Repeated => Ok(()),
             Self::Estimated if degree > MOST_ESTIMATED => {
-                Err(Invalid::EstimatedDegree { axis, side, degree })
+                Err(EndsMistake::EstimatedDegree { axis, side, degree })
             }
-            Self::Natural if degree != 3 => Err(Invalid::NaturalDegree { axis, side, degree }),
+            Self::Natural if degree != 3 => Err(EndsMistake::NaturalDegree { axis, side, degree }),
             Self::Estimated | Self::Natural => Ok(()),
-            Self::Derivatives(orders) if orders.len() > copies => Err(Invalid::EndOrders {
+            Self::Derivatives(orders) if orders.len() > copies => Err(EndsMistake::EndOrders {
                 axis,
                 side,
                 given: orders.len(),
@@ -93,7 +91,7 @@ impl End {
                 degree,
             }),
             Self::Derivatives(_) if degree > MOST_ESTIMATED => {
-                Err(Invalid::EstimatedDegree { axis, side, degree })
+                Err(EndsMistake::EstimatedDegree { axis, side, degree })
             }
             Self::Derivatives(orders) => {
                 let check = |(order, vectors)| {
@@ -105,7 +103,7 @@ impl End {
                     .enumerate()
                     .try_for_each(check)
             }
-            Self::Tangent(_) if copies == 0 => Err(Invalid::EndOrders {
+            Self::Tangent(_) if copies == 0 => Err(EndsMistake::EndOrders {
                 axis,
                 side,
                 given: 1,
@@ -113,14 +111,14 @@ impl End {
                 degree,
             }),
             Self::Tangent(_) if degree > MOST_ESTIMATED => {
-                Err(Invalid::EstimatedDegree { axis, side, degree })
+                Err(EndsMistake::EstimatedDegree { axis, side, degree })
             }
             Self::Tangent(vectors) => {
                 check_vectors(vectors, (axis, side, 0), boundary, dimension)?;
                 let is_zero = |index: &usize| vectors.point(*index).all(|x| x == 0.0);
                 match (0..vectors.len()).find(is_zero) {
                     None => Ok(()),
-                    Some(index) => Err(Invalid::ZeroTangent { axis, side, index }),
+                    Some(index) => Err(EndsMistake::ZeroTangent { axis, side, index }),
                 }
             }
         }
@@ -134,9 +132,9 @@ fn check_vectors(
     (axis, side, order): (Axis, Side, usize),
     boundary: usize,
     dimension: usize,
-) -> Result<(), Invalid> {
+) -> Result<(), EndsMistake> {
     if vectors.len() != boundary {
-        return Err(Invalid::EndVectorCount {
+        return Err(EndsMistake::EndVectorCount {
             axis,
             side,
             order,
@@ -145,7 +143,7 @@ fn check_vectors(
         });
     }
     if vectors.dimension() != dimension {
-        return Err(Invalid::EndVectorDimension {
+        return Err(EndsMistake::EndVectorDimension {
             axis,
             side,
             order,
@@ -155,7 +153,7 @@ fn check_vectors(
     }
     for (coordinate, lane) in vectors.lanes().iter().enumerate() {
         if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
-            return Err(Invalid::EndVectorNotFinite {
+            return Err(EndsMistake::EndVectorNotFinite {
                 axis,
                 side,
                 order,
