@@ -44,7 +44,8 @@ pub(super) fn job() -> Value {
 pub fn job_event() -> Value {
     json!({
         "id": ID, "name": null, "kind": "curve", "points": 4, "dimension": 2, "control_points": 6,
-        "basis": "bspline", "degree": 3, "closed": false, "rational": null, "method": {"kind": "global", "lambda_min": 0.2},
+        "basis": "bspline", "degree": 3, "closed": false, "ends": {"start": "repeated", "end": "repeated"}, "rational": null,
+        "method": {"kind": "global", "lambda_min": 0.2},
         "predicted": {"rate": 0.8, "iterations": 60}, "stop": {"tolerance": 1e-6, "max_iterations": 1000},
         "links": links(), "warnings": [], "weights": null,
         "knots": [0, 0, 0, 0, 1, 2, 3, 3, 3, 3], "parameters": [0, 1, 2, 3],
