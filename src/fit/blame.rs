@@ -25,6 +25,7 @@ impl I {
             | I::ClosedDegree { axis, .. } => Place::Degree(axis),
             I::KnotRange { axis }
             | I::LeastSquaresKnots { axis }
+            | I::SpreadKnots { axis }
             | I::KnotCount { axis, .. }
             | I::SchoenbergWhitney { axis, .. }
             | I::ClosedKnots { axis } => Place::Knots(axis),

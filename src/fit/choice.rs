@@ -68,7 +68,24 @@ impl DirectionChoice {
         }
     }
 
-    /// Leaves to the method what it chooses by itself: knots by rule, and ends.
+    /// Names the knots that are usual in a least-squares fit where nothing is said: open directions
+    /// spread them.
+    pub(super) fn settle_least_squares(&mut self) {
+        self.name_open(Knots::Spread);
+    }
+
+    /// Names this rule for the knots of an open direction where nothing is said.
+    pub(crate) fn name_open(&mut self, rule: Knots) {
+        if let BasisChoice::BSpline { knots, .. } = &mut self.basis
+            && *knots == Knots::Usual
+            && !self.closed
+        {
+            *knots = rule;
+        }
+    }
+
+    /// Leaves to least squares what it chooses by itself: knots that are by a rule of other methods,
+    /// and ends.
     pub(crate) fn unsettle(&mut self) {
         if let BasisChoice::BSpline { knots, .. } = &mut self.basis
             && matches!(knots, Knots::Data | Knots::Averaged)
@@ -76,6 +93,15 @@ impl DirectionChoice {
             *knots = Knots::Usual;
         }
         self.ends = None;
+    }
+
+    /// Leaves knots that are by a rule of least squares to a method that is another one.
+    pub(crate) fn unsettle_least_squares(&mut self) {
+        if let BasisChoice::BSpline { knots, .. } = &mut self.basis
+            && matches!(knots, Knots::Spread | Knots::PieglTiller)
+        {
+            *knots = Knots::Usual;
+        }
     }
 
     /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors

@@ -5,7 +5,8 @@
 //! | polynomial | as many as data points, or fewer | none | LBW05, section 2 |
 //! | open B-spline | n, and p − 1 end copies | at the data | LBW05 (3.1)–(3.2) |
 //! | open B-spline | n | averaged, or given | PT97 (9.8) |
-//! | open B-spline | fewer than data points | least squares, or given | PT97 (9.68)–(9.69) |
+//! | open B-spline | fewer than data points | spread, or given | |
+//! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
 //! | closed B-spline | n, or fewer | periodic | |
 //!
 //! Whatever is given is checked against what it has to fit: parameters against knots, knots against
@@ -128,6 +129,7 @@ fn clamped(
             check_enough(degree, free, axis)?;
             Arc::new(knots::averaged(&t, degree))
         }
+        Knots::Spread | Knots::PieglTiller => return Err(Invalid::SpreadKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
             knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
@@ -138,8 +140,8 @@ fn clamped(
     Ok(Direction::open(basis, t, free, front_copies))
 }
 
-/// An open B-spline with fewer control points than data points: knots by PT97 (9.68)–(9.69), unless
-/// they are given. All parameters must lie within the knots.
+/// An open B-spline with fewer control points than data points: its knots are spread, unless the
+/// earlier rule is named or they are given. All parameters must lie within the knots.
 fn least_squares(
     degree: usize,
     choice: Knots,
@@ -151,8 +153,10 @@ fn least_squares(
     if degree >= free {
         return Err(Invalid::TooFewControlPoints { axis, free, degree });
     }
+    let spread = matches!(choice, Knots::Usual | Knots::Spread);
     let knots = match choice {
-        Knots::Usual => Arc::new(knots::least_squares(&t, degree, free)),
+        Knots::Usual | Knots::Spread => Arc::new(knots::spread(&t, degree, free)),
+        Knots::PieglTiller => Arc::new(knots::piegl_tiller(&t, degree, free)),
         Knots::Data | Knots::Averaged => return Err(Invalid::LeastSquaresKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
@@ -169,12 +173,13 @@ fn least_squares(
             high,
         });
     }
-    Ok(Direction::open(
-        Basis::BSpline { degree, knots },
-        t,
-        free,
-        0,
-    ))
+    let basis = Basis::BSpline { degree, knots };
+    let direction = Direction::open(basis, t, free, 0);
+    Ok(if spread {
+        direction.with_spread_start()
+    } else {
+        direction
+    })
 }
 
 /// A closed B-spline, with periodic knots.
@@ -189,7 +194,7 @@ fn periodic(
         Knots::Usual => {}
         Knots::Data if free == placed.values.len() => {}
         Knots::Data => return Err(Invalid::LeastSquaresKnots { axis }),
-        Knots::Averaged | Knots::Explicit(_) => return Err(Invalid::ClosedKnots { axis }),
+        _ => return Err(Invalid::ClosedKnots { axis }),
     }
     if degree >= free {
         return Err(Invalid::ClosedDegree {

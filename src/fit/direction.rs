@@ -41,6 +41,8 @@ pub struct Direction {
     sharing: Sharing,
     /// A weight for each basis function of a rational basis.
     weights: Option<Vec<f64>>,
+    /// Whether a least-squares fit starts from equal shares of the data's indices.
+    spread_start: bool,
 }
 
 /// What the copies of the outermost control point on one side are.
@@ -86,6 +88,7 @@ impl Direction {
                 copies: [CopyRule::Equal; 2],
             },
             weights: None,
+            spread_start: false,
         }
     }
 
@@ -102,6 +105,7 @@ impl Direction {
             free,
             sharing: Sharing::Closed { period },
             weights: None,
+            spread_start: false,
         }
     }
 
@@ -111,6 +115,18 @@ impl Direction {
             *copies = rules;
         }
         self
+    }
+
+    /// The same, where a least-squares fit starts from equal shares of the data's indices.
+    pub(super) fn with_spread_start(mut self) -> Self {
+        self.spread_start = true;
+        self
+    }
+
+    /// Whether a least-squares fit starts from equal shares of the data's indices, which do not depend
+    /// on the direction of the data, as knots that are spread; otherwise from every so many-th point.
+    pub(super) fn starts_spread(&self) -> bool {
+        self.spread_start
     }
 
     /// The same with fixed weights: one for each free control point, or for each basis function.

@@ -67,9 +67,9 @@ pub enum Invalid {
     /// A polynomial basis is to be closed.
     #[error("a closed curve is a periodic B-spline: polynomials cannot be closed")]
     ClosedPolynomial { axis: Axis },
-    /// Averaged or explicit knots are given for a closed direction.
+    /// Knots of open directions are asked for of a closed one.
     #[error(
-        "a closed B-spline has its knots at the data: \"averaged\" and explicit knots are for open ones"
+        "a closed B-spline has its knots at the data: other rules and explicit knots are for open ones"
     )]
     ClosedKnots { axis: Axis },
     /// A closed direction has no more control points than its degree.
@@ -289,9 +289,14 @@ pub enum Invalid {
     KnotRange { axis: Axis },
     /// Knots at the data or averaged ones are asked for in a least-squares fit.
     #[error(
-        "least squares places its knots by itself (Piegl & Tiller (9.68)): leave them out, or give numbers for open curves"
+        "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"piegl_tiller\", or give numbers"
     )]
     LeastSquaresKnots { axis: Axis },
+    /// Knots of least-squares fits are asked for in a fit of another kind.
+    #[error(
+        "\"spread\" and \"piegl_tiller\" place knots for fewer control points than data: they are for least squares"
+    )]
+    SpreadKnots { axis: Axis },
     /// A least-squares fit has no more control points than the degree.
     #[error("{free} control points are too few for degree {degree}, which needs {needed}", needed = degree + 1)]
     TooFewControlPoints {

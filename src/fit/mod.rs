@@ -162,6 +162,7 @@ mod request;
 pub mod samples;
 mod scaling;
 pub mod setup;
+mod shares;
 pub mod spectrum;
 pub mod sweep;
 pub mod system;

@@ -271,7 +271,12 @@ fn directions(
 
 /// Names what is usual where nothing is said.
 fn settle(request: &mut Request) {
-    if !request.method.has_fewer_control_points() {
+    if request.method.has_fewer_control_points() {
+        request.u.settle_least_squares();
+        if let Some(v) = &mut request.v {
+            v.settle_least_squares();
+        }
+    } else {
         let Grid { rows, columns } = request.grid;
         request.u.settle(rows);
         if let Some(v) = &mut request.v {

@@ -104,6 +104,10 @@ impl EditSpec {
             if request.method.has_fewer_control_points() {
                 request.u.unsettle();
                 request.v.iter_mut().for_each(DirectionChoice::unsettle);
+            } else {
+                request.u.unsettle_least_squares();
+                let v = request.v.iter_mut();
+                v.for_each(DirectionChoice::unsettle_least_squares);
             }
         }
         if let Some(stop) = self.stop {

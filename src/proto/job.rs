@@ -191,6 +191,8 @@ fn basis(basis: pb::Basis, field: &str) -> Result<BasisSpec, Mistake> {
         pb::KnotRule::Explicit => Chosen::Explicit,
         pb::KnotRule::Data => Chosen::Rule(Knots::Data, "data"),
         pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged, "averaged"),
+        pb::KnotRule::Spread => Chosen::Rule(Knots::Spread, "spread"),
+        pb::KnotRule::PieglTiller => Chosen::Rule(Knots::PieglTiller, "piegl_tiller"),
     };
     Ok(BasisSpec {
         kind,
@@ -342,6 +344,8 @@ fn basis_message(choice: &BasisChoice) -> pb::Basis {
         Knots::Usual => (pb::KnotRule::Unspecified, Vec::new()),
         Knots::Data => (pb::KnotRule::Data, Vec::new()),
         Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
+        Knots::Spread => (pb::KnotRule::Spread, Vec::new()),
+        Knots::PieglTiller => (pb::KnotRule::PieglTiller, Vec::new()),
         Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
     };
     pb::Basis {

@@ -52,7 +52,10 @@ async fn the_minimum_is_that_of_scipy() {
     ] {
         let story = server
             .stream(&json!({
-                "curve": {"points": points, "parameters": t},
+                "curve": {
+                    "points": points, "parameters": t,
+                    "basis": {"kind": "bspline", "knots": "piegl_tiller"},
+                },
                 "method": {"kind": "least_squares", "control_points": 10, "variant": variant},
                 "stop": {"tolerance": 1e-9, "max_iterations": 10_000},
             }))

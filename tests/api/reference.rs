@@ -42,33 +42,38 @@ async fn errors_equal_those_of_numpy() {
     assert!(worst.len() >= 40, "methods and bases: {worst:?}");
 }
 
-/// Says of B-splines whose knots are not chosen that they are at the data.
-fn name_knots(basis: &mut Value) {
+/// Names the knots of B-splines that are not chosen.
+fn name_knots(basis: &mut Value, rule: &str) {
     match basis {
         Value::Object(fields) if fields.contains_key("u") => {
-            fields.values_mut().for_each(name_knots);
+            let each = fields.values_mut();
+            each.for_each(|basis| name_knots(basis, rule));
         }
         Value::Object(fields) if fields["kind"] == "bspline" => {
-            fields.entry("knots").or_insert(json!("data"));
+            fields.entry("knots").or_insert(json!(rule));
         }
         _ => {}
     }
 }
 
 /// The job as the papers have it: with knots at the data where they are not chosen, and copies of the
-/// end points there.
+/// end points there; those of least squares by Piegl & Tiller (9.68)–(9.69).
 fn with_repeated_ends(job: &Value) -> Value {
     let mut job = job.clone();
-    if job["method"]["kind"] == "least_squares" {
-        return job;
-    }
     let kind = if job["curve"].is_null() {
         "surface"
     } else {
         "curve"
     };
+    let least_squares = job["method"]["kind"] == "least_squares";
     let shape = &mut job[kind];
-    name_knots(&mut shape["basis"]);
+    if least_squares {
+        if shape["closed"] != true {
+            name_knots(&mut shape["basis"], "piegl_tiller");
+        }
+        return job;
+    }
+    name_knots(&mut shape["basis"], "data");
     let has_ends = |axis: &str| {
         let of = |field: &str| shape[field].get(axis).unwrap_or(&shape[field]).clone();
         of("basis")["knots"] == "data" && of("closed") != true

@@ -209,7 +209,10 @@ pub(super) async fn get(State(app): State<App>) -> Json<Capabilities> {
         geometry: &["curve", "surface"],
         dimensions: (1..=MAX_DIMENSION).collect(),
         bases: vec![
-            BasisCapability::new("bspline", &["data", "averaged", "explicit"]),
+            BasisCapability::new(
+                "bspline",
+                &["data", "averaged", "spread", "piegl_tiller", "explicit"],
+            ),
             BasisCapability::new("bernstein", &[]),
             BasisCapability::new("said_ball", &[]),
             BasisCapability::new("wang_ball", &[]),

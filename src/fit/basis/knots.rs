@@ -7,7 +7,10 @@
 //! - at the data (LBW05 (3.1)): the parameters between, and n + p control points of which n + 1 are
 //!   free;
 //! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
-//! - for least squares (PT97 (9.68)–(9.69)): about as many parameters in every span;
+//! - spread, for least squares: at equal shares of the parameters' indices, so that there is one in
+//!   every span, and reversed parameters have reversed knots;
+//! - for least squares as Piegl & Tiller have them (PT97 (9.68)–(9.69)): about as many parameters in
+//!   every span, of which the first ones have fewer;
 //! - periodic: at or midway between the parameters, repeated with their period.
 //!
 //! For parameters 0, 1, 3, 4, 6, 10 and degree 3:
@@ -25,6 +28,7 @@ use std::sync::Arc;
 
 use crate::fit::invalid::{Axis, Invalid};
 use crate::fit::order;
+use crate::fit::shares::Position;
 
 /// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
 pub(in crate::fit) const LARGEST: f64 = 1e300;
@@ -33,12 +37,16 @@ pub(in crate::fit) const LARGEST: f64 = 1e300;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Knots {
     /// What suits the method and the degree: at the data for odd degrees, averaged for even ones, and
-    /// for least squares as [`least_squares`] places them.
+    /// spread for open least-squares fits.
     Usual,
     /// Interior knots are the interior parameters (LBW05 (3.1), LWD04 (1)).
     Data,
     /// Interior knots are averages of `degree` successive parameters (PT97 (9.8)).
     Averaged,
+    /// At equal shares of the parameters' indices; open least-squares fits.
+    Spread,
+    /// As before they were spread (PT97 (9.68)–(9.69)); open least-squares fits.
+    PieglTiller,
     /// Given knots, clamped at both ends.
     Explicit(Arc<Vec<f64>>),
 }
@@ -59,6 +67,19 @@ pub(in crate::fit) fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, interior)
 }
 
+/// Knots for n + 1 control points, of m + 1 ≥ n + 1 data points, at equal shares of the indices of the
+/// parameters: `u_{p+j}` is the parameter at `j m / (n − p + 1)`, j = 1 … n − p, interpolated
+/// between its neighbours.
+///
+/// Shares are at least one index long, as m ≥ n and p ≥ 1: each span holds a parameter, and the
+/// parameters nearest to `k m / n`, k = 0 … n, fulfil the condition of Schoenberg and Whitney, so that
+/// `AᵀA` is nonsingular. The knots of reversed parameters are reversed. Needs p ≤ n.
+pub(in crate::fit) fn spread(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
+    let (spans, last) = (control_points - degree, t.len() - 1);
+    let knot = |j| Position::new(j, spans, last).between(|i| t[i]);
+    clamped(t, degree, (1..spans).map(knot))
+}
+
 /// Knots for n + 1 control points, fewer than the m + 1 data points (PT97 (9.68)–(9.69)):
 ///
 /// ```text
@@ -66,8 +87,9 @@ pub(in crate::fit) fn averaged(t: &[f64], degree: usize) -> Vec<f64> {
 /// u_{p+j} = (1 − α) t_{i−1} + α t_i,   j = 1 … n − p
 /// ```
 ///
-/// There is a parameter in every span, so that `AᵀA` is nonsingular. Needs p ≤ n.
-pub(in crate::fit) fn least_squares(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
+/// There is a parameter in every span, so that `AᵀA` is nonsingular. Reversed parameters have other
+/// knots. Needs p ≤ n.
+pub(in crate::fit) fn piegl_tiller(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
     let spans = control_points - degree;
     let d = t.len() as f64 / spans as f64;
     let interior = (1..spans).map(|j| {
@@ -302,6 +324,61 @@ mod tests {
             assert!((knot - expected).abs() < 1e-15);
         }
         assert_eq!(averaged(&T, 5).len(), 12);
+    }
+
+    /// Parameters with steps of up to four magnitudes.
+    fn uneven(count: usize) -> Vec<f64> {
+        let step = |i: usize| [1.0, 0.01, 3.0, 1e-3, 0.3, 10.0, 0.1][i * i % 7];
+        let steps = (0..count).scan(-2.0, |t, i| {
+            *t += step(i);
+            Some(*t)
+        });
+        steps.collect()
+    }
+
+    /// Of every size: each span holds a parameter, the parameters determine the control points, and
+    /// reversed ones have reversed knots.
+    #[test]
+    fn spread_knots_suit_all_sizes() {
+        let sizes = (1..=9).flat_map(|p| (p + 1..28).map(move |n| (p, n)));
+        for (degree, control_points) in sizes {
+            for count in (control_points..3 * control_points).chain([97, 128, 1000]) {
+                let t = uneven(count);
+                let knots = spread(&t, degree, control_points);
+                let what = format!("degree {degree}, {control_points} of {count}");
+                assert!(
+                    check(&knots, degree, control_points, Axis::U).is_ok(),
+                    "{what}"
+                );
+                let breaks = &knots[degree..=control_points];
+                for span in breaks.windows(2) {
+                    let within = |x: &f64| (span[0]..span[1]).contains(x);
+                    assert!(t.iter().any(within), "{what}");
+                }
+                let (last, parts) = (count - 1, control_points - 1);
+                let nearest = |k: usize| t[(2 * k * last + parts) / (2 * parts)];
+                let chosen: Vec<f64> = (0..control_points).map(nearest).collect();
+                let good = check_schoenberg_whitney(&knots, degree, &chosen, Axis::U);
+                assert!(good.is_ok(), "{what}");
+                let back: Vec<f64> = t.iter().rev().map(|t| -t).collect();
+                let back = spread(&back, degree, control_points);
+                for (a, b) in knots.iter().zip(back.iter().rev()) {
+                    assert!((a + b).abs() <= 1e-15 * t[last], "{what}");
+                }
+            }
+        }
+    }
+
+    /// Knots of least squares for the parameters above.
+    #[test]
+    fn knots_of_least_squares_follow_their_formulas() {
+        // Three spans of five steps, and of six parameters.
+        let interior = |knots: Vec<f64>| knots[2..4].to_vec();
+        let expected = [1.0 + 2.0 * (2.0 / 3.0), 4.0 + 2.0 / 3.0];
+        for (knot, expected) in interior(spread(&T, 1, 4)).iter().zip(expected) {
+            assert!((knot - expected).abs() < 1e-15);
+        }
+        assert_eq!(interior(piegl_tiller(&T, 1, 4)), [1.0, 4.0]);
     }
 
     /// Every kind of mistake, with the first knot that shows it.

@@ -27,6 +27,7 @@ pub(in crate::fit) fn are_chosen(
         BasisChoice::Polynomial(_) => "polynomial bases have none",
         BasisChoice::BSpline { knots, .. } => match knots {
             Knots::Usual | Knots::Data => return Ok(Some(ends.clone())),
+            Knots::Spread | Knots::PieglTiller => "these knots are for least squares",
             Knots::Averaged => "with averaged knots each control point belongs to a data point",
             Knots::Explicit(_) => "with explicit knots each control point belongs to a data point",
         },

@@ -48,7 +48,7 @@ fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine>
         let all = if control_points == t.len() {
             knots::averaged(t, degree)
         } else {
-            knots::least_squares(t, degree, control_points)
+            knots::piegl_tiller(t, degree, control_points)
         };
         all[degree..=degree + spans].to_vec()
     };

@@ -33,6 +33,8 @@ pub(in crate::api) struct BasisRequest {
 pub(in crate::api) enum KnotRule {
     Data,
     Averaged,
+    Spread,
+    PieglTiller,
 }
 
 /// How data points get their parameters.
@@ -59,7 +61,12 @@ names!(Rational, "use of weights", [
     "homogeneous" => Homogeneous,
     "fixed" => Fixed,
 ]);
-names!(KnotRule, "rule for knots", ["data" => Data, "averaged" => Averaged]);
+names!(KnotRule, "rule for knots", [
+    "data" => Data,
+    "averaged" => Averaged,
+    "spread" => Spread,
+    "piegl_tiller" => PieglTiller,
+]);
 names!(ParameterRule, "rule for parameters", [
     "chord_length" => ChordLength,
     "centripetal" => Centripetal,
@@ -94,6 +101,8 @@ impl From<BasisRequest> for BasisSpec {
                 RuleOrNumbers::Numbers(knots) => Knots::Explicit(Arc::new(knots)),
                 RuleOrNumbers::Rule(KnotRule::Data) => Knots::Data,
                 RuleOrNumbers::Rule(KnotRule::Averaged) => Knots::Averaged,
+                RuleOrNumbers::Rule(KnotRule::Spread) => Knots::Spread,
+                RuleOrNumbers::Rule(KnotRule::PieglTiller) => Knots::PieglTiller,
             }),
         }
     }
@@ -150,7 +159,7 @@ schema_of!(
     KnotChoice,
     "KnotChoice",
     json_schema!({
-        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector.",
+        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\"), or place them as earlier programs did (\"piegl_tiller\").",
         "oneOf": [
             {"type": "string", "enum": KnotRule::NAMES},
             {"type": "array", "items": {"type": "number"}, "minItems": 4},

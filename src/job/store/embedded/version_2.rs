@@ -1,7 +1,8 @@
 //! What files of version 2 of the format and before leave open of a problem, and what it meant then.
 //!
 //! Since version 3 knots and ends are stored as they are used. Before, a problem without them had its
-//! knots at the data, whatever its degree, and ends with copies of the end points.
+//! knots at the data, whatever its degree, and ends with copies of the end points; open least-squares
+//! fits had theirs by PT97 (9.68)–(9.69).
 
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
@@ -10,13 +11,19 @@ use crate::fit::problem::Request;
 
 /// Says what was left open.
 pub(super) fn complete(request: &mut Request) {
-    if request.method.has_fewer_control_points() {
-        return;
-    }
-    direction(&mut request.u);
+    let complete = if request.method.has_fewer_control_points() {
+        least_squares
+    } else {
+        direction
+    };
+    complete(&mut request.u);
     if let Some(v) = &mut request.v {
-        direction(v);
+        complete(v);
     }
+}
+
+fn least_squares(choice: &mut DirectionChoice) {
+    choice.name_open(Knots::PieglTiller);
 }
 
 fn direction(choice: &mut DirectionChoice) {
