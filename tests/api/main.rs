@@ -42,6 +42,7 @@ mod large;
 mod large_mistakes;
 mod least_squares;
 mod least_squares_ends;
+mod least_squares_knots;
 mod local;
 mod messages_over_rest;
 mod methods;
