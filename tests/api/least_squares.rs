@@ -100,7 +100,7 @@ async fn the_published_curve_takes_two_iterations() {
     for variant in ["diagonal", "cg"] {
         let job = server
             .fit(&json!({
-                "curve": {"points": points},
+                "curve": {"points": points, "basis": {"kind": "bspline", "knots": "piegl_tiller"}},
                 "method": {"kind": "least_squares", "control_points": 3001, "variant": variant},
                 "stop": {"tolerance": 0, "max_iterations": 2},
             }))

@@ -69,7 +69,7 @@ struct BasisCapability {
     kind: &'static str,
     /// The degrees.
     degree: DegreeRange,
-    /// How knots are chosen.
+    /// How knots are chosen, with a control point for each data point.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     knots: Names,
     /// Whether it can be periodic.
@@ -105,6 +105,7 @@ impl BasisCapability {
 
 /// A method. All of them fit curves, also with fixed weights.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(extend("examples" = [{"kind": "weighted", "settings": ["omega"], "surface": true, "homogeneous": true}]))]
 struct MethodCapability {
     /// Its kind.
@@ -112,6 +113,9 @@ struct MethodCapability {
     kind: &'static str,
     /// Its settings.
     settings: Names,
+    /// How knots of open B-splines are chosen, where it has rules of its own.
+    #[serde(skip_serializing_if = "<[&str]>::is_empty")]
+    knots: Names,
     /// Whether it fits surfaces.
     surface: bool,
     /// Whether it fits in homogeneous coordinates.
@@ -124,6 +128,10 @@ impl MethodCapability {
         let method = |&kind: &&'static str| Self {
             kind,
             settings: settings(kind),
+            knots: match kind {
+                "least_squares" => &["spread", "piegl_tiller", "explicit"],
+                _ => &[],
+            },
             surface: kind != "convex",
             homogeneous: kind != "convex",
         };
@@ -209,10 +217,7 @@ pub(super) async fn get(State(app): State<App>) -> Json<Capabilities> {
         geometry: &["curve", "surface"],
         dimensions: (1..=MAX_DIMENSION).collect(),
         bases: vec![
-            BasisCapability::new(
-                "bspline",
-                &["data", "averaged", "spread", "piegl_tiller", "explicit"],
-            ),
+            BasisCapability::new("bspline", &["data", "averaged", "explicit"]),
             BasisCapability::new("bernstein", &[]),
             BasisCapability::new("said_ball", &[]),
             BasisCapability::new("wang_ball", &[]),
