@@ -164,11 +164,15 @@ impl<'a> Along<'a> {
         let direction = self.direction;
         let inverse = Collocation::new(direction).inverse();
         let functions = direction.basis.functions();
+        let shares = |(function, _): &(usize, Vec<f64>)| {
+            values_of(direction, *function, &direction.parameters)
+        };
+        let shares: Vec<_> = constants.iter().map(shares).collect();
         let complete = line.lanes_mut().iter_mut().enumerate().map(|(c, lane)| {
-            for (function, vector) in constants {
-                each_value(direction, *function, &direction.parameters, |i, value| {
-                    lane[i] -= value * vector[c];
-                });
+            for (values, (_, vector)) in shares.iter().zip(constants) {
+                values
+                    .iter()
+                    .for_each(|(i, value)| lane[*i] -= value * vector[c]);
             }
             inverse.apply(lane);
             let mut net: Vec<f64> = (0..functions)
@@ -235,25 +239,23 @@ fn lifted(own: &[f64], weights: &[f64], weight: f64, place: f64) -> Vec<f64> {
     (0..own.len()).map(coefficient).collect()
 }
 
-/// Calls `visit` with the value of a function at each parameter of its support.
-pub(super) fn each_value(
+/// The values of a function at the parameters of its support, with the places of these.
+pub(super) fn values_of(
     direction: &Direction,
     function: usize,
     parameters: &[f64],
-    mut visit: impl FnMut(usize, f64),
-) {
+) -> Vec<(usize, f64)> {
     let Some(knots) = direction.basis.knots() else {
-        return;
+        return Vec::new();
     };
     let support = knots[function]..=knots[function + direction.basis.degree() + 1];
     let mut values = vec![0.0; direction.basis.support_width()];
-    for (i, &t) in parameters.iter().enumerate() {
-        if support.contains(&t) {
-            let start = direction.evaluate(t, &mut values);
-            let place = function.checked_sub(start);
-            if let Some(value) = place.and_then(|place| values.get(place)) {
-                visit(i, *value);
-            }
-        }
-    }
+    let inside = parameters.iter().enumerate();
+    let inside = inside.filter(|(_, t)| support.contains(t));
+    let value = |(i, &t): (usize, &f64)| {
+        let start = direction.evaluate(t, &mut values);
+        let place = function.checked_sub(start)?;
+        values.get(place).map(|value| (i, *value))
+    };
+    inside.filter_map(value).collect()
 }

@@ -13,7 +13,9 @@
 //! so that the limit is the tensor product of the fits of curves. It takes O(n p²) for directions of
 //! n points, and two B-splines for each copy.
 
-use super::line::{Along, Constants, Fitted, Line, each_value};
+use std::cell::OnceCell;
+
+use super::line::{Along, Constants, Fitted, Line, values_of};
 use super::mistake::EndsMistake;
 use super::rules::Ends;
 use crate::fit::direction::Direction;
@@ -129,28 +131,35 @@ impl Offsets {
         lanes: &mut [impl AsMut<[f64]>],
     ) {
         let columns = v.map_or(1, |(_, at_v)| at_v.len());
-        for (c, lane) in lanes.iter_mut().enumerate() {
-            let lane = lane.as_mut();
-            for strip in &self.rows {
-                let values = strip.values.lane(c);
-                let along: Vec<f64> = match v {
-                    None => values.to_vec(),
-                    Some((v, at_v)) => at_v.iter().map(|&t| spline(v, values, t)).collect(),
+        let along_u = OnceCell::new();
+        let along_v = OnceCell::new();
+        for strip in &self.rows {
+            let rows = values_of(u, strip.function, at_u);
+            for (c, lane) in lanes.iter_mut().enumerate().filter(|_| !rows.is_empty()) {
+                let controls = strip.values.lane(c);
+                let values = match v {
+                    None => controls.to_vec(),
+                    Some((v, at_v)) => along_v
+                        .get_or_init(|| Evaluated::new(v, at_v))
+                        .spline(controls),
                 };
-                each_value(u, strip.function, at_u, |i, value| {
-                    let row = lane[i * columns..][..columns].iter_mut();
-                    row.zip(&along).for_each(|(x, g)| *x += factor * value * g);
-                });
+                for (i, value) in &rows {
+                    let row = lane.as_mut()[i * columns..][..columns].iter_mut();
+                    row.zip(&values).for_each(|(x, g)| *x += factor * value * g);
+                }
             }
-            for (strip, (v, at_v)) in self.columns.iter().zip(v.into_iter().cycle()) {
-                let values = strip.values.lane(c);
-                let along: Vec<f64> = at_u.iter().map(|&t| spline(u, values, t)).collect();
-                each_value(v, strip.function, at_v, |j, value| {
-                    let column = lane[j..].iter_mut().step_by(columns);
-                    column
-                        .zip(&along)
-                        .for_each(|(x, g)| *x += factor * value * g);
-                });
+        }
+        let Some((v, at_v)) = v else { return };
+        for strip in &self.columns {
+            let places = values_of(v, strip.function, at_v);
+            for (c, lane) in lanes.iter_mut().enumerate().filter(|_| !places.is_empty()) {
+                let along = along_u.get_or_init(|| Evaluated::new(u, at_u));
+                let values = along.spline(strip.values.lane(c));
+                for (j, value) in &places {
+                    let column = lane.as_mut()[*j..].iter_mut().step_by(columns);
+                    let column = column.zip(&values);
+                    column.for_each(|(x, g)| *x += factor * value * g);
+                }
             }
         }
     }
@@ -164,15 +173,33 @@ impl Offsets {
     }
 }
 
-/// The value at `t` of the B-spline with these control points, one for each function.
-fn spline(direction: &Direction, controls: &[f64], t: f64) -> f64 {
-    let mut values = vec![0.0; direction.basis.support_width()];
-    let start = direction.evaluate(t, &mut values);
-    values
-        .iter()
-        .zip(&controls[start..])
-        .map(|(a, x)| a * x)
-        .sum()
+/// The functions of a direction at some parameters.
+struct Evaluated {
+    /// At each parameter the first function that can differ from zero.
+    starts: Vec<usize>,
+    /// At each parameter the values of the functions from there on.
+    values: Vec<f64>,
+    width: usize,
+}
+
+impl Evaluated {
+    fn new(direction: &Direction, parameters: &[f64]) -> Self {
+        let width = direction.basis.support_width();
+        let mut values = vec![0.0; width * parameters.len()];
+        let rows = values.chunks_exact_mut(width).zip(parameters);
+        Self {
+            starts: rows.map(|(row, &t)| direction.evaluate(t, row)).collect(),
+            values,
+            width,
+        }
+    }
+
+    /// The B-spline with these control points, one for each function.
+    fn spline(&self, controls: &[f64]) -> Vec<f64> {
+        let rows = self.values.chunks_exact(self.width).zip(&self.starts);
+        rows.map(|(row, &start)| row.iter().zip(&controls[start..]).map(|(a, x)| a * x).sum())
+            .collect()
+    }
 }
 
 /// The constants of many lines, function by function: one point for each line.
