@@ -1,8 +1,8 @@
 //! Conjugate gradients of the normal equations (CGLS), preconditioned with D, for each coordinate by
 //! itself.
 
-use super::State;
 use crate::fit::equations::Equations;
+use crate::fit::method::update::State;
 use crate::fit::points::Points;
 
 /// What conjugate gradients remember.

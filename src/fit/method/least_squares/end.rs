@@ -15,10 +15,13 @@
 //! Where the data lie on the curve, f falls to rounding and f* is zero: that is the end, too.
 
 use super::solver::{Solver, cost};
-use super::{SLOW, State};
 use crate::fit::equations::Equations;
+use crate::fit::method::update::State;
 use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
+
+/// A residual that shrinks by less than this part in one iteration has nearly stopped.
+pub(super) const SLOW: f64 = 1e-6;
 
 /// A fit is at its minimum if its sum of squares is above it by at most this part.
 const NEAR: f64 = 1e-6;

@@ -24,6 +24,7 @@
 
 mod conjugate;
 mod end;
+mod settings;
 mod solver;
 mod start;
 mod steps;
@@ -31,7 +32,7 @@ mod steps;
 use std::sync::Arc;
 
 use super::scheme::{Demand, Progress, Scheme, Scope};
-use super::update::{Change, State, Update};
+use super::update::Update;
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
@@ -40,7 +41,10 @@ use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
+use end::SLOW;
 use steps::Steps;
+
+pub use settings::{Ending, LeastSquares, Variant};
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {
@@ -49,48 +53,6 @@ pub(super) const ABOUT: About = About {
     summary: "Fewer control points than data points approach the least-squares approximation.",
     source: "Deng, Lin, CAD 47 (2014); Lin, Cao, Zhang, CAGD 64 (2018)",
 };
-
-/// A least-squares fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LeastSquares {
-    /// The number of control points of a curve, or in the u direction.
-    pub u: usize,
-    /// The number of control points in the v direction of a surface.
-    pub v: usize,
-    /// How the control points move.
-    pub variant: Variant,
-    /// Where it ends.
-    pub ending: Ending,
-}
-
-/// Where a least-squares fit ends besides its tolerance and its last level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// Where the gradient says that the minimum is near.
-    Minimum,
-    /// Where the residual shrinks by less than a millionth in one iteration: the rule of fits that
-    /// were accepted before there was the other one.
-    SmallStep,
-}
-
-/// A residual that shrinks by less than this part in one iteration has nearly stopped.
-const SLOW: f64 = 1e-6;
-
-/// The variants of the least-squares update.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Variant {
-    /// `X ← X + D Aᵀ Δ` with D = diag(1 / column sums of A).
-    Diagonal,
-    /// `X ← X + μ Aᵀ Δ`; without μ it is 1 / (largest column sum of A).
-    Lspia {
-        /// The given μ > 0.
-        mu: Option<f64>,
-    },
-    /// Conjugate gradients (CGLS), preconditioned with the same D.
-    ConjugateGradients,
-    /// The normal equations are solved.
-    Direct,
-}
 
 impl Scheme for LeastSquares {
     fn about(&self) -> &'static About {

@@ -6,13 +6,13 @@
 //! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
 //! it is as exact as by orthogonal transformations.
 
-use super::State;
 use crate::fit::collocation::Collocation;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::linear::apply_tensor;
 use crate::fit::linear::folded;
 use crate::fit::linear::triangular::{Rows, Triangular};
+use crate::fit::method::update::State;
 use crate::fit::points::{Grid, Points};
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;

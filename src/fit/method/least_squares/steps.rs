@@ -3,9 +3,10 @@
 
 use super::conjugate::Conjugate;
 use super::end::End;
+use super::settings::{Ending, LeastSquares, Variant};
 use super::solver::Solver;
-use super::{Change, Ending, LeastSquares, State, Update, Variant};
 use crate::fit::equations::Equations;
+use crate::fit::method::update::{Change, State, Update};
 use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
 use crate::fit::scaling::normalizing_scale;
