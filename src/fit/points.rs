@@ -56,6 +56,12 @@ impl Points {
         }
     }
 
+    /// Points whose coordinates follow one another, point by point.
+    pub fn from_flat(dimension: usize, flat: &[f64]) -> Self {
+        let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
+        Self::from_lanes((0..dimension).map(lane))
+    }
+
     /// Appends one point; coordinates beyond the dimension are not looked at.
     pub fn push(&mut self, coordinates: &[f64]) {
         for (lane, &x) in self.lanes.iter_mut().zip(coordinates) {

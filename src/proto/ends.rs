@@ -6,7 +6,6 @@ use super::messages as pb;
 use super::values::known;
 use crate::fit::ends::{End, Ends};
 use crate::fit::invalid::Side;
-use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 use crate::model::mistakes::Mistake;
 
@@ -82,10 +81,7 @@ fn vectors(
         );
         return Err(Mistake::at_text(field, detail));
     }
-    let order = |flat: &[f64]| {
-        let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
-        Arc::new(Points::from_lanes((0..dimension).map(lane)))
-    };
+    let order = |flat| Arc::new(Points::from_flat(dimension, flat));
     Ok(flat.chunks_exact(numbers).map(order).collect())
 }
 

@@ -9,7 +9,6 @@ use super::stream;
 use super::values::{check_count, count, known, some};
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::lane::Lane;
 use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -135,8 +134,7 @@ fn points(dimension: u32, flat: &[f64], most: usize, root: &str) -> Result<Point
     }
     let count = flat.len() / dimension;
     check_count(count, most, "points", &format!("{root}.points"))?;
-    let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
-    Ok(Points::from_lanes((0..dimension).map(lane)))
+    Ok(Points::from_flat(dimension, flat))
 }
 
 fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Mistake> {

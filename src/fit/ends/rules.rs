@@ -78,11 +78,13 @@ impl End {
     ) -> Result<(), EndsMistake> {
         match self {
             Self::Repeated => Ok(()),
-            Self::Estimated if degree > MOST_ESTIMATED => {
+            Self::Natural if degree != 3 => Err(EndsMistake::NaturalDegree { axis, side, degree }),
+            Self::Natural => Ok(()),
+            // Whatever is not given is estimated.
+            _ if degree > MOST_ESTIMATED => {
                 Err(EndsMistake::EstimatedDegree { axis, side, degree })
             }
-            Self::Natural if degree != 3 => Err(EndsMistake::NaturalDegree { axis, side, degree }),
-            Self::Estimated | Self::Natural => Ok(()),
+            Self::Estimated => Ok(()),
             Self::Derivatives(orders) if orders.len() > copies => Err(EndsMistake::EndOrders {
                 axis,
                 side,
@@ -90,9 +92,6 @@ impl End {
                 most: copies,
                 degree,
             }),
-            Self::Derivatives(_) if degree > MOST_ESTIMATED => {
-                Err(EndsMistake::EstimatedDegree { axis, side, degree })
-            }
             Self::Derivatives(orders) => {
                 let check = |(order, vectors)| {
                     check_vectors(vectors, (axis, side, order), boundary, dimension)
@@ -110,9 +109,6 @@ impl End {
                 most: 0,
                 degree,
             }),
-            Self::Tangent(_) if degree > MOST_ESTIMATED => {
-                Err(EndsMistake::EstimatedDegree { axis, side, degree })
-            }
             Self::Tangent(vectors) => {
                 check_vectors(vectors, (axis, side, 0), boundary, dimension)?;
                 let is_zero = |index: &usize| vectors.point(*index).all(|x| x == 0.0);

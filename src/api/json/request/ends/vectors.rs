@@ -6,7 +6,6 @@ use std::sync::Arc;
 use serde::de::SeqAccess;
 
 use crate::api::json::read::{Most, Numeral, Of, Read, Reader, Reading};
-use crate::fit::lane::Lane;
 use crate::fit::points::Points;
 use crate::model::shape::MAX_DIMENSION;
 
@@ -137,10 +136,7 @@ impl Vectors {
         if lengths.next().is_some() || dimension == 0 || dimension > MAX_DIMENSION {
             return None;
         }
-        let order = |flat: &[f64]| {
-            let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
-            Arc::new(Points::from_lanes((0..dimension).map(lane)))
-        };
+        let order = |flat| Arc::new(Points::from_flat(dimension, flat));
         let orders = self.values.chunks_exact(boundary * dimension);
         Some(orders.map(order).collect())
     }
