@@ -71,7 +71,7 @@ impl Serialize for Shape<'_> {
         let surface = request.v.is_some();
         match per_direction(request, |it| ends::written(it.ends.as_ref(), surface)) {
             Value::Null => {}
-            ends => fields.serialize_entry("ends", &ends)?,
+            ends => fields.serialize_entry("ends", &without_nulls(ends))?,
         }
         fields.end()
     }
@@ -145,6 +145,14 @@ fn per_direction(request: &Request, of: impl Fn(&DirectionChoice) -> Value) -> V
         Some(v) if v != u => json!({"u": u, "v": v}),
         _ => u,
     }
+}
+
+/// Without the directions that have nothing to choose.
+fn without_nulls(mut value: Value) -> Value {
+    if let Value::Object(fields) = &mut value {
+        fields.retain(|_, value| !value.is_null());
+    }
+    value
 }
 
 fn basis(choice: &DirectionChoice) -> Value {
