@@ -85,6 +85,10 @@ pub enum Place {
     Index(usize),
     /// The threshold of the data point with this index.
     Threshold(usize),
+    /// How much the data point with this index counts.
+    DataWeight(usize),
+    /// One of the constraints.
+    Constraint(usize),
     /// The absolute tolerance.
     Tolerance,
     /// The tolerance relative to the bounding box.
@@ -106,6 +110,16 @@ pub enum Setting {
     RowByRow,
     /// The lines that local PIA goes by.
     Sweeps,
+    /// How much each data point counts in least-squares PIA.
+    DataWeights,
+    /// Whether least-squares PIA interpolates end points.
+    EndPoints,
+    /// What least-squares PIA obeys.
+    Constraints,
+    /// How smooth least-squares PIA is to be.
+    Fairness,
+    /// The order of the derivative for it.
+    FairnessOrder,
 }
 
 impl Setting {
@@ -118,6 +132,11 @@ impl Setting {
             Self::Indices => "indices",
             Self::RowByRow => "row_by_row",
             Self::Sweeps => "sweeps",
+            Self::DataWeights => "data_weights",
+            Self::EndPoints => "ends",
+            Self::Constraints => "constraints",
+            Self::Fairness => "fairness",
+            Self::FairnessOrder => "fairness_order",
         }
     }
 }

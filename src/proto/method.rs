@@ -128,13 +128,12 @@ fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<L
     }
     let v = if v == 0 { u } else { v };
     Ok(LeastSquares {
-        u: u as usize,
-        v: v as usize,
         variant,
         ending: match known(settings.ending, "method.least_squares.ending")? {
             m::Ending::Unspecified | m::Ending::Minimum => Ending::Minimum,
             m::Ending::SmallStep => Ending::SmallStep,
         },
+        ..LeastSquares::new(u as usize, v as usize)
     })
 }
 
@@ -236,7 +235,12 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
         Place::Setting(setting) => {
             let kind = match setting {
                 Setting::Omega | Setting::Threshold => layout.kind,
-                Setting::Mu => "least_squares",
+                Setting::Mu
+                | Setting::DataWeights
+                | Setting::EndPoints
+                | Setting::Constraints
+                | Setting::Fairness
+                | Setting::FairnessOrder => "least_squares",
                 Setting::Indices | Setting::RowByRow | Setting::Sweeps => "local",
             };
             format!("method.{kind}.{}", setting.name())
@@ -309,7 +313,7 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
         }),
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),
-        Method::LeastSquares(settings) => {
+        Method::LeastSquares(ref settings) => {
             Kind::LeastSquares(least_squares_message(settings, surface))
         }
         Method::Custom(_) => Kind::Custom(m::Custom::default()),
@@ -336,7 +340,7 @@ fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
     }
 }
 
-fn least_squares_message(settings: LeastSquares, surface: bool) -> m::LeastSquares {
+fn least_squares_message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
     use m::Variant as V;
     let (variant, mu) = match settings.variant {
         Variant::Diagonal => (V::Diagonal, None),

@@ -66,7 +66,9 @@ pub use adaptive::Adaptive;
 pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
-pub use least_squares::{Ending, LeastSquares, Variant};
+pub use least_squares::{
+    At, Constraint, EndPoints, Ending, Fairness, LeastSquares, Variant, Wanted,
+};
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
 pub(super) use scheme::{Progress, Scheme, Scope};

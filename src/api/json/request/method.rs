@@ -385,10 +385,9 @@ impl MethodRequest {
             Some(EndingRequest::SmallStep) => Ending::SmallStep,
         };
         Ok(LeastSquares {
-            u,
-            v,
             variant,
             ending,
+            ..LeastSquares::new(u, v)
         })
     }
 }
@@ -517,6 +516,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             v,
             variant,
             ending,
+            ..
         }) => {
             set(
                 "control_points",

@@ -23,6 +23,7 @@
 //! - [`end`]: how far above its minimum the sum of squares is.
 
 mod conjugate;
+mod constraint;
 mod end;
 mod settings;
 mod solver;
@@ -44,7 +45,8 @@ use crate::fit::warning::Warning;
 use end::SLOW;
 use steps::Steps;
 
-pub use settings::{Ending, LeastSquares, Variant};
+pub use constraint::{At, Constraint, Wanted};
+pub use settings::{EndPoints, Ending, Fairness, LeastSquares, Variant};
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {

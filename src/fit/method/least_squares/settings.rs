@@ -1,7 +1,11 @@
 //! What can be chosen of a least-squares fit.
 
+use std::sync::Arc;
+
+use super::constraint::Constraint;
+
 /// A least-squares fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LeastSquares {
     /// The number of control points of a curve, or in the u direction.
     pub u: usize,
@@ -11,6 +15,53 @@ pub struct LeastSquares {
     pub variant: Variant,
     /// Where it ends.
     pub ending: Ending,
+    /// Whether the end points are interpolated.
+    pub ends: EndPoints,
+    /// What every level obeys, besides the end points.
+    pub constraints: Arc<[Constraint]>,
+    /// How smooth it is to be, at the cost of its distances.
+    pub fairness: Option<Fairness>,
+    /// How much each data point counts; all of them 1 without it.
+    pub data_weights: Option<Arc<[f64]>>,
+}
+
+impl LeastSquares {
+    /// So many control points in both directions, and all else as is usual.
+    pub fn new(u: usize, v: usize) -> Self {
+        Self {
+            u,
+            v,
+            variant: Variant::Diagonal,
+            ending: Ending::Minimum,
+            ends: EndPoints::Usual,
+            constraints: Arc::new([]),
+            fairness: None,
+            data_weights: None,
+        }
+    }
+}
+
+/// Whether a curve passes through its first and its last data point, and a surface through those of
+/// its four corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EndPoints {
+    /// They are interpolated where there are ends.
+    Usual,
+    /// They are interpolated; a closed direction has none.
+    Interpolated,
+    /// They are data points like others.
+    Free,
+}
+
+/// A multiple of the integral of a squared derivative is added to the sum of squares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fairness {
+    /// The multiple f, free of units: that of the integral over the parameters is
+    /// `f · (range of the parameters)^(2r − 1) · (number of data points)⁻¹`, see
+    /// [`super::fairness`].
+    pub value: f64,
+    /// The order r of the derivative, 2 or 3.
+    pub order: usize,
 }
 
 /// Where a least-squares fit ends besides its tolerance and its last level.

@@ -12,8 +12,8 @@ use super::points::PointsMessage;
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, Method, Start, Sweeps,
-    Threshold, Variant, Weighted,
+    Adaptive, Convex, Custom, EndPoints, Ending, Extended, LeastSquares, Local, Method, Start,
+    Sweeps, Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::problem::{Request, Tolerance, Weights};
@@ -264,14 +264,14 @@ impl MethodMessage {
             Kind::Direct(()) => Method::Direct,
             Kind::LeastSquares(ControlPoints { u, v, variant, mu }) => {
                 Method::LeastSquares(LeastSquares {
-                    u: number(u)?,
-                    v: number(v)?,
                     variant: match variant {
                         1 => Variant::Lspia { mu },
                         2 => Variant::ConjugateGradients,
                         _ => Variant::Diagonal,
                     },
                     ending: Ending::SmallStep,
+                    ends: EndPoints::Free,
+                    ..LeastSquares::new(number(u)?, number(v)?)
                 })
             }
             Kind::Custom(Matrices { u, v, has_v }) => {

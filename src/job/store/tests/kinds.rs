@@ -7,7 +7,7 @@ use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::ends::{End, Ends};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
+    Adaptive, Convex, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
     Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
@@ -147,10 +147,8 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
         ]
         .map(|variant| {
             Method::LeastSquares(LeastSquares {
-                u: 5,
-                v,
                 variant,
-                ending: Ending::Minimum,
+                ..LeastSquares::new(5, v)
             })
         }),
     );

@@ -1,0 +1,53 @@
+//! What a constrained fit obeys: points to pass through, and derivatives.
+
+use crate::fit::invalid::{Axis, Side};
+use crate::fit::points::Points;
+
+/// A condition that every level obeys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// Where.
+    pub at: At,
+    /// What.
+    pub wanted: Wanted,
+}
+
+/// Where a constraint holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum At {
+    /// At an end of an open curve.
+    Side(Side),
+    /// At the parameters of a data point; on surfaces `row · columns + column`.
+    Index(usize),
+    /// At a parameter of a curve.
+    Parameter(f64),
+    /// At parameters of a surface.
+    Parameters(f64, f64),
+    /// Along a boundary of a surface: at one side of an open direction.
+    Boundary(Axis, Side),
+}
+
+/// What holds there.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wanted {
+    /// It passes through the data point.
+    DataPoint,
+    /// It, or its partial derivative of these orders in u and v, is this vector.
+    Derivative {
+        /// The orders; zero of both is the point itself. On curves the second one is zero.
+        orders: [usize; 2],
+        /// One number for each coordinate.
+        vector: Vec<f64>,
+    },
+    /// The first derivative of a curve has this direction. Its length is that of the polygon through
+    /// the data over the range of the parameters.
+    Tangent(Vec<f64>),
+    /// The derivative across a boundary of this order, or the boundary itself, is the curve with these
+    /// control points in the basis of the other direction.
+    Across {
+        /// The order; zero is the boundary itself.
+        order: usize,
+        /// One control point for each of the other direction.
+        control_points: Points,
+    },
+}
