@@ -1,24 +1,33 @@
 //! The JSON of a method, and its settings.
+//!
+//! - `kind`: the names of methods and of choices; `least_squares`: the settings of that method;
+//! - `written`: the method of a problem as it was asked for.
+
+mod kind;
+mod least_squares;
+mod written;
 
 use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema};
-use serde_json::{Map, Value, json};
 
 use super::schema;
 use super::settings::{ControlPoints, Index, Matrix, Omega, Thresholds};
 use crate::api::json::per_direction::{PerDirection, direction};
-use crate::api::json::read::{Read as _, names, object};
-use crate::api::json::view::error::PointIndex;
+use crate::api::json::read::{Read as _, object};
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Convex, Custom, Ending, Extended, LeastSquares, Local, METHODS, Method,
-    Start, Sweeps, Threshold, Variant, Weighted,
+    self as fit, Adaptive, Convex, Custom, Extended, Local, METHODS, Method, Start, Sweeps,
+    Weighted,
 };
 use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
 use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use least_squares::EndingRequest;
+
+pub(in crate::api) use kind::{MethodKind, StartRequest, SweepsRequest, start_name, sweeps_name};
+pub(in crate::api) use least_squares::{VariantRequest, variant_name};
+pub(in crate::api) use written::written;
 
 /// The settings of the methods that have some.
 const SETTINGS: [(&str, &[&str]); 7] = [
@@ -102,64 +111,6 @@ pub(in crate::api) struct MethodRequest {
     pub(in crate::api) transform: Option<PerDirection<Matrix>>,
 }
 
-/// A kind of method.
-#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(rename = "MethodKind", example = &"global")]
-pub(in crate::api) enum MethodKind {
-    Global,
-    Weighted,
-    Local,
-    Adaptive,
-    Extended,
-    Transpose,
-    Convex,
-    Chebyshev,
-    Direct,
-    LeastSquares,
-    Custom,
-}
-
-/// What iteration 0 of the extended method is: the transformed data, or the data themselves.
-#[derive(Clone, Copy, Debug, JsonSchema)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(rename = "ExtendedStart", extend("default" = "transformed"), example = &"transformed")]
-pub(in crate::api) enum StartRequest {
-    Transformed,
-    Data,
-}
-
-/// The lines of points of a surface that sweeps go by.
-#[derive(Clone, Copy, Debug, JsonSchema)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(rename = "Sweeps", example = &"columns")]
-pub(in crate::api) enum SweepsRequest {
-    Rows,
-    Columns,
-}
-
-/// The step of a least-squares fit: with a diagonal matrix, with one number, of conjugate gradients,
-/// the fastest iteration, or `direct` to the minimum, which iteration 1 is then.
-#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(rename = "LeastSquaresVariant", extend("default" = "diagonal"), example = &"diagonal")]
-pub(in crate::api) enum VariantRequest {
-    Diagonal,
-    Lspia,
-    Cg,
-    Direct,
-}
-
-/// Where a least-squares fit ends: where its gradient says that the minimum is near, or as soon as the
-/// residual shrinks by less than a millionth in one iteration.
-#[derive(Clone, Copy, Debug, JsonSchema)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(rename = "LeastSquaresEnding", extend("default" = "minimum"), example = &"minimum")]
-pub(in crate::api) enum EndingRequest {
-    Minimum,
-    SmallStep,
-}
-
 object!(
     MethodRequest,
     "an object with a kind, or the name of a kind",
@@ -180,38 +131,6 @@ object!(
     ],
     of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of)
 );
-names!(MethodKind, "kind of method", [
-    "global" => Global,
-    "weighted" => Weighted,
-    "local" => Local,
-    "adaptive" => Adaptive,
-    "extended" => Extended,
-    "transpose" => Transpose,
-    "convex" => Convex,
-    "chebyshev" => Chebyshev,
-    "direct" => Direct,
-    "least_squares" => LeastSquares,
-    "custom" => Custom,
-]);
-names!(StartRequest, "start of the method extended", [
-    "transformed" => Transformed,
-    "data" => Data,
-]);
-names!(SweepsRequest, "kind of sweeps", [
-    "rows" => Rows,
-    "columns" => Columns,
-]);
-names!(EndingRequest, "ending of the method least_squares", [
-    "minimum" => Minimum,
-    "small_step" => SmallStep,
-]);
-names!(VariantRequest, "variant of the method least_squares", [
-    "diagonal" => Diagonal,
-    "lspia" => Lspia,
-    "cg" => Cg,
-    "direct" => Direct,
-]);
-
 impl MethodRequest {
     /// A method without settings.
     pub(in crate::api) fn of(kind: MethodKind) -> Self {
@@ -362,34 +281,6 @@ impl MethodRequest {
         }
         Ok(Some(indices.into()))
     }
-
-    fn least_squares(&self, surface: bool) -> OrMistakes<LeastSquares> {
-        let Some(control_points) = self.control_points else {
-            return incomplete(
-                "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}",
-            );
-        };
-        if control_points.is_each() && !surface {
-            let detail = "a curve has one number of control points";
-            return Err(Mistake::at_text("/method/control_points", detail).into());
-        }
-        let (u, v) = control_points.split();
-        let variant = match self.variant {
-            None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
-            Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
-            Some(VariantRequest::Cg) => Variant::ConjugateGradients,
-            Some(VariantRequest::Direct) => Variant::Direct,
-        };
-        let ending = match self.ending {
-            None | Some(EndingRequest::Minimum) => Ending::Minimum,
-            Some(EndingRequest::SmallStep) => Ending::SmallStep,
-        };
-        Ok(LeastSquares {
-            variant,
-            ending,
-            ..LeastSquares::new(u, v)
-        })
-    }
 }
 
 /// The methods of a setting, as a message names them.
@@ -420,134 +311,4 @@ pub(super) fn pointer(place: P, each: bool) -> String {
         _ => return "/method".to_owned(),
     };
     format!("/method/{setting}")
-}
-
-/// The name of a start of the extended method.
-pub(in crate::api) fn start_name(start: Start) -> &'static str {
-    match start {
-        Start::Transformed => "transformed",
-        Start::Data => "data",
-    }
-}
-
-impl From<SweepsRequest> for Sweeps {
-    fn from(request: SweepsRequest) -> Self {
-        match request {
-            SweepsRequest::Rows => Self::Rows,
-            SweepsRequest::Columns => Self::Columns,
-        }
-    }
-}
-
-/// The name of the lines of sweeps.
-pub(in crate::api) fn sweeps_name(sweeps: Sweeps) -> &'static str {
-    match sweeps {
-        Sweeps::Rows => "rows",
-        Sweeps::Columns => "columns",
-    }
-}
-
-/// The name of a least-squares variant.
-pub(in crate::api) fn variant_name(variant: Variant) -> &'static str {
-    match variant {
-        Variant::Diagonal => "diagonal",
-        Variant::Lspia { .. } => "lspia",
-        Variant::ConjugateGradients => "cg",
-        Variant::Direct => "direct",
-    }
-}
-
-/// One threshold, one for each point of a curve, or rows of them.
-fn written_threshold(threshold: &Threshold, problem: &Problem) -> Value {
-    match (threshold, problem.v()) {
-        (Threshold::All(threshold), _) => json!(threshold),
-        (Threshold::Each(each), None) => json!(&each[..]),
-        (Threshold::Each(each), Some(_)) => {
-            let rows = each.chunks(problem.grid().columns);
-            rows.map(|row| json!(row)).collect()
-        }
-    }
-}
-
-/// The method of a problem as it was asked for.
-pub(in crate::api) fn written(problem: &Problem) -> Value {
-    let mut value = Map::new();
-    let method = problem.method();
-    value.insert("kind".to_owned(), json!(method.name()));
-    let mut set = |name: &str, setting: Value| {
-        value.insert(name.to_owned(), setting);
-    };
-    match *method {
-        Method::Weighted(Weighted { omega }) => {
-            set("omega", omega.map_or(json!("auto"), Value::from))
-        }
-        Method::Local(Local { omega, sweeps }) => {
-            if let Some(omega) = omega.other_than_one() {
-                set("omega", omega.given().map_or(json!("auto"), Value::from));
-            }
-            if let Some(selected) = problem.selected() {
-                let indices = selected
-                    .iter()
-                    .map(|&index| json!(PointIndex::new(index, problem)));
-                set("indices", indices.collect());
-            }
-            match sweeps {
-                Some(Sweeps::Columns) => set("sweeps", json!(sweeps_name(Sweeps::Columns))),
-                _ => set("row_by_row", json!(sweeps.is_some())),
-            }
-        }
-        Method::Adaptive(Adaptive {
-            ref threshold,
-            omega,
-        }) => {
-            set("threshold", written_threshold(threshold, problem));
-            if omega != 1.0 {
-                set("omega", json!(omega));
-            }
-        }
-        Method::Extended(settings) => {
-            set("start", json!(start_name(settings.start)));
-            if settings.transformed_error {
-                set("transformed_error", json!(true));
-            }
-        }
-        Method::LeastSquares(LeastSquares {
-            u,
-            v,
-            variant,
-            ending,
-            ..
-        }) => {
-            set(
-                "control_points",
-                match problem.v() {
-                    None => json!(u),
-                    Some(_) => json!({"u": u, "v": v}),
-                },
-            );
-            set("variant", json!(variant_name(variant)));
-            if let Variant::Lspia { mu: Some(mu) } = variant {
-                set("mu", json!(mu));
-            }
-            if ending == Ending::SmallStep {
-                set("ending", json!("small_step"));
-            }
-        }
-        Method::Convex(convex) if convex != Convex::default() => {
-            set("threshold", json!(convex.threshold));
-        }
-        Method::Custom(ref custom) => {
-            let transform = match custom.v() {
-                None => json!(custom.u()),
-                Some(v) => json!({"u": custom.u(), "v": v}),
-            };
-            set("transform", transform);
-        }
-        Method::Global
-        | Method::Transpose
-        | Method::Convex(_)
-        | Method::Chebyshev
-        | Method::Direct => {}
-    }
-    Value::Object(value)
 }
