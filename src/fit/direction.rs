@@ -306,13 +306,20 @@ impl Direction {
     /// zero there, with their weights, into `values` (p + 1 numbers), and returns the index of the
     /// first of them.
     pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
-        let (low, high) = self.basis.domain();
-        // The knots of even degree lie between the parameters: where the last one is next to the end of
-        // the period, rounding may put it behind.
-        let wraps = self.is_closed() && t > high;
-        let t = if wraps { t - (high - low) } else { t };
-        let start = self.basis.evaluate(t, values);
+        let start = self.basis.evaluate(self.within(t), values);
         self.weigh(start, values)
+    }
+
+    /// The parameter `t` in the domain of the basis. The knots of closed directions of even degree lie
+    /// between the parameters: where the last one is next to the end of the period, rounding may put
+    /// it behind.
+    pub(super) fn within(&self, t: f64) -> f64 {
+        let (low, high) = self.basis.domain();
+        if self.is_closed() && t > high {
+            t - (high - low)
+        } else {
+            t
+        }
     }
 
     /// Makes the values of the functions from `start` on rational, if the direction has weights;

@@ -138,6 +138,7 @@ mod equations;
 mod extent;
 mod forecast;
 mod foresight;
+mod functional;
 pub mod geometry;
 pub mod invalid;
 pub mod iteration;

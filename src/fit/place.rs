@@ -11,6 +11,16 @@ pub enum Axis {
     V,
 }
 
+impl Axis {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::U => "u",
+            Self::V => "v",
+        }
+    }
+}
+
 /// A side of a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {

@@ -103,7 +103,7 @@ impl Plain {
 }
 
 /// `Δ = P − B X` for all coordinates, of P without the share of constants at the ends; that of missing points is zero.
-fn compute_residual(equations: &Equations, state: &mut State) {
+pub(super) fn compute_residual(equations: &Equations, state: &mut State) {
     let data = equations.setup.target().lanes();
     let lanes = state.residual.lanes_mut().iter_mut();
     for ((residual, x), data) in lanes.zip(state.control_points.lanes()).zip(data) {

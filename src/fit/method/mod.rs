@@ -67,7 +67,7 @@ pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub use least_squares::{
-    At, Constraint, EndPoints, Ending, Fairness, LeastSquares, Variant, Wanted,
+    At, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness, LeastSquares, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;

@@ -1,6 +1,7 @@
 //! Conjugate gradients of the normal equations (CGLS), preconditioned with D, for each coordinate by
-//! itself.
+//! itself. With projected gradients all directions are among those that conditions leave free.
 
+use super::objective::Objective;
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
 use crate::fit::points::Points;
@@ -32,7 +33,7 @@ impl Conjugate {
     /// CGLS, preconditioned with D, for each coordinate by itself.
     pub(super) fn update(
         &mut self,
-        equations: &Equations,
+        (equations, objective): (&Equations, &Objective),
         state: &mut State,
         gradient: &Points,
         scale: &[f64],
@@ -57,7 +58,7 @@ impl Conjugate {
             if let Some(missing) = equations.setup.missing() {
                 missing.clear(&mut self.image);
             }
-            let curvature: f64 = self.image.iter().map(|q| (q * unit) * (q * unit)).sum();
+            let curvature = objective.curvature(direction, &self.image, *unit);
             // At the minimum there is nowhere to go.
             let alpha = if curvature > 0.0 {
                 gamma / curvature

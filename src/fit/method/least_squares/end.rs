@@ -1,12 +1,12 @@
 //! When a least-squares fit is at its minimum.
 //!
-//! With f the sum of squares and g = Aᵀ Δ, f lies above its minimum f* by
+//! With the [objective](super::objective) f and its gradient g, f lies above its minimum f* by
 //!
 //! ```text
-//! f − f* = gᵀ (AᵀA)⁻¹ g
+//! f − f* = gᵀ N⁻¹ g,   N = AᵀΩA + w H
 //! ```
 //!
-//! exactly, whatever the variant: a small step says nothing of it, as slow methods take small steps
+//! exactly, whatever the variant (with conditions by the projected step N⁻¹ g): a small step says nothing of it, as slow methods take small steps
 //! far from the minimum. So when the length of the residual has nearly stopped falling, the normal
 //! equations are solved for g, and the fit ends where f − f* is a small part of f. Where their
 //! factorization would take too long (large surfaces with holes) f − f* is what is left of
@@ -14,16 +14,20 @@
 //!
 //! Where the data lie on the curve, f falls to rounding and f* is zero: that is the end, too.
 
+use super::constraints::Condition;
+use super::objective::Objective;
+use super::settings::LeastSquares;
 use super::solver::{Solver, cost};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
 use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
+use crate::fit::setup::Setup;
 
 /// A residual that shrinks by less than this part in one iteration has nearly stopped.
 pub(super) const SLOW: f64 = 1e-6;
 
-/// A fit is at its minimum if its sum of squares is above it by at most this part.
+/// A fit is at its minimum if its objective is above it by at most this part.
 const NEAR: f64 = 1e-6;
 
 /// A residual that grows by more than this part, and not at the minimum, goes on growing.
@@ -40,19 +44,30 @@ const MOST: usize = 200_000_000;
 pub(super) struct End {
     /// A power of two for all coordinates, as they are squared.
     unit: f64,
-    /// The sum of squares of the last level.
+    /// The objective of the last level.
     last: Option<f64>,
     /// Its decrease.
     fall: f64,
+    /// Whether the normal equations can be solved in a short time.
+    solvable: bool,
+    /// What every level obeys.
+    conditions: Vec<Condition>,
     /// The normal equations, once they were needed.
     solver: Option<Box<Solver>>,
     outcome: Option<Outcome>,
 }
 
 impl End {
-    /// Before level 0 of data with such units.
-    pub(super) fn new(units: &[f64]) -> Self {
+    /// Before level 0 of data with such units and conditions.
+    pub(super) fn new(
+        units: &[f64],
+        conditions: Vec<Condition>,
+        setup: &Setup,
+        settings: &LeastSquares,
+    ) -> Self {
         Self {
+            conditions,
+            solvable: cost(setup, settings) <= MOST,
             unit: units.iter().copied().fold(f64::INFINITY, f64::min),
             last: None,
             fall: 0.0,
@@ -69,13 +84,13 @@ impl End {
     /// Measures a level with this gradient, with the solver of the method if it has one.
     pub(super) fn measure(
         &mut self,
-        equations: &Equations,
+        (equations, objective): (&Equations, &Objective),
         state: &mut State,
         gradient: &Points,
         scale: &[f64],
         own: Option<&Solver>,
     ) {
-        let value = self.square(&state.residual);
+        let value = objective.value(state, self.unit);
         let (last, fall) = (self.last.replace(value), self.fall);
         let Some(last) = last else {
             return;
@@ -93,7 +108,7 @@ impl End {
             return;
         }
         let (unit, now) = (self.unit, self.fall);
-        let above = match self.solver(equations, scale, own) {
+        let above = match self.solver((equations, objective), scale, own) {
             Some(solver) => above(solver, state, gradient, unit),
             None if now < fall => now * now / (fall - now),
             None => f64::INFINITY,
@@ -105,33 +120,31 @@ impl End {
         }
     }
 
-    /// The sum of squares of all coordinates.
-    fn square(&self, points: &Points) -> f64 {
-        let squares = points.lanes().iter().flat_map(|lane| lane.iter());
-        squares.map(|x| (x * self.unit) * (x * self.unit)).sum()
-    }
-
     /// Whether a sum of squares is no more than rounding of the data leaves.
     fn is_rounding(&self, equations: &Equations, value: f64) -> bool {
-        value <= ROUNDING * ROUNDING * self.square(equations.setup.data())
+        let coordinates = equations.setup.data().lanes().iter();
+        let coordinates = coordinates.flat_map(|lane| lane.iter());
+        let square: f64 = coordinates.map(|x| (x * self.unit) * (x * self.unit)).sum();
+        value <= ROUNDING * ROUNDING * square
     }
 
     /// The factorization of the normal equations, if it does not take too long.
     fn solver<'a>(
         &'a mut self,
-        equations: &Equations,
+        (equations, objective): (&Equations, &Objective),
         scale: &[f64],
         own: Option<&'a Solver>,
     ) -> Option<&'a Solver> {
-        if own.is_some() || cost(&equations.setup) > MOST {
+        if own.is_some() || !self.solvable {
             return own;
         }
-        let make = || Box::new(Solver::new(equations, scale));
+        let conditions = &self.conditions;
+        let make = || Box::new(Solver::new(equations, scale, objective, conditions));
         Some(&**self.solver.get_or_insert_with(make))
     }
 }
 
-/// `gᵀ (AᵀA)⁻¹ g` of all coordinates, in squared units.
+/// `gᵀ N⁻¹ g` of all coordinates, in squared units.
 fn above(solver: &Solver, state: &mut State, gradient: &Points, unit: f64) -> f64 {
     let mut step = gradient.clone();
     solver.solve(&mut step, &mut state.scratch);

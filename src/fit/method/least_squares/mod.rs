@@ -4,6 +4,9 @@
 //! X ← X + D Aᵀ (P − A X),   A[i][j] = B_j(t_i)
 //! ```
 //!
+//! Data points can have weights, the curve can be fair, and every level can obey conditions; by
+//! default it passes through its first and its last data point, and a surface through its corners.
+//!
 //! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are
 //! the first data point, the last, and between them data point `⌊(m+1) i / n⌋` (Deng, Lin 2014); on
 //! closed curves `⌊(m+1) i / (n+1)⌋`. Three choices of D:
@@ -20,11 +23,14 @@
 //!
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
-//! - [`end`]: how far above its minimum the sum of squares is.
+//! - [`objective`]: what is made small, with [`fairness`]; [`end`]: how far it is above its minimum;
+//! - [`constraints`]: what every level obeys.
 
 mod conjugate;
-mod constraint;
+pub(in crate::fit) mod constraints;
 mod end;
+mod fairness;
+mod objective;
 mod settings;
 mod solver;
 mod start;
@@ -35,6 +41,7 @@ use std::sync::Arc;
 use super::scheme::{Demand, Progress, Scheme, Scope};
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::{Invalid, Setting};
@@ -42,10 +49,13 @@ use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
+use constraints::independent;
 use end::SLOW;
+use fairness::Energy;
 use steps::Steps;
 
-pub use constraint::{At, Constraint, Wanted};
+pub use constraints::mistake::ConstraintsMistake;
+pub use constraints::{At, Constraint, Wanted};
 pub use settings::{EndPoints, Ending, Fairness, LeastSquares, Variant};
 
 /// The entry in the table of methods.
@@ -56,23 +66,76 @@ pub(super) const ABOUT: About = About {
     source: "Deng, Lin, CAD 47 (2014); Lin, Cao, Zhang, CAGD 64 (2018)",
 };
 
+impl LeastSquares {
+    /// Room for a direction of each condition, their matrix, and the energy of fairness.
+    fn bytes(&self) -> usize {
+        let along = |constraint: &Constraint| match &constraint.wanted {
+            Wanted::Across { control_points, .. } => control_points.len(),
+            _ => 1,
+        };
+        let conditions = 4 + self.constraints.iter().map(along).sum::<usize>();
+        let control_points = self.u.saturating_mul(self.v.max(1));
+        let columns = match self.variant {
+            Variant::Direct => conditions.saturating_mul(control_points),
+            _ => 0,
+        };
+        let numbers = conditions
+            .saturating_mul(conditions)
+            .saturating_add(columns);
+        numbers.saturating_mul(2 * size_of::<f64>())
+    }
+}
+
+/// Weights of data are finite and not negative, and some of them are greater than zero.
+fn check_weights(weights: &[f64], expected: usize) -> Result<(), Invalid> {
+    let given = weights.len();
+    if given != expected {
+        return Err(Invalid::DataWeightCount { given, expected });
+    }
+    let wrong = |weight: &f64| !(weight.is_finite() && *weight >= 0.0);
+    if let Some(index) = weights.iter().position(wrong) {
+        let value = weights[index];
+        return Err(Invalid::DataWeight { index, value });
+    }
+    match weights.iter().any(|weight| *weight > 0.0) {
+        true => Ok(()),
+        false => Err(Invalid::NoDataWeight),
+    }
+}
+
 impl Scheme for LeastSquares {
     fn about(&self) -> &'static About {
         &ABOUT
     }
 
     /// A given μ must be positive; one that is too large shows itself, as the residual grows.
-    fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
-        match self.variant {
-            Variant::Lspia { mu: Some(mu) } => Invalid::unless_positive(Setting::Mu, mu),
-            _ => Ok(()),
+    fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        if let Variant::Lspia { mu: Some(mu) } = self.variant {
+            Invalid::unless_positive(Setting::Mu, mu)?;
         }
+        if let Some(fairness) = self.fairness {
+            fairness.check()?;
+        }
+        let weights = self.data_weights.as_deref();
+        weights.map_or(Ok(()), |weights| check_weights(weights, scope.grid.count()))
     }
 
-    /// The normal equations of a surface with holes are those of the whole grid.
+    /// Conditions can be obeyed, and the normal equations solved if they have to be: those of a surface
+    /// with holes, weights or fairness are those of the whole grid.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
-        let direct = self.variant == Variant::Direct && solver::is_whole(setup);
-        if direct && solver::cost(setup) > solver::MOST {
+        independent(setup, self)?;
+        let weighted = setup.is_homogeneous() || setup.directions().any(Direction::is_rational);
+        if let Some(fairness) = self.fairness() {
+            if weighted {
+                return Err(Invalid::FairnessOfRational);
+            }
+            if Energy::new(setup, fairness).is_none() {
+                return Err(Invalid::FairnessOfBasis);
+            }
+        }
+        let direct = self.variant == Variant::Direct;
+        let whole = solver::is_whole(setup, self.is_separable());
+        if direct && whole && solver::cost(setup, self) > solver::MOST {
             return Err(Invalid::NormalEquations);
         }
         Ok(())
@@ -81,7 +144,7 @@ impl Scheme for LeastSquares {
     /// The factorization of the normal equations.
     fn start_cost(&self, setup: &Setup) -> usize {
         match self.variant {
-            Variant::Direct => solver::cost(setup),
+            Variant::Direct => solver::cost(setup, self),
             _ => 0,
         }
     }
@@ -102,13 +165,13 @@ impl Scheme for LeastSquares {
         Demand {
             vectors: 3,
             matrices: 8,
-            bytes: 0,
+            bytes: self.bytes(),
         }
     }
 
     /// Control points with a zero column of A.
     fn complete(&self, equations: &mut Equations) {
-        equations.forecast.without_data = Steps::without_data(equations);
+        equations.forecast.without_data = Steps::without_data(equations, self);
     }
 
     /// Samples of the data.

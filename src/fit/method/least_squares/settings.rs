@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::constraint::Constraint;
+use super::constraints::Constraint;
+use crate::fit::invalid::Invalid;
 
 /// A least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +39,16 @@ impl LeastSquares {
             fairness: None,
             data_weights: None,
         }
+    }
+
+    /// Whether all data points count alike, and nothing but their distances does.
+    pub(super) fn is_separable(&self) -> bool {
+        self.data_weights.is_none() && self.fairness().is_none()
+    }
+
+    /// Fairness, if it matters.
+    pub(super) fn fairness(&self) -> Option<Fairness> {
+        self.fairness.filter(|fairness| fairness.value > 0.0)
     }
 }
 
@@ -88,4 +99,18 @@ pub enum Variant {
     ConjugateGradients,
     /// The normal equations are solved.
     Direct,
+}
+
+impl Fairness {
+    /// Refuses values and orders out of their range.
+    pub(super) fn check(self) -> Result<(), Invalid> {
+        let Self { value, order } = self;
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(Invalid::Fairness { value });
+        }
+        match order {
+            2 | 3 => Ok(()),
+            _ => Err(Invalid::FairnessOrder { order }),
+        }
+    }
 }

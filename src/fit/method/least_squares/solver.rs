@@ -1,11 +1,17 @@
-//! The normal equations `AᵀA δ = Aᵀ Δ`, solved: a step of their solution leads to the minimum.
+//! The normal equations `N δ = g`, `N = AᵀΩA + w H`, solved: a step of their solution leads to the
+//! minimum, with the projection of metric N⁻¹ to the one that obeys all conditions.
 //!
-//! A is factorized by rotations, `A = Q R`, in O(m p²) for B-splines: of a surface in both directions,
-//! `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if all its points are there. Otherwise the matrix of the whole
+//! The rows of A, of a root of `w H`, and of the conditions (whose squares do not change a minimum
+//! among points that obey) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines: of a surface in both directions,
+//! `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if all its points are there and count alike, without `w H`. Otherwise the matrix of the whole
 //! surface is, as far as [`MOST`] multiplications go. A step is solved for twice, the second time
 //! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
 //! it is as exact as by orthogonal transformations.
 
+use super::constraints::{Condition, Projection};
+use super::fairness::Energy;
+use super::objective::Objective;
+use super::settings::LeastSquares;
 use crate::fit::collocation::Collocation;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
@@ -13,6 +19,7 @@ use crate::fit::linear::apply_tensor;
 use crate::fit::linear::folded;
 use crate::fit::linear::triangular::{Rows, Triangular};
 use crate::fit::method::update::State;
+use crate::fit::plain::compute_residual;
 use crate::fit::points::{Grid, Points};
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
@@ -29,69 +36,126 @@ pub(super) struct Solver {
     v: Option<Triangular>,
     /// The arrangement of the control points.
     grid: Grid,
+    /// What every level obeys.
+    projection: Option<Projection>,
 }
 
 impl Solver {
     /// Factorizes; control points whose factor in `scale` is zero stay where they are.
-    pub(super) fn new(equations: &Equations, scale: &[f64]) -> Self {
+    pub(super) fn new(
+        equations: &Equations,
+        scale: &[f64],
+        objective: &Objective,
+        conditions: &[Condition],
+    ) -> Self {
         let (setup, tensor) = (&equations.setup, &*equations.collocation);
-        let grid = setup.control_grid();
-        match &tensor.v {
-            Some(v) if is_whole(setup) => Self {
-                u: whole(setup, tensor, v, |index| scale[index] == 0.0),
-                v: None,
-                grid: Grid {
-                    rows: grid.count(),
-                    columns: 1,
-                },
+        let fixed = |index: usize| scale[index] == 0.0;
+        let additional = Additional {
+            objective,
+            conditions,
+            scale,
+        };
+        let whole = |factor| Self {
+            u: factor,
+            v: None,
+            grid: Grid {
+                rows: setup.control_grid().count(),
+                columns: 1,
             },
-            v => Self {
-                u: line(&tensor.u, |index| v.is_none() && scale[index] == 0.0),
-                v: v.as_ref().map(|v| line(v, |_| false)),
-                grid,
+            projection: None,
+        };
+        let mut solver = match &tensor.v {
+            Some(v) if is_whole(setup, objective.is_separable()) => {
+                whole(surface(setup, tensor, v, &additional).triangular(fixed))
+            }
+            Some(v) => Self {
+                u: line(&tensor.u, |_| 1.0).triangular(|_| false),
+                v: Some(line(v, |_| 1.0).triangular(|_| false)),
+                grid: setup.control_grid(),
+                projection: None,
             },
-        }
+            None => {
+                let mut rows = line(&tensor.u, |i| objective.weight(i).sqrt());
+                additional.push(&mut rows);
+                whole(rows.triangular(fixed))
+            }
+        };
+        let mut scratch = vec![0.0; equations.scratch()];
+        solver.projection = Projection::columns(conditions, |condition| {
+            let mut column = vec![0.0; scale.len()];
+            let row = condition.row.iter();
+            row.for_each(|&(index, factor)| column[index] = factor);
+            solver.apply(&mut [&mut column], &mut scratch);
+            column
+        });
+        solver
     }
 
-    /// `g ← (AᵀA)⁻¹ g` for each coordinate.
+    /// `x ← N⁻¹ x` for each lane.
+    fn apply(&self, lanes: &mut [&mut [f64]], scratch: &mut [f64]) {
+        apply_tensor(&self.u, self.v.as_ref(), self.grid, lanes, scratch);
+    }
+
+    /// The step along which the minimum lies, for each coordinate of a gradient.
     pub(super) fn solve(&self, gradient: &mut Points, scratch: &mut [f64]) {
         let lanes = gradient.lanes_mut().iter_mut();
         let mut lanes: Vec<&mut [f64]> = lanes.map(AsMut::as_mut).collect();
-        apply_tensor(&self.u, self.v.as_ref(), self.grid, &mut lanes, scratch);
+        self.apply(&mut lanes, scratch);
+        if let Some(projection) = &self.projection {
+            lanes.iter_mut().for_each(|lane| projection.step(lane));
+        }
     }
 
     /// A step to the minimum.
-    pub(super) fn update(&self, equations: &Equations, state: &mut State, gradient: &Points) {
-        let collocation = &equations.collocation;
+    pub(super) fn update(
+        &self,
+        equations: &Equations,
+        state: &mut State,
+        gradient: &Points,
+        objective: &mut Objective,
+    ) {
         let mut step = gradient.clone();
         self.solve(&mut step, &mut state.scratch);
         state.control_points.add(&step);
-        let mut left = gradient.clone();
-        let mut image = vec![0.0; state.residual.len()];
-        let lanes = state.residual.lanes_mut().iter_mut().zip(left.lanes_mut());
-        for ((residual, left), step) in lanes.zip(step.lanes()) {
-            collocation.apply(step, &mut image, &mut state.scratch);
-            for (residual, image) in residual.iter_mut().zip(&image) {
-                *residual -= image;
-            }
-            if let Some(missing) = equations.setup.missing() {
-                missing.clear(residual);
-            }
-            collocation.apply_transposed(residual, left, &mut state.scratch);
+        compute_residual(equations, state);
+        objective.gradient(equations, state, &mut step);
+        self.solve(&mut step, &mut state.scratch);
+        state.control_points.add(&step);
+    }
+}
+
+/// Rows besides those of the data.
+struct Additional<'a> {
+    objective: &'a Objective,
+    conditions: &'a [Condition],
+    scale: &'a [f64],
+}
+
+impl Additional<'_> {
+    /// Adds those of fairness and of conditions, which are made as large as those of the data.
+    fn push(&self, rows: &mut Rows) {
+        if let Some(energy) = self.objective.energy() {
+            energy.each_row(|row| rows.push(row.into_iter(), 1.0));
         }
-        self.solve(&mut left, &mut state.scratch);
-        state.control_points.add(&left);
+        for condition in self.conditions {
+            let row = condition.row.iter();
+            let factors = row.clone().map(|&(index, _)| self.scale[index]);
+            let factor = factors.fold(0.0, f64::max);
+            if factor > 0.0 {
+                rows.push(row.copied(), 1.0 / factor.sqrt());
+            }
+        }
     }
 }
 
 /// Whether the normal equations of a surface are those of the whole grid, rather than of both
-/// directions.
-pub(super) fn is_whole(setup: &Setup) -> bool {
-    setup.v().is_some() && setup.missing().is_some()
+/// directions: the objective may not be `separable`.
+pub(super) fn is_whole(setup: &Setup, separable: bool) -> bool {
+    setup.v().is_some() && (setup.missing().is_some() || !separable)
 }
 
 /// About how many multiplications the factorization takes.
-pub(super) fn cost(setup: &Setup) -> usize {
+pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
     let span = |direction: &Direction| {
         let (width, free) = (direction.basis.support_width(), direction.free());
         let places = if direction.is_closed() {
@@ -106,9 +170,12 @@ pub(super) fn cost(setup: &Setup) -> usize {
         rows.saturating_mul(each)
     };
     match setup.v() {
-        Some(v) if is_whole(setup) => {
+        Some(v) if is_whole(setup, settings.is_separable()) => {
             let width = span(setup.u()).saturating_mul(v.free());
-            rotations(setup.grid().count(), width)
+            let bending = settings
+                .fairness()
+                .map_or(0, |fairness| Energy::count(setup, fairness.order));
+            rotations(setup.grid().count().saturating_add(bending), width)
         }
         _ => {
             let costs = setup
@@ -140,23 +207,18 @@ fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
     }
 }
 
-/// The factor of the matrix of one direction.
-fn line(matrix: &Collocation, fixed: impl Fn(usize) -> bool) -> Triangular {
+/// The rows of the matrix of one direction, with a factor each.
+fn line(matrix: &Collocation, factor: impl Fn(usize) -> f64) -> Rows {
     let (places, width) = places(matrix);
     let mut rows = Rows::new(places, width);
     for i in 0..matrix.rows() {
-        rows.push(row(matrix, i).into_iter(), 1.0);
+        rows.push(row(matrix, i).into_iter(), factor(i));
     }
-    rows.triangular(fixed)
+    rows
 }
 
-/// The factor of the matrix of a whole surface, with a row for each data point that is there.
-fn whole(
-    setup: &Setup,
-    tensor: &Tensor,
-    v: &Collocation,
-    fixed: impl Fn(usize) -> bool,
-) -> Triangular {
+/// The rows of a whole surface: one for each data point that is there, and additional ones.
+fn surface(setup: &Setup, tensor: &Tensor, v: &Collocation, additional: &Additional) -> Rows {
     let (grid, columns) = (setup.grid(), v.columns());
     let (places_u, width_u) = places(&tensor.u);
     let places = places_u.iter();
@@ -175,8 +237,10 @@ fn whole(
                 let across = across.iter();
                 across.map(move |&(l, b)| (k * columns + l, a * b))
             });
-            rows.push(entries, 1.0);
+            let weight = additional.objective.weight(i * grid.columns + j);
+            rows.push(entries, weight.sqrt());
         }
     }
-    rows.triangular(fixed)
+    additional.push(&mut rows);
+    rows
 }

@@ -1,30 +1,35 @@
-//! Steps along the gradient, `X ← X + D Aᵀ Δ`, and what all variants share: D, the gradient, and the
-//! end.
+//! Steps along the gradient, `X ← X + D g`, and what all variants share: D, the gradient, what every
+//! level obeys, and the end.
 
 use super::conjugate::Conjugate;
+use super::constraints::{Condition, Projection, independent};
 use super::end::End;
+use super::objective::Objective;
 use super::settings::{Ending, LeastSquares, Variant};
 use super::solver::Solver;
 use crate::fit::equations::Equations;
 use crate::fit::method::update::{Change, State, Update};
 use crate::fit::outcome::Outcome;
+use crate::fit::plain::compute_residual;
 use crate::fit::points::Points;
 use crate::fit::scaling::normalizing_scale;
-
-/// Column sums below this part of the largest belong to control points without data.
-const NO_DATA: f64 = 1e-12;
+use crate::fit::setup::Setup;
 
 /// The update of all variants.
 #[derive(Debug)]
 pub(super) struct Steps {
+    /// What is made small.
+    objective: Objective,
     /// The diagonal of D.
     scale: Vec<f64>,
+    /// The projection that keeps what every level obeys, with the metric D.
+    projection: Option<Projection>,
     /// Powers of two that bring each coordinate to the order of one, so that squares neither over-
     /// nor underflow.
     units: Vec<f64>,
-    /// `g = Aᵀ Δ`.
+    /// `g = Aᵀ Ω Δ − w H X`, projected.
     gradient: Points,
-    /// The squared length of the gradient, `‖Aᵀ Δ‖²`, in scaled units.
+    /// The squared length of the gradient, `‖g‖²`, in scaled units.
     square: f64,
     /// That of level 0.
     first_square: Option<f64>,
@@ -52,13 +57,18 @@ impl Steps {
         let setup = &equations.setup;
         let count = setup.control_grid().count();
         let dimension = setup.data().dimension();
-        let scale = scale(equations, variant);
+        let objective = Objective::new(setup, settings);
+        let conditions = conditions(setup, settings);
+        let scale = objective.scale(equations, variant, &conditions);
         let kind = match variant {
             Variant::Diagonal | Variant::Lspia { .. } => Kind::Multiple,
             Variant::ConjugateGradients => {
                 Kind::Conjugate(Conjugate::new(dimension, count, setup.grid().count()))
             }
-            Variant::Direct => Kind::Direct(Box::new(Solver::new(equations, &scale))),
+            Variant::Direct => {
+                let solver = Solver::new(equations, &scale, &objective, &conditions);
+                Kind::Direct(Box::new(solver))
+            }
         };
         let units: Vec<f64> = setup
             .data()
@@ -67,7 +77,10 @@ impl Steps {
             .map(|lane| normalizing_scale(lane.iter().fold(0.0, |m, x| x.abs().max(m))))
             .collect();
         Self {
-            end: (settings.ending == Ending::Minimum).then(|| End::new(&units)),
+            projection: Projection::diagonal(&conditions, &scale),
+            end: (settings.ending == Ending::Minimum)
+                .then(|| End::new(&units, conditions, setup, settings)),
+            objective,
             scale,
             units,
             gradient: Points::zeros(dimension, count),
@@ -77,32 +90,29 @@ impl Steps {
         }
     }
 
+    /// Takes back what rounding has moved control points away from what they obey.
+    fn correct(&self, state: &mut State) {
+        let Some(projection) = &self.projection else {
+            return;
+        };
+        let lanes = state.control_points.lanes_mut().iter_mut();
+        lanes
+            .enumerate()
+            .for_each(|(c, x)| projection.correct(c, x));
+    }
+
     /// How many control points have no data in the support of their basis function.
-    pub(super) fn without_data(equations: &Equations) -> usize {
-        let scale = scale(equations, Variant::Diagonal);
+    pub(super) fn without_data(equations: &Equations, settings: &LeastSquares) -> usize {
+        let objective = Objective::new(&equations.setup, settings);
+        let conditions = conditions(&equations.setup, settings);
+        let scale = objective.scale(equations, Variant::Diagonal, &conditions);
         scale.iter().filter(|&&factor| factor == 0.0).count()
     }
 }
 
-/// The diagonal of D: zero for control points without data.
-fn scale(equations: &Equations, variant: Variant) -> Vec<f64> {
-    let setup = &equations.setup;
-    let mut scratch = vec![0.0; equations.collocation.scratch()];
-    let mut ones = vec![1.0; setup.grid().count()];
-    if let Some(missing) = setup.missing() {
-        missing.clear(&mut ones);
-    }
-    let mut sums = vec![0.0; setup.control_grid().count()];
-    equations
-        .collocation
-        .apply_transposed(&ones, &mut sums, &mut scratch);
-    let largest = sums.iter().copied().fold(0.0, f64::max);
-    let factor = |sum: f64| match variant {
-        _ if sum <= NO_DATA * largest => 0.0,
-        Variant::Lspia { mu } => mu.unwrap_or(1.0 / largest),
-        Variant::Diagonal | Variant::ConjugateGradients | Variant::Direct => 1.0 / sum,
-    };
-    sums.into_iter().map(factor).collect()
+/// What every level obeys. A validated problem has conditions that can be obeyed.
+fn conditions(setup: &Setup, settings: &LeastSquares) -> Vec<Condition> {
+    independent(setup, settings).unwrap_or_default()
 }
 
 impl Update for Steps {
@@ -110,10 +120,20 @@ impl Update for Steps {
         let moved = self.scale.iter().filter(|&&factor| factor > 0.0).count();
         match &mut self.kind {
             Kind::Conjugate(conjugate) => {
-                conjugate.update(equations, state, &self.gradient, &self.scale, &self.units);
-                return Change::Residual { moved };
+                conjugate.update(
+                    (equations, &self.objective),
+                    state,
+                    &self.gradient,
+                    &self.scale,
+                    &self.units,
+                );
+                if self.projection.is_none() {
+                    return Change::Residual { moved };
+                }
             }
-            Kind::Direct(solver) => solver.update(equations, state, &self.gradient),
+            Kind::Direct(solver) => {
+                solver.update(equations, state, &self.gradient, &mut self.objective);
+            }
             Kind::Multiple => {
                 let lanes = state.control_points.lanes_mut().iter_mut();
                 for (x, gradient) in lanes.zip(self.gradient.lanes()) {
@@ -123,22 +143,33 @@ impl Update for Steps {
                 }
             }
         }
+        self.correct(state);
         Change::All { moved }
     }
 
-    /// `g = Aᵀ Δ`, for the next step and as a measure of how far the minimum is.
+    /// Level 0 obeys, too.
+    fn begin(&mut self, equations: &Equations, state: &mut State) {
+        if self.projection.is_some() {
+            // The second time for what rounding leaves of a large correction.
+            self.correct(state);
+            self.correct(state);
+            compute_residual(equations, state);
+        }
+        self.measured(equations, state);
+    }
+
+    /// The gradient, for the next step and as a measure of how far the minimum is.
     fn measured(&mut self, equations: &Equations, state: &mut State) {
-        self.square = 0.0;
+        self.objective
+            .gradient(equations, state, &mut self.gradient);
         let unit = self.units.iter().copied().fold(f64::INFINITY, f64::min);
-        let lanes = self.gradient.lanes_mut().iter_mut();
-        for (gradient, residual) in lanes.zip(state.residual.lanes()) {
-            equations
-                .collocation
-                .apply_transposed(residual, gradient, &mut state.scratch);
-            self.square += gradient
-                .iter()
-                .map(|g| (g * unit) * (g * unit))
-                .sum::<f64>();
+        self.square = 0.0;
+        for gradient in self.gradient.lanes_mut() {
+            if let Some(projection) = &self.projection {
+                projection.gradient(gradient);
+            }
+            let squares = gradient.iter().map(|g| (g * unit) * (g * unit));
+            self.square += squares.sum::<f64>();
         }
         self.first_square.get_or_insert(self.square);
         let own = match &self.kind {
@@ -146,7 +177,13 @@ impl Update for Steps {
             _ => None,
         };
         if let Some(end) = &mut self.end {
-            end.measure(equations, state, &self.gradient, &self.scale, own);
+            end.measure(
+                (equations, &self.objective),
+                state,
+                &self.gradient,
+                &self.scale,
+                own,
+            );
         }
     }
 

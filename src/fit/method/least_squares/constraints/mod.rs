@@ -1,7 +1,30 @@
 //! What a constrained fit obeys: points to pass through, and derivatives.
+//!
+//! Constraints are linear conditions `C X = R` on the control points, and every level obeys them to
+//! rounding. With a symmetric positive M, level 0 and every gradient g are projected,
+//!
+//! ```text
+//! S = M Cᵀ (C M Cᵀ)⁻¹,   X⁰ ← X⁰ + S (R − C X⁰),   g ← g − Cᵀ (C M Cᵀ)⁻¹ C M g,   so that C M g = 0
+//! ```
+//!
+//! and a step along M g leaves the conditions as they are. The limit is the solution of the KKT
+//! system, as the part of g that is left out is what constraints hold against.
+//!
+//! - [`conditions`]: from constraints to rows of C and R;
+//! - [`dependence`]: conditions that follow from others, or contradict them;
+//! - [`projection`]: the projection; [`mistake`]: what can be wrong.
+
+mod conditions;
+mod dependence;
+pub(in crate::fit) mod mistake;
+mod projection;
 
 use crate::fit::invalid::{Axis, Side};
 use crate::fit::points::Points;
+
+pub(super) use conditions::Condition;
+pub(super) use dependence::independent;
+pub(super) use projection::Projection;
 
 /// A condition that every level obeys.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,362 @@
+//! From constraints to linear conditions `C X = R` on the free control points.
+
+use super::mistake::{ConstraintsMistake as Mistake, MOST_CONDITIONS};
+use super::{At, Constraint, Wanted};
+use crate::fit::direction::Direction;
+use crate::fit::invalid::{Axis, Side};
+use crate::fit::method::least_squares::settings::{EndPoints, LeastSquares};
+use crate::fit::points::Points;
+use crate::fit::setup::Setup;
+
+/// A row of C and of R.
+#[derive(Clone, Debug)]
+pub(in super::super) struct Condition {
+    /// The constraint that it belongs to; `None` of end points.
+    pub constraint: Option<usize>,
+    /// Free control points and their factors.
+    pub row: Vec<(usize, f64)>,
+    /// The sum, for each coordinate.
+    pub value: Vec<f64>,
+}
+
+/// Something is asked for where it is not possible.
+fn unfit(index: usize, detail: &'static str) -> Mistake {
+    Mistake::Unfit { index, detail }
+}
+
+/// The conditions of a fit: those of its constraints first, then end points to interpolate.
+///
+/// # Errors
+///
+/// The first constraint that is wrong by itself.
+pub(super) fn conditions(
+    setup: &Setup,
+    settings: &LeastSquares,
+) -> Result<Vec<Condition>, Mistake> {
+    let mut conditions = Vec::new();
+    for (index, constraint) in settings.constraints.iter().enumerate() {
+        let maker = Maker { setup, index };
+        conditions.extend(maker.conditions(constraint)?);
+    }
+    let corners = corners(setup);
+    if settings.ends == EndPoints::Interpolated && corners.is_empty() {
+        return Err(Mistake::NoEnds);
+    }
+    if settings.ends != EndPoints::Free {
+        conditions.extend(corners.into_iter().filter_map(|point| end(setup, point)));
+    }
+    match conditions.len() {
+        count if count > MOST_CONDITIONS => Err(Mistake::TooMany { count }),
+        _ => Ok(conditions),
+    }
+}
+
+/// The data points at the ends of a curve and at the corners of a surface.
+fn corners(setup: &Setup) -> Vec<usize> {
+    if setup.directions().any(Direction::is_closed) {
+        return Vec::new();
+    }
+    let grid = setup.grid();
+    let rows = [0, grid.rows - 1].into_iter();
+    let columns = [0, grid.columns - 1];
+    let columns = &columns[..1 + usize::from(setup.v().is_some())];
+    rows.flat_map(|row| {
+        columns
+            .iter()
+            .map(move |column| row * grid.columns + column)
+    })
+    .collect()
+}
+
+/// The condition to pass through a data point, unless it is missing.
+fn end(setup: &Setup, point: usize) -> Option<Condition> {
+    if setup
+        .missing()
+        .is_some_and(|missing| missing.contains(point))
+    {
+        return None;
+    }
+    Some(Condition {
+        constraint: None,
+        row: row(setup, parameters(setup, point), [0, 0])?,
+        value: setup.data().point(point).collect(),
+    })
+}
+
+/// The parameters of a data point; that of v is not looked at on curves.
+fn parameters(setup: &Setup, point: usize) -> [f64; 2] {
+    let columns = setup.grid().columns;
+    let v = setup.v().map_or(0.0, |v| v.parameters[point % columns]);
+    [setup.u().parameters[point / columns], v]
+}
+
+/// The factors of a value or a derivative; `None` if the basis has no derivatives.
+fn row(setup: &Setup, [u, v]: [f64; 2], orders: [usize; 2]) -> Option<Vec<(usize, f64)>> {
+    let along = setup.u().functional(u, orders[0])?;
+    let Some(direction) = setup.v() else {
+        return Some(along);
+    };
+    let across = direction.functional(v, orders[1])?;
+    let columns = setup.control_grid().columns;
+    let products = along.iter().flat_map(|&(i, a)| {
+        let across = across.iter();
+        across.map(move |&(j, b)| (i * columns + j, a * b))
+    });
+    Some(products.collect())
+}
+
+/// Makes the conditions of one constraint.
+struct Maker<'a> {
+    setup: &'a Setup,
+    index: usize,
+}
+
+impl Maker<'_> {
+    fn conditions(&self, constraint: &Constraint) -> Result<Vec<Condition>, Mistake> {
+        match (constraint.at, &constraint.wanted) {
+            (
+                At::Boundary(axis, side),
+                Wanted::Across {
+                    order,
+                    control_points,
+                },
+            ) => self.across((axis, side), *order, control_points),
+            (At::Boundary(..), _) => Err(unfit(
+                self.index,
+                "is along a boundary: it needs control points or cross derivatives",
+            )),
+            (at, wanted) => Ok(vec![self.condition(at, wanted)?]),
+        }
+    }
+
+    /// A condition at a point.
+    fn condition(&self, at: At, wanted: &Wanted) -> Result<Condition, Mistake> {
+        let (index, setup) = (self.index, self.setup);
+        let (parameters, point) = self.place(at)?;
+        let (orders, value) = match wanted {
+            Wanted::DataPoint => {
+                let point = point.ok_or_else(|| {
+                    unfit(
+                        index,
+                        "is not at a data point: it needs a point to pass through",
+                    )
+                })?;
+                ([0, 0], setup.data().point(point).collect())
+            }
+            Wanted::Derivative { orders, vector } => (*orders, self.value(*orders, vector, point)?),
+            Wanted::Tangent(vector) => ([1, 0], self.tangent(vector)?),
+            Wanted::Across { .. } => {
+                return Err(unfit(
+                    index,
+                    "has control points of a boundary, and is not at one",
+                ));
+            }
+        };
+        if setup.v().is_none() && orders[1] > 0 {
+            return Err(unfit(index, "has a derivative in v, and a curve has none"));
+        }
+        let row = row(setup, parameters, orders).ok_or_else(|| {
+            unfit(
+                index,
+                "has a derivative, which only B-splines and Bernstein polynomials obey",
+            )
+        })?;
+        Ok(Condition {
+            constraint: Some(index),
+            row,
+            value,
+        })
+    }
+
+    /// The parameters at which it holds, and the data point, if it is at one.
+    fn place(&self, at: At) -> Result<([f64; 2], Option<usize>), Mistake> {
+        let (index, setup) = (self.index, self.setup);
+        let (is_surface, count) = (setup.v().is_some(), setup.grid().count());
+        let point = match at {
+            At::Side(_) if is_surface => {
+                return Err(unfit(index, "is at an end, and a surface has boundaries"));
+            }
+            At::Side(_) if setup.u().is_closed() => {
+                return Err(unfit(index, "is at an end, and a closed curve has none"));
+            }
+            At::Side(Side::Start) => 0,
+            At::Side(Side::End) => count - 1,
+            At::Index(point) if point >= count => {
+                return Err(Mistake::NoPoint {
+                    index,
+                    point,
+                    count,
+                });
+            }
+            At::Index(point) => point,
+            At::Parameter(_) if is_surface => {
+                return Err(unfit(index, "is at one parameter, and a surface has two"));
+            }
+            At::Parameter(u) => return Ok(([self.inside(Axis::U, u)?, 0.0], None)),
+            At::Parameters(u, v) => {
+                if !is_surface {
+                    return Err(unfit(index, "is at two parameters, and a curve has one"));
+                }
+                let place = [self.inside(Axis::U, u)?, self.inside(Axis::V, v)?];
+                return Ok((place, None));
+            }
+            At::Boundary(..) => return Err(unfit(index, "is along a boundary")),
+        };
+        if setup
+            .missing()
+            .is_some_and(|missing| missing.contains(point))
+        {
+            return Err(Mistake::Missing { index, point });
+        }
+        Ok((parameters(setup, point), Some(point)))
+    }
+
+    fn direction(&self, axis: Axis) -> Option<&Direction> {
+        match axis {
+            Axis::U => Some(self.setup.u()),
+            Axis::V => self.setup.v(),
+        }
+    }
+
+    /// A parameter, if it lies in the domain.
+    fn inside(&self, axis: Axis, value: f64) -> Result<f64, Mistake> {
+        let domain = self.direction(axis).map(|it| it.basis.domain());
+        let (low, high) = domain.unwrap_or((0.0, 0.0));
+        if low <= value && value <= high {
+            return Ok(value);
+        }
+        Err(Mistake::Outside {
+            index: self.index,
+            axis,
+            value,
+            low,
+            high,
+        })
+    }
+
+    /// The value of a given point or derivative. In homogeneous coordinates a given point has the
+    /// weight of its data point, and derivatives are not linear.
+    fn value(
+        &self,
+        orders: [usize; 2],
+        vector: &[f64],
+        point: Option<usize>,
+    ) -> Result<Vec<f64>, Mistake> {
+        let mut value = self.checked(vector)?;
+        if self.setup.is_homogeneous() {
+            let weight = point.filter(|_| orders == [0, 0]);
+            let weight = weight.and_then(|point| self.setup.data().point(point).last());
+            let weight = weight.ok_or_else(|| {
+                unfit(
+                    self.index,
+                    "is not linear in homogeneous coordinates: only points at data points are",
+                )
+            })?;
+            value.iter_mut().for_each(|x| *x *= weight);
+            value.push(weight);
+        }
+        Ok(value)
+    }
+
+    /// As many finite coordinates as the data have.
+    fn checked(&self, vector: &[f64]) -> Result<Vec<f64>, Mistake> {
+        let (index, given, expected) = (self.index, vector.len(), self.setup.dimension());
+        if given != expected {
+            return Err(Mistake::Coordinates {
+                index,
+                given,
+                expected,
+            });
+        }
+        match vector.iter().find(|x| !x.is_finite()) {
+            Some(&value) => Err(Mistake::NotFinite { index, value }),
+            None => Ok(vector.to_vec()),
+        }
+    }
+
+    /// The derivative in a direction, as long as the polygon through the data over the range of the
+    /// parameters.
+    fn tangent(&self, vector: &[f64]) -> Result<Vec<f64>, Mistake> {
+        let vector = self.checked(vector)?;
+        if self.setup.v().is_some() {
+            return Err(unfit(
+                self.index,
+                "has a tangent, and surfaces have derivatives",
+            ));
+        }
+        let vector = self.value([1, 0], &vector, None)?;
+        let largest = vector.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if largest == 0.0 {
+            return Err(unfit(self.index, "has a tangent of length zero"));
+        }
+        let unit: Vec<f64> = vector.iter().map(|x| x / largest).collect();
+        let norm = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let (low, high) = self.setup.u().basis.domain();
+        let length = polygon(self.setup.data(), self.setup.u().is_closed()) / (high - low);
+        Ok(unit.iter().map(|x| x / norm * length).collect())
+    }
+
+    /// A boundary, or the derivative across it: one condition for each control point along it.
+    fn across(
+        &self,
+        (axis, side): (Axis, Side),
+        order: usize,
+        control_points: &Points,
+    ) -> Result<Vec<Condition>, Mistake> {
+        let (index, setup) = (self.index, self.setup);
+        let grid = setup.control_grid();
+        let direction = self.direction(axis).filter(|_| setup.v().is_some());
+        let direction =
+            direction.ok_or_else(|| unfit(index, "is along a boundary, and a curve has none"))?;
+        if direction.is_closed() {
+            return Err(unfit(index, "is along a boundary of a closed direction"));
+        }
+        let expected = match axis {
+            Axis::U => grid.columns,
+            Axis::V => grid.rows,
+        };
+        if control_points.len() != expected {
+            return Err(Mistake::Boundary {
+                index,
+                given: control_points.len(),
+                expected,
+            });
+        }
+        let (low, high) = direction.basis.domain();
+        let t = match side {
+            Side::Start => low,
+            Side::End => high,
+        };
+        let factors = direction.functional(t, order).ok_or_else(|| {
+            unfit(
+                index,
+                "has derivatives, which only B-splines and Bernstein polynomials obey",
+            )
+        })?;
+        let at = |across: usize, along: usize| match axis {
+            Axis::U => across * grid.columns + along,
+            Axis::V => along * grid.columns + across,
+        };
+        let condition = |along: usize| {
+            let vector: Vec<f64> = control_points.point(along).collect();
+            let row = factors.iter();
+            Ok(Condition {
+                constraint: Some(index),
+                row: row
+                    .map(|&(across, factor)| (at(across, along), factor))
+                    .collect(),
+                value: self.value([order, 0], &vector, None)?,
+            })
+        };
+        (0..expected).map(condition).collect()
+    }
+}
+
+/// The length of the polygon through points.
+fn polygon(points: &Points, closed: bool) -> f64 {
+    let count = points.len();
+    let edges = count - usize::from(!closed);
+    (0..edges)
+        .map(|i| points.distance(i, (i + 1) % count))
+        .sum()
+}

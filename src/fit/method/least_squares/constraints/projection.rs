@@ -1,0 +1,146 @@
+//! The projection of gradients and control points.
+
+use nalgebra::{Cholesky, DMatrix, DVectorViewMut, Dyn};
+
+use super::conditions::Condition;
+
+/// Rounding of a decomposition, relative to its diagonal.
+const ROUNDING: f64 = 1e-12;
+
+/// The projection for conditions `C X = R` and a metric M.
+#[derive(Debug)]
+pub(in super::super) struct Projection {
+    conditions: Vec<Condition>,
+    metric: Metric,
+    /// The decomposition of `C M Cᵀ`.
+    gram: Cholesky<f64, Dyn>,
+}
+
+/// The matrix M.
+#[derive(Debug)]
+enum Metric {
+    /// Its diagonal.
+    Diagonal(Vec<f64>),
+    /// The columns of `M Cᵀ`.
+    Columns(Vec<Vec<f64>>),
+}
+
+impl Projection {
+    /// With a diagonal M that is positive at the control points of all conditions. `None` without
+    /// conditions.
+    pub(in super::super) fn diagonal(conditions: &[Condition], diagonal: &[f64]) -> Option<Self> {
+        let mut dense = vec![0.0; diagonal.len()];
+        let mut gram = DMatrix::zeros(conditions.len(), conditions.len());
+        for (k, condition) in conditions.iter().enumerate() {
+            for &(j, factor) in &condition.row {
+                dense[j] = factor * diagonal[j];
+            }
+            for (l, other) in conditions.iter().enumerate().take(k + 1) {
+                let product = other.row.iter().map(|&(j, factor)| factor * dense[j]).sum();
+                gram[(k, l)] = product;
+                gram[(l, k)] = product;
+            }
+            condition.row.iter().for_each(|&(j, _)| dense[j] = 0.0);
+        }
+        Self::new(conditions, Metric::Diagonal(diagonal.to_vec()), gram)
+    }
+
+    /// With `M Cᵀ` by its columns: M is the inverse of a matrix. Conditions on control points that
+    /// do not move are left out, as the start obeys them.
+    pub(in super::super) fn columns(
+        conditions: &[Condition],
+        mut column: impl FnMut(&Condition) -> Vec<f64>,
+    ) -> Option<Self> {
+        let (conditions, columns): (Vec<Condition>, Vec<Vec<f64>>) = conditions
+            .iter()
+            .map(|condition| (condition.clone(), column(condition)))
+            .filter(|(condition, column)| product(condition, column) > 0.0)
+            .unzip();
+        let count = conditions.len();
+        let gram = DMatrix::from_fn(count, count, |k, l| product(&conditions[k], &columns[l]));
+        Self::new(&conditions, Metric::Columns(columns), gram)
+    }
+
+    fn new(conditions: &[Condition], metric: Metric, gram: DMatrix<f64>) -> Option<Self> {
+        if conditions.is_empty() {
+            return None;
+        }
+        // Conditions that nearly depend on each other: what the larger diagonal leaves is corrected at
+        // the next level.
+        let rounded = || {
+            let mut gram = gram.clone();
+            (0..conditions.len()).for_each(|k| gram[(k, k)] *= 1.0 + ROUNDING);
+            Cholesky::new(gram)
+        };
+        Some(Self {
+            conditions: conditions.to_vec(),
+            metric,
+            gram: Cholesky::new(gram.clone()).or_else(rounded)?,
+        })
+    }
+
+    /// `λ = (C M Cᵀ)⁻¹ v`.
+    fn multipliers(&self, mut values: Vec<f64>) -> Vec<f64> {
+        let count = values.len();
+        self.gram
+            .solve_mut(&mut DVectorViewMut::from_slice(&mut values, count));
+        values
+    }
+
+    /// `x ← x + M Cᵀ λ`.
+    fn add(&self, x: &mut [f64], multipliers: &[f64]) {
+        match &self.metric {
+            Metric::Diagonal(diagonal) => {
+                for (condition, multiplier) in self.conditions.iter().zip(multipliers) {
+                    for &(j, factor) in &condition.row {
+                        x[j] += diagonal[j] * factor * multiplier;
+                    }
+                }
+            }
+            Metric::Columns(columns) => {
+                for (column, multiplier) in columns.iter().zip(multipliers) {
+                    x.iter_mut()
+                        .zip(column)
+                        .for_each(|(x, y)| *x += y * multiplier);
+                }
+            }
+        }
+    }
+
+    /// `x ← x + S (R − C x)` for one coordinate: x obeys the conditions.
+    pub(in super::super) fn correct(&self, coordinate: usize, x: &mut [f64]) {
+        let left = |condition: &Condition| condition.value[coordinate] - product(condition, x);
+        let left = self.conditions.iter().map(left).collect();
+        self.add(x, &self.multipliers(left));
+    }
+
+    /// `x ← x − S C x`: a step along x leaves the conditions as they are.
+    pub(in super::super) fn step(&self, x: &mut [f64]) {
+        let left = self.conditions.iter();
+        let left = left.map(|condition| -product(condition, x)).collect();
+        self.add(x, &self.multipliers(left));
+    }
+
+    /// `g ← g − Cᵀ (C M Cᵀ)⁻¹ C M g` for a diagonal M.
+    pub(in super::super) fn gradient(&self, gradient: &mut [f64]) {
+        let Metric::Diagonal(diagonal) = &self.metric else {
+            return;
+        };
+        let weighted = |condition: &Condition| {
+            let row = condition.row.iter();
+            row.map(|&(j, factor)| factor * diagonal[j] * gradient[j])
+                .sum()
+        };
+        let multipliers = self.multipliers(self.conditions.iter().map(weighted).collect());
+        for (condition, multiplier) in self.conditions.iter().zip(multipliers) {
+            for &(j, factor) in &condition.row {
+                gradient[j] -= factor * multiplier;
+            }
+        }
+    }
+}
+
+/// The product of a row with numbers for all control points.
+fn product(condition: &Condition, x: &[f64]) -> f64 {
+    condition.row.iter().map(|&(j, factor)| factor * x[j]).sum()
+}

@@ -1,0 +1,261 @@
+//! Fairness: how much a curve or a surface bends.
+//!
+//! ```text
+//! w ∫ ‖C^(r)‖² dt = w Xᵀ H X,   H_ij = ∫ B_i^(r) B_j^(r) dt
+//! ```
+//!
+//! On surfaces the integrals of all squared partial derivatives of order r, each as often as it
+//! occurs: for r = 2 the energy of a thin plate, `H = H₂ ⊗ H₀ + 2 H₁ ⊗ H₁ + H₀ ⊗ H₂` with the
+//! matrices `H_k` of the directions. Gauss quadrature with p + 1 − k nodes on a span is exact.
+//!
+//! The settings have w without units: of a curve with n data points whose parameters have the range
+//! ℓ, `w = f ℓ^(2r − 1) / n`; of a surface `w = f (ℓ_u ℓ_v)^(r − 1) / n`. Then neither other units
+//! of the data nor other ones of the parameters change the curve.
+
+use super::settings::Fairness;
+use crate::fit::direction::Direction;
+use crate::fit::linear::columns::Columns;
+use crate::fit::setup::Setup;
+
+/// A weighted sum of squares of derivatives, `w Xᵀ H X`.
+#[derive(Debug)]
+pub(super) struct Energy {
+    terms: Vec<Term>,
+    /// The number of control points in the v direction; 1 of a curve.
+    columns: usize,
+}
+
+/// A product of both directions.
+#[derive(Debug)]
+struct Term {
+    factor: f64,
+    u: Gram,
+    v: Option<Gram>,
+}
+
+/// The integrals of the products of derivatives of all functions of a direction.
+#[derive(Debug)]
+struct Gram {
+    /// A row for each node, whose squares add up to the integral.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// The matrix H, which is symmetric.
+    matrix: Columns,
+    /// `Σ_j |H_ij|`.
+    sums: Vec<f64>,
+}
+
+impl Energy {
+    /// The energy of a setup, or `None` where the basis has no derivatives.
+    pub(super) fn new(setup: &Setup, fairness: Fairness) -> Option<Self> {
+        let Fairness { value, order } = fairness;
+        let range = |direction: &Direction| {
+            let (low, high) = direction.basis.domain();
+            high - low
+        };
+        let count = setup.grid().count() as f64;
+        let length = range(setup.u());
+        let Some(v) = setup.v() else {
+            let factor = value * length.powi(2 * order as i32 - 1) / count;
+            return Some(Self {
+                terms: vec![Term {
+                    factor,
+                    u: Gram::new(setup.u(), order)?,
+                    v: None,
+                }],
+                columns: 1,
+            });
+        };
+        let weight = value * (length * range(v)).powi(order as i32 - 1) / count;
+        let mut terms = Vec::new();
+        let mut binomial = 1.0;
+        for k in 0..=order {
+            terms.push(Term {
+                factor: weight * binomial,
+                u: Gram::new(setup.u(), order - k)?,
+                v: Some(Gram::new(v, k)?),
+            });
+            binomial *= (order - k) as f64 / (k + 1) as f64;
+        }
+        Some(Self {
+            terms,
+            columns: v.free(),
+        })
+    }
+
+    /// `y ← y − w H x` for one coordinate.
+    pub(super) fn subtract(&self, x: &[f64], y: &mut [f64]) {
+        for Term { factor, u, v } in &self.terms {
+            let across: Vec<f64>;
+            let x = match v {
+                None => x,
+                Some(v) => {
+                    let lines = x.chunks_exact(self.columns);
+                    across = lines.flat_map(|line| v.products(line)).collect();
+                    &across
+                }
+            };
+            let columns = self.columns;
+            for (i, y) in y.chunks_exact_mut(columns).enumerate() {
+                for &(k, entry) in u.matrix.column(i) {
+                    let line = &x[k as usize * columns..][..columns];
+                    y.iter_mut()
+                        .zip(line)
+                        .for_each(|(y, x)| *y -= factor * entry * x);
+                }
+            }
+        }
+    }
+
+    /// At least `w Σ_j |H_ij|` for each control point i: that itself on curves.
+    pub(super) fn sums(&self) -> Vec<f64> {
+        let mut sums = Vec::new();
+        for Term { factor, u, v } in &self.terms {
+            let one = [1.0];
+            let across = v.as_ref().map_or(&one[..], |v| &v.sums);
+            let products = u.sums.iter();
+            let products = products.flat_map(|a| across.iter().map(move |b| factor * a * b));
+            if sums.is_empty() {
+                sums = products.collect();
+            } else {
+                sums.iter_mut().zip(products).for_each(|(sum, x)| *sum += x);
+            }
+        }
+        sums
+    }
+
+    /// How many rows there are.
+    pub(super) fn count(setup: &Setup, order: usize) -> usize {
+        let nodes = |direction: &Direction| {
+            direction
+                .free()
+                .saturating_mul(direction.basis.degree() + 1)
+        };
+        let products = setup.directions().map(nodes).fold(1, usize::saturating_mul);
+        products.saturating_mul(if setup.v().is_some() { order + 1 } else { 1 })
+    }
+
+    /// Rows G with `Gᵀ G = w H`.
+    pub(super) fn each_row(&self, mut visit: impl FnMut(Vec<(usize, f64)>)) {
+        for Term { factor, u, v } in &self.terms {
+            let root = factor.sqrt();
+            for along in &u.rows {
+                let Some(v) = v else {
+                    visit(along.iter().map(|&(i, a)| (i, root * a)).collect());
+                    continue;
+                };
+                for across in &v.rows {
+                    let products = along.iter().flat_map(|&(i, a)| {
+                        let across = across.iter();
+                        across.map(move |&(j, b)| (i * self.columns + j, root * a * b))
+                    });
+                    visit(products.collect());
+                }
+            }
+        }
+    }
+}
+
+impl Gram {
+    fn new(direction: &Direction, order: usize) -> Option<Self> {
+        let knots = direction.basis.knots()?;
+        let (low, high) = direction.basis.domain();
+        let nodes = gauss((direction.basis.degree() + 1).saturating_sub(order).max(1));
+        let mut rows = Vec::new();
+        for pair in knots
+            .windows(2)
+            .filter(|pair| low <= pair[0] && pair[1] <= high)
+        {
+            let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
+            if half <= 0.0 {
+                continue;
+            }
+            for &(node, weight) in &nodes {
+                let mut row = direction.functional(middle + half * node, order)?;
+                let root = (weight * half).sqrt();
+                row.iter_mut().for_each(|(_, value)| *value *= root);
+                rows.push(row);
+            }
+        }
+        let mut lines = vec![Vec::<(usize, f64)>::new(); direction.free()];
+        for row in &rows {
+            for &(i, a) in row {
+                for &(j, b) in row {
+                    match lines[i].iter_mut().find(|(other, _)| *other == j) {
+                        Some((_, sum)) => *sum += a * b,
+                        None => lines[i].push((j, a * b)),
+                    }
+                }
+            }
+        }
+        let entries = lines.iter().enumerate();
+        let entries = entries.flat_map(|(i, line)| line.iter().map(move |&(j, x)| (i, j, x)));
+        let sum = |line: &Vec<(usize, f64)>| line.iter().map(|(_, x)| x.abs()).sum();
+        Some(Self {
+            matrix: Columns::new(direction.free(), entries),
+            sums: lines.iter().map(sum).collect(),
+            rows,
+        })
+    }
+
+    /// `H x`.
+    fn products(&self, x: &[f64]) -> Vec<f64> {
+        let product = |i| {
+            let column = self.matrix.column(i).iter();
+            column.map(|&(j, entry)| entry * x[j as usize]).sum()
+        };
+        (0..x.len()).map(product).collect()
+    }
+}
+
+/// The nodes and weights of Gauss quadrature on [−1, 1], exact for polynomials of degree 2 n − 1:
+/// the roots of the Legendre polynomial P_n, by Newton's method from their asymptotic places
+/// (Abramowitz, Stegun 22.16.6), and `2 / ((1 − x²) P_n′(x)²)`.
+fn gauss(count: usize) -> Vec<(f64, f64)> {
+    let n = count as f64;
+    let node = |k: usize| {
+        let mut x = (std::f64::consts::PI * (k as f64 + 0.75) / (n + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..NEWTON {
+            let (mut before, mut value) = (1.0, x);
+            for q in 2..=count {
+                let q = q as f64;
+                (before, value) = (
+                    value,
+                    ((2.0 * q - 1.0) * x * value - (q - 1.0) * before) / q,
+                );
+            }
+            slope = n * (x * value - before) / (x * x - 1.0);
+            x -= value / slope;
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(node).collect()
+}
+
+/// Newton's method doubles the digits of a node in each step, of two that it starts with.
+const NEWTON: usize = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Integrals of powers up to degree 2 n − 1.
+    #[test]
+    fn quadrature_is_exact() {
+        for count in 1..=32 {
+            let nodes = gauss(count);
+            for power in 0..2 * count as i32 {
+                let sum: f64 = nodes.iter().map(|(x, weight)| weight * x.powi(power)).sum();
+                let exact = if power % 2 == 0 {
+                    2.0 / f64::from(power + 1)
+                } else {
+                    0.0
+                };
+                assert!(
+                    (sum - exact).abs() < 1e-14,
+                    "{count} nodes, power {power}: {sum}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! What a least-squares fit makes small:
+//!
+//! ```text
+//! f(X) = Σ_i ω_i ‖P_i − (A X)_i‖² + w Xᵀ H X,   −∇f/2 = g = Aᵀ Ω (P − A X) − w H X
+//! ```
+//!
+//! with a weight ω_i for each data point and the energy of [`super::fairness`].
+
+use std::sync::Arc;
+
+use super::constraints::Condition;
+use super::fairness::Energy;
+use super::settings::{LeastSquares, Variant};
+use crate::fit::equations::Equations;
+use crate::fit::method::update::State;
+use crate::fit::points::Points;
+use crate::fit::setup::Setup;
+
+/// Column sums below this part of the largest belong to control points without data.
+const NO_DATA: f64 = 1e-12;
+
+/// What is made small.
+#[derive(Debug)]
+pub(super) struct Objective {
+    weights: Option<Arc<[f64]>>,
+    energy: Option<Energy>,
+    /// One coordinate of `Ω Δ`.
+    weighted: Vec<f64>,
+}
+
+impl Objective {
+    /// That of a fit with such settings.
+    pub(super) fn new(setup: &Setup, settings: &LeastSquares) -> Self {
+        let weights = settings.data_weights.clone();
+        let fairness = settings.fairness();
+        Self {
+            weighted: vec![0.0; weights.as_ref().map_or(0, |weights| weights.len())],
+            weights,
+            energy: fairness.and_then(|fairness| Energy::new(setup, fairness)),
+        }
+    }
+
+    /// The energy of fairness.
+    pub(super) fn energy(&self) -> Option<&Energy> {
+        self.energy.as_ref()
+    }
+
+    /// Whether the normal equations of a whole grid are a product of those of both directions.
+    pub(super) fn is_separable(&self) -> bool {
+        self.weights.is_none() && self.energy.is_none()
+    }
+
+    /// How much a data point counts.
+    pub(super) fn weight(&self, index: usize) -> f64 {
+        self.weights.as_ref().map_or(1.0, |weights| weights[index])
+    }
+
+    /// `g = Aᵀ Ω Δ − w H X`.
+    pub(super) fn gradient(
+        &mut self,
+        equations: &Equations,
+        state: &mut State,
+        gradient: &mut Points,
+    ) {
+        let lanes = gradient.lanes_mut().iter_mut();
+        for (c, gradient) in lanes.enumerate() {
+            let mut pull = state.residual.lane(c);
+            if let Some(weights) = &self.weights {
+                let products = pull.iter().zip(&**weights).map(|(x, weight)| x * weight);
+                self.weighted.clear();
+                self.weighted.extend(products);
+                pull = &self.weighted;
+            }
+            equations
+                .collocation
+                .apply_transposed(pull, gradient, &mut state.scratch);
+            if let Some(energy) = &self.energy {
+                energy.subtract(state.control_points.lane(c), gradient);
+            }
+        }
+    }
+
+    /// `‖A d‖² + w dᵀ H d` of a direction d with this image `A d`, weighted and in squared units.
+    pub(super) fn curvature(&self, direction: &[f64], image: &[f64], unit: f64) -> f64 {
+        let squares = image.iter().enumerate().map(|(i, q)| match &self.weights {
+            None => (q * unit) * (q * unit),
+            Some(weights) => (q * unit) * weights[i] * (q * unit),
+        });
+        squares.sum::<f64>() + self.bending(direction, unit)
+    }
+
+    /// f of all coordinates, in squared units.
+    pub(super) fn value(&self, state: &State, unit: f64) -> f64 {
+        let lanes = state.residual.lanes().iter();
+        let lanes = lanes.zip(state.control_points.lanes());
+        lanes
+            .map(|(residual, x)| self.curvature(x, residual, unit))
+            .sum()
+    }
+
+    /// `w xᵀ H x` of one coordinate.
+    fn bending(&self, x: &[f64], unit: f64) -> f64 {
+        let Some(energy) = &self.energy else {
+            return 0.0;
+        };
+        let mut product = vec![0.0; x.len()];
+        energy.subtract(x, &mut product);
+        let products = x.iter().zip(product);
+        products.map(|(x, y)| -(x * unit) * (y * unit)).sum()
+    }
+
+    /// The diagonal of D: 1 over at least `Σ_j |N_ij|` of `N = Aᵀ Ω A + w H`, or μ. It is zero for
+    /// control points without data that neither fairness nor a condition moves.
+    pub(super) fn scale(
+        &self,
+        equations: &Equations,
+        variant: Variant,
+        conditions: &[Condition],
+    ) -> Vec<f64> {
+        let setup = &equations.setup;
+        let mut scratch = vec![0.0; equations.collocation.scratch()];
+        let mut counted = vec![1.0; setup.grid().count()];
+        if let Some(missing) = setup.missing() {
+            missing.clear(&mut counted);
+        }
+        let mut column_sums = |values: &[f64]| {
+            let mut sums = vec![0.0; setup.control_grid().count()];
+            equations
+                .collocation
+                .apply_transposed(values, &mut sums, &mut scratch);
+            sums
+        };
+        let mut sums;
+        let mut moves: Vec<bool>;
+        let has_data = |sums: &[f64]| {
+            let largest = sums.iter().copied().fold(0.0, f64::max);
+            sums.iter().map(|&sum| sum > NO_DATA * largest).collect()
+        };
+        match &self.weights {
+            None => {
+                sums = column_sums(&counted);
+                moves = has_data(&sums);
+            }
+            Some(weights) => {
+                // Small weights are data, too.
+                let products = counted.iter_mut().zip(&**weights);
+                let weighted: Vec<f64> = products
+                    .map(|(one, weight)| {
+                        *one = if *weight > 0.0 { *one } else { 0.0 };
+                        *one * weight
+                    })
+                    .collect();
+                moves = has_data(&column_sums(&counted));
+                sums = column_sums(&weighted);
+            }
+        }
+        if let Some(energy) = &self.energy {
+            sums.iter_mut()
+                .zip(energy.sums())
+                .for_each(|(sum, x)| *sum += x);
+            moves.fill(true);
+        }
+        let largest = sums.iter().copied().fold(0.0, f64::max);
+        for &(index, _) in conditions.iter().flat_map(|condition| &condition.row) {
+            if !moves[index] {
+                (moves[index], sums[index]) = (true, largest);
+            }
+        }
+        let factor = |(sum, moves): (f64, bool)| match variant {
+            _ if !moves => 0.0,
+            Variant::Lspia { mu } => mu.unwrap_or(1.0 / largest),
+            Variant::Diagonal | Variant::ConjugateGradients | Variant::Direct => 1.0 / sum,
+        };
+        sums.into_iter().zip(moves).map(factor).collect()
+    }
+}
