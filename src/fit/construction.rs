@@ -47,9 +47,6 @@ impl Direction {
         let count = grid.along(axis);
         let free = choice.control_points.unwrap_or(count);
         let fewer = choice.control_points.is_some();
-        if free < 2 || free > count {
-            return Err(Invalid::ControlPointCount { axis, free, count });
-        }
         let given = matches!(choice.parameters, Parametrization::Explicit(_));
         let ended = chosen::are_chosen(&choice, axis)?;
         let placed = parameters(

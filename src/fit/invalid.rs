@@ -94,7 +94,7 @@ pub enum Invalid {
     },
     /// A least-squares fit asks for fewer than 2 control points, or for more than data points.
     #[error(
-        "{free} control points for {count} data points: there must be at least 2 and not more than data points"
+        "{free} control points for {count} data points: there must be at least 2 and not more than data points, with fairness twice as many"
     )]
     ControlPointCount {
         axis: Axis,

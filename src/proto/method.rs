@@ -1,14 +1,15 @@
 //! Methods and their settings in messages.
 
+use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
-use super::values::{check_count, count, known, some};
+use super::values::{check_count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Ending, Extended, LARGEST, LeastSquares, Local, Method, Omega, Start,
-    Sweeps, Threshold, Variant, Weighted,
+    Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
+    Weighted,
 };
 use crate::fit::system::Forecast;
-use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
+use crate::model::method::{MethodSpec, sweeps};
 use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 
 /// What a method is for.
@@ -48,7 +49,7 @@ pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Optio
         }
         Kind::Chebyshev(_) => Method::Chebyshev,
         Kind::Direct(_) => Method::Direct,
-        Kind::LeastSquares(settings) => Method::LeastSquares(least_squares(settings, scope)?),
+        Kind::LeastSquares(settings) => Method::LeastSquares(least_squares::spec(settings, scope)?),
         Kind::Custom(custom) => Method::Custom(self::custom(&custom)?),
     };
     Ok(Some(method.into()))
@@ -106,34 +107,6 @@ fn adaptive(settings: m::Adaptive, scope: MethodTarget) -> OrMistakes<Adaptive> 
             false => Threshold::Each(thresholds.into()),
         },
         omega: omega.unwrap_or(1.0),
-    })
-}
-
-/// Without a number for v both directions have that for u.
-fn least_squares(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
-    let variant = match known(settings.variant, "method.least_squares.variant")? {
-        m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
-        m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
-        m::Variant::Cg => Variant::ConjugateGradients,
-        m::Variant::Direct => Variant::Direct,
-    };
-    if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
-        return Err(mu_without_lspia().into());
-    }
-    let (u, v) = (settings.control_points_u, settings.control_points_v);
-    if v != 0 && !scope.surface {
-        let detail = "a curve has one number of control points";
-        let place = model::SpecPart::Fit(Place::ControlPoints(Axis::U));
-        return Err(Mistake::at(place, detail).into());
-    }
-    let v = if v == 0 { u } else { v };
-    Ok(LeastSquares {
-        variant,
-        ending: match known(settings.ending, "method.least_squares.ending")? {
-            m::Ending::Unspecified | m::Ending::Minimum => Ending::Minimum,
-            m::Ending::SmallStep => Ending::SmallStep,
-        },
-        ..LeastSquares::new(u as usize, v as usize)
     })
 }
 
@@ -231,6 +204,8 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
         Place::Setting(Setting::Threshold) if layout.each => {
             "method.adaptive.thresholds".to_owned()
         }
+        Place::DataWeight(index) => format!("method.least_squares.data_weights[{index}]"),
+        Place::Constraint(index) => format!("method.least_squares.constraints[{index}]"),
         Place::Threshold(index) => format!("method.adaptive.thresholds[{index}]"),
         Place::Setting(setting) => {
             let kind = match setting {
@@ -257,7 +232,7 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
     }
 }
 
-/// The method as it was asked for, with the indices of the points that it selects.
+/// The method as it was asked for, with its lists and the indices of the points that it selects.
 pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {
@@ -266,6 +241,9 @@ pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
             if let Threshold::Each(each) = &adaptive.threshold {
                 message.thresholds = each.to_vec();
             }
+        }
+        (Some(Kind::LeastSquares(message)), Method::LeastSquares(settings)) => {
+            least_squares::lists(message, settings);
         }
         (Some(Kind::Custom(message)), Method::Custom(custom)) => {
             message.transform_u = custom.u().concat();
@@ -314,7 +292,7 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),
         Method::LeastSquares(ref settings) => {
-            Kind::LeastSquares(least_squares_message(settings, surface))
+            Kind::LeastSquares(least_squares::message(settings, surface))
         }
         Method::Custom(_) => Kind::Custom(m::Custom::default()),
     };
@@ -335,28 +313,6 @@ fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
             None => m::Sweeps::Unspecified,
             Some(Sweeps::Rows) => m::Sweeps::Rows,
             Some(Sweeps::Columns) => m::Sweeps::Columns,
-        }
-        .into(),
-    }
-}
-
-fn least_squares_message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
-    use m::Variant as V;
-    let (variant, mu) = match settings.variant {
-        Variant::Diagonal => (V::Diagonal, None),
-        Variant::Lspia { mu } => (V::Lspia, mu),
-        Variant::ConjugateGradients => (V::Cg, None),
-        Variant::Direct => (V::Direct, None),
-    };
-    m::LeastSquares {
-        control_points_u: count(settings.u),
-        // A curve has one number of control points, and refuses another one.
-        control_points_v: if surface { count(settings.v) } else { 0 },
-        variant: variant.into(),
-        mu,
-        ending: match settings.ending {
-            Ending::Minimum => m::Ending::Minimum,
-            Ending::SmallStep => m::Ending::SmallStep,
         }
         .into(),
     }

@@ -14,6 +14,7 @@ mod bad_requests;
 mod changed;
 mod clock;
 mod closed;
+mod constraints;
 mod convex;
 mod cors;
 mod crashes;

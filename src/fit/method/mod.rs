@@ -67,7 +67,8 @@ pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub use least_squares::{
-    At, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness, LeastSquares, Variant, Wanted,
+    At, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness, LeastSquares, MOST_CONDITIONS,
+    Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
@@ -145,12 +146,13 @@ impl Method {
         }
     }
 
-    /// The same without matrices and thresholds of points, as lists of fits show it.
+    /// The same without matrices, constraints, and thresholds and weights of points, as lists of fits show it.
     #[must_use]
     pub fn outline(&self) -> Self {
         match self {
             Self::Custom(_) => Self::Custom(Custom::new(Vec::new(), None)),
             Self::Adaptive(method) => Self::Adaptive(method.outline()),
+            Self::LeastSquares(method) => Self::LeastSquares(method.outline()),
             _ => self.clone(),
         }
     }

@@ -118,6 +118,7 @@ impl Places {
             P::AxisWeights(axis) => self.weights(axis),
             P::AxisWeight(axis, index) => format!("{}/{index}", self.weights(axis)),
             P::Threshold(index) => self.setting("threshold", index),
+            P::DataWeight(index) => self.setting("data_weights", index),
             P::Tolerance => "/stop/tolerance".to_owned(),
             P::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
             place => method::pointer(place, self.method_each),

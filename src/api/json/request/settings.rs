@@ -1,6 +1,8 @@
 //! The JSON of settings that are more than a number or a name: a relaxation, a matrix, the index of a
 //! point.
 
+use std::sync::Arc;
+
 use schemars::json_schema;
 use serde::de::SeqAccess;
 
@@ -48,28 +50,40 @@ pub(in crate::api) enum Thresholds {
 }
 
 impl Thresholds {
-    /// The thresholds of points that are arranged in a grid, row by row. Whether a curve has as many
-    /// of them as points is checked with the problem.
+    /// The thresholds of points that are arranged in a grid, row by row.
     pub(super) fn of_points(self, grid: Grid, surface: bool) -> Result<Threshold, String> {
-        match (self, surface) {
-            (Self::All(threshold), _) => Ok(Threshold::All(threshold)),
-            (Self::Each(WeightList::Line(each)), false) => Ok(Threshold::Each(each.into())),
-            (Self::Each(WeightList::Grid { values, columns }), true) => {
-                let rows = values.len() / columns.max(1);
-                if (rows, columns) == (grid.rows, grid.columns) {
-                    return Ok(Threshold::Each(values.into()));
-                }
-                let Grid {
-                    rows: needed,
-                    columns: each,
-                } = grid;
-                Err(format!(
-                    "{rows} rows of {columns} thresholds for {needed} rows of {each} points"
-                ))
-            }
-            (_, false) => Err("the thresholds of a curve are a list of numbers".to_owned()),
-            (_, true) => Err("the thresholds of a surface are rows of numbers".to_owned()),
+        match self {
+            Self::All(threshold) => Ok(Threshold::All(threshold)),
+            Self::Each(each) => each_point(each, grid, surface, "thresholds").map(Threshold::Each),
         }
+    }
+}
+
+/// A number for each point of a curve, or rows of them for a surface. Whether a curve has as many of
+/// them as points is checked with the problem.
+pub(super) fn each_point(
+    list: WeightList,
+    grid: Grid,
+    surface: bool,
+    things: &str,
+) -> Result<Arc<[f64]>, String> {
+    match (list, surface) {
+        (WeightList::Line(each), false) => Ok(each.into()),
+        (WeightList::Grid { values, columns }, true) => {
+            let rows = values.len() / columns.max(1);
+            if (rows, columns) == (grid.rows, grid.columns) {
+                return Ok(values.into());
+            }
+            let Grid {
+                rows: needed,
+                columns: each,
+            } = grid;
+            Err(format!(
+                "{rows} rows of {columns} {things} for {needed} rows of {each} points"
+            ))
+        }
+        (_, false) => Err(format!("the {things} of a curve are a list of numbers")),
+        (_, true) => Err(format!("the {things} of a surface are rows of numbers")),
     }
 }
 
@@ -293,5 +307,21 @@ schema_of!(ControlPoints, "ControlPointCount", generator => {
         "description": "A number of control points, not greater than that of data points; on surfaces of both directions, or one for each.",
         "oneOf": [count, generator.subschema_for::<Pair<Count>>()],
         "examples": [12, {"u": 8, "v": 6}],
+    })
+});
+
+/// How much data points count.
+pub(super) enum DataWeights {}
+
+schema_of!(DataWeights, "DataWeights", {
+    let number = json_schema!({"type": "number", "minimum": 0});
+    let line = json_schema!({"type": "array", "items": number, "minItems": 2});
+    json_schema!({
+        "description": "A number for each data point, zero or greater: of a curve a list, of a surface rows of numbers.",
+        "oneOf": [
+            {"title": "Line", "type": "array", "items": number, "minItems": 2},
+            {"title": "Rows", "type": "array", "items": line, "minItems": 2},
+        ],
+        "examples": [[1, 1, 0.5, 2]],
     })
 });

@@ -44,7 +44,7 @@ use crate::fit::about::About;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::invalid::{Invalid, Setting};
+use crate::fit::invalid::{Axis, Invalid, Setting};
 use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
@@ -54,9 +54,12 @@ use end::SLOW;
 use fairness::Energy;
 use steps::Steps;
 
-pub use constraints::mistake::ConstraintsMistake;
+pub use constraints::mistake::{ConstraintsMistake, MOST_CONDITIONS};
 pub use constraints::{At, Constraint, Wanted};
 pub use settings::{EndPoints, Ending, Fairness, LeastSquares, Variant};
+
+/// The most control points for each data point of a direction of a fair fit.
+const FAIR: usize = 2;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {
@@ -67,6 +70,17 @@ pub(super) const ABOUT: About = About {
 };
 
 impl LeastSquares {
+    /// There are no more control points than data points of a direction, unless fairness determines
+    /// the others.
+    fn check_count(&self, axis: Axis, free: usize, count: usize) -> Result<(), Invalid> {
+        let most = count * if self.fairness().is_some() { FAIR } else { 1 };
+        if (2..=most).contains(&free) {
+            Ok(())
+        } else {
+            Err(Invalid::ControlPointCount { axis, free, count })
+        }
+    }
+
     /// Room for a direction of each condition, their matrix, and the energy of fairness.
     fn bytes(&self) -> usize {
         let along = |constraint: &Constraint| match &constraint.wanted {
@@ -110,6 +124,10 @@ impl Scheme for LeastSquares {
 
     /// A given μ must be positive; one that is too large shows itself, as the residual grows.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        let lines = [(Axis::U, self.u), (Axis::V, self.v)];
+        for (axis, free) in lines.into_iter().take(1 + usize::from(scope.is_surface)) {
+            self.check_count(axis, free, scope.grid.along(axis))?;
+        }
         if let Variant::Lspia { mu: Some(mu) } = self.variant {
             Invalid::unless_positive(Setting::Mu, mu)?;
         }
@@ -163,7 +181,11 @@ impl Scheme for LeastSquares {
     /// tells how far the minimum is.
     fn demand(&self) -> Demand {
         Demand {
-            vectors: 3,
+            vectors: if self.fairness().is_some() {
+                3 * FAIR
+            } else {
+                3
+            },
             matrices: 8,
             bytes: self.bytes(),
         }

@@ -41,6 +41,15 @@ impl LeastSquares {
         }
     }
 
+    /// The same without weights of data and constraints.
+    pub(in crate::fit) fn outline(&self) -> Self {
+        Self {
+            constraints: Arc::new([]),
+            data_weights: None,
+            ..self.clone()
+        }
+    }
+
     /// Whether all data points count alike, and nothing but their distances does.
     pub(super) fn is_separable(&self) -> bool {
         self.data_weights.is_none() && self.fairness().is_none()

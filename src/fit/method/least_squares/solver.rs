@@ -16,6 +16,7 @@ use crate::fit::collocation::Collocation;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::linear::apply_tensor;
+use crate::fit::linear::banded::Banded;
 use crate::fit::linear::folded;
 use crate::fit::linear::triangular::{Rows, Triangular};
 use crate::fit::method::update::State;
@@ -64,18 +65,18 @@ impl Solver {
             },
             projection: None,
         };
-        let mut solver = match &tensor.v {
-            Some(v) if is_whole(setup, objective.is_separable()) => {
+        let mut solver = match tensor.v.as_ref().zip(setup.v()) {
+            Some((v, _)) if is_whole(setup, objective.is_separable()) => {
                 whole(surface(setup, tensor, v, &additional).triangular(fixed))
             }
-            Some(v) => Self {
-                u: line(&tensor.u, |_| 1.0).triangular(|_| false),
-                v: Some(line(v, |_| 1.0).triangular(|_| false)),
+            Some((v, across)) => Self {
+                u: line(&tensor.u, setup.u(), |_| 1.0).triangular(|_| false),
+                v: Some(line(v, across, |_| 1.0).triangular(|_| false)),
                 grid: setup.control_grid(),
                 projection: None,
             },
             None => {
-                let mut rows = line(&tensor.u, |i| objective.weight(i).sqrt());
+                let mut rows = line(&tensor.u, setup.u(), |i| objective.weight(i).sqrt());
                 additional.push(&mut rows);
                 whole(rows.triangular(fixed))
             }
@@ -186,15 +187,17 @@ pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
     }
 }
 
-/// The order of the columns of a direction in which rows are narrow, and how wide they are then.
-fn places(matrix: &Collocation) -> (Vec<u32>, usize) {
+/// The order of the columns of a direction in which rows are narrow, and how wide they are then: those
+/// of the data, which can leave out functions that vanish, and those of any parameter.
+fn places(matrix: &Collocation, direction: &Direction) -> (Vec<u32>, usize) {
     let n = matrix.columns();
+    let width = |banded: &Banded| banded.width().max(direction.basis.support_width());
     match matrix.as_banded() {
-        Some(banded) if banded.is_cyclic() => {
+        Some(banded) if banded.is_cyclic() || direction.is_closed() => {
             let fold = folded(n);
-            ((0..n).map(|j| fold(j) as u32).collect(), 2 * banded.width())
+            ((0..n).map(|j| fold(j) as u32).collect(), 2 * width(banded))
         }
-        Some(banded) => ((0..n as u32).collect(), banded.width()),
+        Some(banded) => ((0..n as u32).collect(), width(banded)),
         None => ((0..n as u32).collect(), n),
     }
 }
@@ -208,8 +211,8 @@ fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
 }
 
 /// The rows of the matrix of one direction, with a factor each.
-fn line(matrix: &Collocation, factor: impl Fn(usize) -> f64) -> Rows {
-    let (places, width) = places(matrix);
+fn line(matrix: &Collocation, direction: &Direction, factor: impl Fn(usize) -> f64) -> Rows {
+    let (places, width) = places(matrix, direction);
     let mut rows = Rows::new(places, width);
     for i in 0..matrix.rows() {
         rows.push(row(matrix, i).into_iter(), factor(i));
@@ -220,7 +223,7 @@ fn line(matrix: &Collocation, factor: impl Fn(usize) -> f64) -> Rows {
 /// The rows of a whole surface: one for each data point that is there, and additional ones.
 fn surface(setup: &Setup, tensor: &Tensor, v: &Collocation, additional: &Additional) -> Rows {
     let (grid, columns) = (setup.grid(), v.columns());
-    let (places_u, width_u) = places(&tensor.u);
+    let (places_u, width_u) = places(&tensor.u, setup.u());
     let places = places_u.iter();
     let places =
         places.flat_map(|&place| (0..columns).map(move |j| place * columns as u32 + j as u32));

@@ -2,11 +2,12 @@
 //!
 //! Since version 3 knots and ends are stored as they are used. Before, a problem without them had its
 //! knots at the data, whatever its degree, and ends with copies of the end points; open least-squares
-//! fits had theirs by PT97 (9.68)–(9.69).
+//! fits had theirs by PT97 (9.68)–(9.69), and end points were data points like others.
 
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::ends::{End, Ends};
+use crate::fit::method::{EndPoints, Method};
 use crate::fit::problem::Request;
 
 /// Says what was left open.
@@ -16,6 +17,11 @@ pub(super) fn complete(request: &mut Request) {
     } else {
         direction
     };
+    if let Method::LeastSquares(settings) = &mut request.method
+        && settings.ends == EndPoints::Usual
+    {
+        settings.ends = EndPoints::Free;
+    }
     complete(&mut request.u);
     if let Some(v) = &mut request.v {
         complete(v);

@@ -13,7 +13,7 @@ use crate::fit::invalid::{Axis, Place, Side};
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 
 pub(super) use schema::{CurveEnds, SurfaceEnds};
-use vectors::Vectors;
+pub(super) use vectors::Vectors;
 use word::EndWord;
 
 /// How a direction ends.

@@ -11,7 +11,7 @@ use crate::model::shape::MAX_DIMENSION;
 
 /// Numbers in lists within lists, all of a level of the same length.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Vectors {
+pub(in super::super) struct Vectors {
     values: Vec<f64>,
     /// The lengths of the lists, from the outermost to those of numbers.
     lengths: Vec<usize>,
@@ -126,7 +126,11 @@ impl Vectors {
 
     /// The vectors of each order, of a boundary of one data point or of many; none if these are other
     /// lists.
-    pub(super) fn orders(self, is_surface: bool, are_many: bool) -> Option<Vec<Arc<Points>>> {
+    pub(in super::super) fn orders(
+        self,
+        is_surface: bool,
+        are_many: bool,
+    ) -> Option<Vec<Arc<Points>>> {
         let mut lengths = self.lengths.into_iter().rev();
         let dimension = lengths.next()?;
         let boundary = if is_surface { lengths.next()? } else { 1 };

@@ -1,9 +1,11 @@
 //! The JSON of a method, and its settings.
 //!
-//! - `kind`: the names of methods and of choices; `least_squares`: the settings of that method;
-//! - `written`: the method of a problem as it was asked for.
+//! - `kinds`: the kinds of methods, and names of settings;
+//! - `least_squares`: the settings of least squares, with `constraint`;
+//! - `written`: methods as they were asked for.
 
-mod kind;
+mod constraint;
+mod kinds;
 mod least_squares;
 mod written;
 
@@ -12,21 +14,24 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 
 use super::schema;
-use super::settings::{ControlPoints, Index, Matrix, Omega, Thresholds};
+use super::settings::{ControlPoints, DataWeights, Index, Matrix, Omega, Thresholds};
+use crate::api::json::numbers::WeightList;
 use crate::api::json::per_direction::{PerDirection, direction};
 use crate::api::json::read::{Read as _, object};
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Convex, Custom, Extended, Local, METHODS, Method, Start, Sweeps,
-    Weighted,
+    self as fit, Adaptive, Convex, Custom, Extended, Local, METHODS, MOST_CONDITIONS, Method,
+    Start, Sweeps, Weighted,
 };
 use crate::fit::points::Grid;
 use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
-use least_squares::EndingRequest;
+use constraint::ConstraintRequest;
+use kinds::{EndPointsRequest, EndingRequest};
 
-pub(in crate::api) use kind::{MethodKind, StartRequest, SweepsRequest, start_name, sweeps_name};
-pub(in crate::api) use least_squares::{VariantRequest, variant_name};
+pub(in crate::api) use kinds::{
+    MethodKind, StartRequest, SweepsRequest, VariantRequest, start_name, sweeps_name, variant_name,
+};
 pub(in crate::api) use written::written;
 
 /// The settings of the methods that have some.
@@ -38,7 +43,17 @@ const SETTINGS: [(&str, &[&str]); 7] = [
     ("extended", &["start", "transformed_error"]),
     (
         "least_squares",
-        &["control_points", "variant", "mu", "ending"],
+        &[
+            "control_points",
+            "variant",
+            "mu",
+            "ending",
+            "ends",
+            "data_weights",
+            "fairness",
+            "fairness_order",
+            "constraints",
+        ],
     ),
     ("custom", &["transform"]),
 ];
@@ -106,6 +121,24 @@ pub(in crate::api) struct MethodRequest {
     pub(in crate::api) mu: Option<f64>,
     /// Where the fit ends besides its tolerance and its last iteration.
     pub(in crate::api) ending: Option<EndingRequest>,
+    /// Whether it passes through its end points at every iteration.
+    pub(in crate::api) ends: Option<EndPointsRequest>,
+    /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
+    /// negative, of a surface rows of them.
+    #[schemars(with = "Option<DataWeights>")]
+    pub(in crate::api) data_weights: Option<WeightList>,
+    /// How smooth it is to be: a multiple of the integral of the squared derivative is added to the sum
+    /// of squares. It is free of units: with n data points whose parameters have the range l, the
+    /// multiple is `fairness · l^(2r − 1) / n` on curves and `fairness · (l_u l_v)^(r − 1) / n` on
+    /// surfaces.
+    #[schemars(extend("minimum" = 0))]
+    pub(in crate::api) fairness: Option<f64>,
+    /// The order r of that derivative.
+    #[schemars(range(min = 2, max = 3), extend("default" = 2))]
+    pub(in crate::api) fairness_order: Option<usize>,
+    /// What every iteration obeys: points to pass through and derivatives.
+    #[schemars(length(min = 1, max = MOST_CONDITIONS))]
+    pub(in crate::api) constraints: Option<Vec<ConstraintRequest>>,
     /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<PerDirection<Matrix>>")]
     pub(in crate::api) transform: Option<PerDirection<Matrix>>,
@@ -127,6 +160,11 @@ object!(
         variant,
         mu,
         ending,
+        ends,
+        data_weights,
+        fairness,
+        fairness_order,
+        constraints,
         transform,
     ],
     of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of)
@@ -147,6 +185,11 @@ impl MethodRequest {
             variant: None,
             mu: None,
             ending: None,
+            ends: None,
+            data_weights: None,
+            fairness: None,
+            fairness_order: None,
+            constraints: None,
             transform: None,
         }
     }
@@ -193,7 +236,7 @@ impl MethodRequest {
             MethodKind::Convex => Method::Convex(self.convex()?),
             MethodKind::Chebyshev => Method::Chebyshev,
             MethodKind::Direct => Method::Direct,
-            MethodKind::LeastSquares => Method::LeastSquares(self.least_squares(surface)?),
+            MethodKind::LeastSquares => Method::LeastSquares(self.least_squares(grid, surface)?),
             MethodKind::Custom => Method::Custom(match self.transform {
                 Some(PerDirection::Both(Matrix(u))) => Custom::new(u, None),
                 Some(PerDirection::Each { u, v }) => Custom::new(u.0, Some(v.0)),
@@ -221,6 +264,11 @@ impl MethodRequest {
             ("variant", self.variant.is_some()),
             ("mu", self.mu.is_some()),
             ("ending", self.ending.is_some()),
+            ("ends", self.ends.is_some()),
+            ("data_weights", self.data_weights.is_some()),
+            ("fairness", self.fairness.is_some()),
+            ("fairness_order", self.fairness_order.is_some()),
+            ("constraints", self.constraints.is_some()),
             ("transform", self.transform.is_some()),
         ];
         let own = settings(self.kind.name());
@@ -302,6 +350,7 @@ pub(super) fn pointer(place: P, each: bool) -> String {
     let setting = match place {
         P::Setting(setting) => setting.name().to_owned(),
         P::Index(index) => format!("indices/{index}"),
+        P::Constraint(index) => format!("constraints/{index}"),
         P::ControlPoints(axis) => format!("control_points{}", direction(each, axis)),
         P::Transform(axis) => format!("transform{}", direction(each, axis)),
         P::TransformRow(axis, row) => format!("transform{}/{row}", direction(each, axis)),

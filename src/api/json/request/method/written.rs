@@ -1,22 +1,29 @@
-//! The method of a problem as it was asked for.
+//! Methods written back as they were asked for.
 
 use serde_json::{Map, Value, json};
 
-use super::kind::{start_name, sweeps_name};
-use super::least_squares::variant_name;
+use super::constraint;
+use super::kinds::{end_points_name, start_name, sweeps_name, variant_name};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::method::{
     Adaptive, Convex, Ending, LeastSquares, Local, Method, Sweeps, Threshold, Variant, Weighted,
 };
 use crate::fit::problem::Problem;
 
-/// One threshold, one for each point of a curve, or rows of them.
-fn written_threshold(threshold: &Threshold, problem: &Problem) -> Value {
-    match (threshold, problem.v()) {
-        (Threshold::All(threshold), _) => json!(threshold),
-        (Threshold::Each(each), None) => json!(&each[..]),
-        (Threshold::Each(each), Some(_)) => {
-            let rows = each.chunks(problem.grid().columns);
+/// One threshold, or one for each point.
+fn threshold_of(threshold: &Threshold, problem: &Problem) -> Value {
+    match threshold {
+        Threshold::All(threshold) => json!(threshold),
+        Threshold::Each(each) => of_points(each, problem),
+    }
+}
+
+/// A number for each point of a curve, or rows of them.
+fn of_points(values: &[f64], problem: &Problem) -> Value {
+    match problem.v() {
+        None => json!(values),
+        Some(_) => {
+            let rows = values.chunks(problem.grid().columns);
             rows.map(|row| json!(row)).collect()
         }
     }
@@ -53,7 +60,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             ref threshold,
             omega,
         }) => {
-            set("threshold", written_threshold(threshold, problem));
+            set("threshold", threshold_of(threshold, problem));
             if omega != 1.0 {
                 set("omega", json!(omega));
             }
@@ -64,28 +71,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                 set("transformed_error", json!(true));
             }
         }
-        Method::LeastSquares(LeastSquares {
-            u,
-            v,
-            variant,
-            ending,
-            ..
-        }) => {
-            set(
-                "control_points",
-                match problem.v() {
-                    None => json!(u),
-                    Some(_) => json!({"u": u, "v": v}),
-                },
-            );
-            set("variant", json!(variant_name(variant)));
-            if let Variant::Lspia { mu: Some(mu) } = variant {
-                set("mu", json!(mu));
-            }
-            if ending == Ending::SmallStep {
-                set("ending", json!("small_step"));
-            }
-        }
+        Method::LeastSquares(ref settings) => least_squares(settings, problem, set),
         Method::Convex(convex) if convex != Convex::default() => {
             set("threshold", json!(convex.threshold));
         }
@@ -103,4 +89,40 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
         | Method::Direct => {}
     }
     Value::Object(value)
+}
+
+/// The settings of least squares that are not the usual ones.
+fn least_squares(settings: &LeastSquares, problem: &Problem, mut set: impl FnMut(&str, Value)) {
+    let LeastSquares { u, v, .. } = settings;
+    let is_surface = problem.v().is_some();
+    set(
+        "control_points",
+        if is_surface {
+            json!({"u": u, "v": v})
+        } else {
+            json!(u)
+        },
+    );
+    set("variant", json!(variant_name(settings.variant)));
+    if let Variant::Lspia { mu: Some(mu) } = settings.variant {
+        set("mu", json!(mu));
+    }
+    if settings.ending == Ending::SmallStep {
+        set("ending", json!("small_step"));
+    }
+    if let Some(ends) = end_points_name(settings.ends) {
+        set("ends", json!(ends));
+    }
+    if let Some(weights) = &settings.data_weights {
+        set("data_weights", of_points(weights, problem));
+    }
+    if let Some(fairness) = settings.fairness {
+        set("fairness", json!(fairness.value));
+        set("fairness_order", json!(fairness.order));
+    }
+    if !settings.constraints.is_empty() {
+        let constraints = settings.constraints.iter();
+        let constraints = constraints.map(|it| constraint::written(it, problem));
+        set("constraints", constraints.collect());
+    }
 }

@@ -1,0 +1,406 @@
+//! The JSON of constraints: where, and one thing that holds there.
+
+use schemars::{JsonSchema, json_schema};
+use serde::de::{MapAccess, SeqAccess};
+use serde_json::{Value, json};
+
+use crate::api::json::read::values::Element;
+use crate::api::json::read::{
+    Field, ListLimits, Members, Most, Numeral, Of, Read, Reader, Reading, names, object,
+};
+use crate::api::json::request::ends::Vectors;
+use crate::api::json::request::settings::Index;
+use crate::api::json::schema::schema_of;
+use crate::api::json::view::error::PointIndex;
+use crate::fit::invalid::{Axis, Side};
+use crate::fit::method::{At, Constraint, MOST_CONDITIONS, Wanted};
+use crate::fit::points::{Grid, Points};
+use crate::fit::problem::Problem;
+
+/// What every iteration obeys: `{"index": i}` passes through a data point; others have `at` and one of
+/// the fields that say what holds there.
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[schemars(rename = "Constraint", example = example())]
+pub(in crate::api) struct ConstraintRequest {
+    /// It passes through this data point.
+    index: Option<Index>,
+    /// Where it holds.
+    at: Option<AtRequest>,
+    /// The point that it passes through.
+    #[schemars(with = "Option<Vec<f64>>")]
+    point: Option<Vectors>,
+    /// Curves: the first derivative with respect to the parameter.
+    #[schemars(with = "Option<Vec<f64>>")]
+    derivative: Option<Vectors>,
+    /// Curves: the second derivative.
+    #[schemars(with = "Option<Vec<f64>>")]
+    second_derivative: Option<Vectors>,
+    /// Curves: the direction of the first derivative. Its length is that of the polygon through the
+    /// points over the range of the parameters.
+    #[schemars(with = "Option<Vec<f64>>")]
+    tangent: Option<Vectors>,
+    /// Surfaces: the derivative with respect to u.
+    #[schemars(with = "Option<Vec<f64>>")]
+    derivative_u: Option<Vectors>,
+    /// Surfaces: the derivative with respect to v.
+    #[schemars(with = "Option<Vec<f64>>")]
+    derivative_v: Option<Vectors>,
+    /// Surfaces: the second derivative with respect to u.
+    #[schemars(with = "Option<Vec<f64>>")]
+    derivative_uu: Option<Vectors>,
+    /// Surfaces: the mixed second derivative.
+    #[schemars(with = "Option<Vec<f64>>")]
+    derivative_uv: Option<Vectors>,
+    /// Surfaces: the second derivative with respect to v.
+    #[schemars(with = "Option<Vec<f64>>")]
+    derivative_vv: Option<Vectors>,
+    /// Along a boundary: its control points, in the basis of the other direction.
+    #[schemars(with = "Option<Vec<Vec<f64>>>")]
+    control_points: Option<Vectors>,
+    /// Along a boundary: the control points of the first derivative across it.
+    #[schemars(with = "Option<Vec<Vec<f64>>>")]
+    cross_derivatives: Option<Vectors>,
+}
+
+object!(
+    ConstraintRequest,
+    "{\"index\": …}, or an object with at and what holds there",
+    [
+        index,
+        at,
+        point,
+        derivative,
+        second_derivative,
+        tangent,
+        derivative_u,
+        derivative_v,
+        derivative_uu,
+        derivative_uv,
+        derivative_vv,
+        control_points,
+        cross_derivatives,
+    ]
+);
+
+impl Element for ConstraintRequest {
+    const MANY: &'static str = "constraints";
+
+    fn most(_: ListLimits) -> usize {
+        MOST_CONDITIONS
+    }
+}
+
+fn example() -> Value {
+    json!({"at": "start", "tangent": [0.0, 1.0]})
+}
+
+/// Where a constraint holds.
+#[derive(Clone, Copy, Debug)]
+enum AtRequest {
+    Side(Side),
+    Index(Index),
+    Parameter(ParameterRequest),
+    Boundary(Boundary),
+}
+
+/// A parameter of a curve, or both of a surface.
+#[derive(Clone, Copy, Debug)]
+enum ParameterRequest {
+    One(f64),
+    Two(f64, f64),
+}
+
+/// A boundary of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Boundary {
+    UStart,
+    UEnd,
+    VStart,
+    VEnd,
+}
+
+names!(Boundary, "boundary", [
+    "u_start" => UStart,
+    "u_end" => UEnd,
+    "v_start" => VStart,
+    "v_end" => VEnd,
+]);
+
+/// The fields of a place.
+const PLACES: [&str; 3] = ["index", "parameter", "boundary"];
+
+impl Reader for Of<AtRequest> {
+    type Value = AtRequest;
+
+    fn expected(&self) -> String {
+        "\"start\", \"end\", {\"index\": …}, {\"parameter\": …} or {\"boundary\": …}".to_owned()
+    }
+
+    fn text(self, name: &str, at: &mut Reading) -> Option<AtRequest> {
+        let side = [Side::Start, Side::End].into_iter();
+        let side = side.into_iter().find(|side| side.name() == name);
+        if side.is_none() {
+            at.mismatch(&self.expected(), &crate::model::short::quoted(name));
+        }
+        side.map(AtRequest::Side)
+    }
+
+    fn object<'de, A: MapAccess<'de>>(
+        self,
+        mut members: Members<A>,
+        at: &mut Reading,
+    ) -> Result<Option<AtRequest>, A::Error> {
+        let (mut index, mut parameter, mut boundary) =
+            (Field::Absent, Field::Absent, Field::Absent);
+        while let Some(name) = members.next(&PLACES, at)? {
+            match name {
+                "index" => members.field(name, &mut index, at)?,
+                "parameter" => members.field(name, &mut parameter, at)?,
+                _ => members.field(name, &mut boundary, at)?,
+            }
+        }
+        Ok(match (index, parameter, boundary) {
+            (Field::Given(index), Field::Absent, Field::Absent) => Some(AtRequest::Index(index)),
+            (Field::Absent, Field::Given(parameter), Field::Absent) => {
+                Some(AtRequest::Parameter(parameter))
+            }
+            (Field::Absent, Field::Absent, Field::Given(boundary)) => {
+                Some(AtRequest::Boundary(boundary))
+            }
+            (Field::Wrong, ..) | (_, Field::Wrong, _) | (.., Field::Wrong) => None,
+            _ => {
+                at.wrong("a place has one of index, parameter and boundary");
+                None
+            }
+        })
+    }
+}
+
+impl Reader for Of<ParameterRequest> {
+    type Value = ParameterRequest;
+
+    fn expected(&self) -> String {
+        "a parameter, or [u, v]".to_owned()
+    }
+
+    fn number(self, value: Numeral, _: &mut Reading) -> Option<ParameterRequest> {
+        Some(ParameterRequest::One(value.real()))
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<ParameterRequest>, A::Error> {
+        let mut both = Vec::new();
+        let whole = at.elements(list, Most::of(2, "parameters"), f64::reader, |value, _| {
+            both.push(value);
+            Some(())
+        })?;
+        match both[..] {
+            [u, v] if whole => Ok(Some(ParameterRequest::Two(u, v))),
+            _ => {
+                if whole {
+                    at.wrong("a surface has two parameters, [u, v]");
+                }
+                Ok(None)
+            }
+        }
+    }
+}
+
+schema_of!(AtRequest, "ConstraintPlace", generator => {
+    let index = generator.subschema_for::<Index>();
+    let place = |name: &str, schema: schemars::Schema| json_schema!({
+        "type": "object",
+        "properties": {name: schema},
+        "required": [name],
+        "additionalProperties": false,
+    });
+    let number = json_schema!({"type": "number"});
+    let parameter = json_schema!({
+        "oneOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}],
+    });
+    json_schema!({
+        "description": "An end of a curve, the parameters of a data point, a parameter ([u, v] of a surface), or a boundary of a surface.",
+        "oneOf": [
+            {"type": "string", "enum": ["start", "end"]},
+            place("index", index),
+            place("parameter", parameter),
+            place("boundary", json_schema!({"type": "string", "enum": Boundary::NAMES})),
+        ],
+        "examples": ["start", {"index": 17}, {"parameter": [0.5, 0.25]}, {"boundary": "u_end"}],
+    })
+});
+
+impl AtRequest {
+    fn of(self, grid: Grid, surface: bool) -> Result<At, String> {
+        Ok(match self {
+            Self::Side(side) => At::Side(side),
+            Self::Index(index) => At::Index(index.of_point(grid, surface)?),
+            Self::Parameter(ParameterRequest::One(t)) => At::Parameter(t),
+            Self::Parameter(ParameterRequest::Two(u, v)) => At::Parameters(u, v),
+            Self::Boundary(boundary) => {
+                let (axis, side) = boundary.of();
+                At::Boundary(axis, side)
+            }
+        })
+    }
+}
+
+impl Boundary {
+    fn of(self) -> (Axis, Side) {
+        match self {
+            Self::UStart => (Axis::U, Side::Start),
+            Self::UEnd => (Axis::U, Side::End),
+            Self::VStart => (Axis::V, Side::Start),
+            Self::VEnd => (Axis::V, Side::End),
+        }
+    }
+}
+
+impl ConstraintRequest {
+    /// The constraint, or why it is none.
+    pub(super) fn spec(self, grid: Grid, surface: bool) -> Result<Constraint, String> {
+        let derivative = |orders| move |vector| Wanted::Derivative { orders, vector };
+        let curves = [
+            self.point
+                .map(|it| ("point", of_vector(it).map(derivative([0, 0])))),
+            self.derivative
+                .map(|it| ("derivative", of_vector(it).map(derivative([1, 0])))),
+            self.second_derivative
+                .map(|it| ("second_derivative", of_vector(it).map(derivative([2, 0])))),
+            self.tangent
+                .map(|it| ("tangent", of_vector(it).map(Wanted::Tangent))),
+        ];
+        let surfaces = [
+            ("derivative_u", self.derivative_u, [1, 0]),
+            ("derivative_v", self.derivative_v, [0, 1]),
+            ("derivative_uu", self.derivative_uu, [2, 0]),
+            ("derivative_uv", self.derivative_uv, [1, 1]),
+            ("derivative_vv", self.derivative_vv, [0, 2]),
+        ];
+        let surfaces = surfaces.map(|(name, vector, orders)| {
+            vector.map(|it| (name, of_vector(it).map(derivative(orders))))
+        });
+        let across = |order| {
+            move |control_points| Wanted::Across {
+                order,
+                control_points,
+            }
+        };
+        let boundaries = [
+            ("control_points", self.control_points, 0),
+            ("cross_derivatives", self.cross_derivatives, 1),
+        ];
+        let boundaries = boundaries.map(|(name, vectors, order)| {
+            vectors.map(|it| (name, of_vectors(it).map(across(order))))
+        });
+        let mut given = curves
+            .into_iter()
+            .chain(surfaces)
+            .chain(boundaries)
+            .flatten();
+        let (wanted, more) = (given.next(), given.next());
+        let (at, (name, wanted)) = match (self.index, self.at, wanted, more) {
+            (Some(index), None, None, None) => {
+                let at = At::Index(index.of_point(grid, surface)?);
+                let wanted = Wanted::DataPoint;
+                return Ok(Constraint { at, wanted });
+            }
+            (None, Some(at), Some(wanted), None) => (at, wanted),
+            (None, None, ..) => return Err("a constraint has an index, or at".to_owned()),
+            (Some(_), ..) => return Err("a constraint with an index has nothing else".to_owned()),
+            (_, _, None, _) => {
+                return Err(
+                    "a constraint needs a point or a derivative that holds there".to_owned(),
+                );
+            }
+            (.., Some((other, _))) => {
+                return Err(format!(
+                    "one thing holds in a constraint, and {other} is another"
+                ));
+            }
+        };
+        let of_curves = ["derivative", "second_derivative", "tangent"].contains(&name);
+        if surface && of_curves {
+            return Err(format!(
+                "{name} is for curves: surfaces have derivative_u, derivative_v"
+            ));
+        }
+        if !surface && !of_curves && name != "point" {
+            return Err(format!("{name} is for surfaces"));
+        }
+        Ok(Constraint {
+            at: at.of(grid, surface)?,
+            wanted: wanted.map_err(|expected| format!("{name} is {expected}"))?,
+        })
+    }
+}
+
+/// The coordinates of one vector.
+fn of_vector(vectors: Vectors) -> Result<Vec<f64>, &'static str> {
+    let vector = vectors.orders(false, false).and_then(|mut it| it.pop());
+    let vector = vector.filter(|vector| vector.len() == 1);
+    vector.map_or(Err("a vector, [x, y, z]"), |vector| {
+        Ok(vector.point(0).collect())
+    })
+}
+
+/// A list of vectors.
+fn of_vectors(vectors: Vectors) -> Result<Points, &'static str> {
+    let points = vectors.orders(true, false).and_then(|mut it| it.pop());
+    points.map_or(Err("a list of vectors, [[x, y, z], …]"), |points| {
+        Ok(Points::clone(&points))
+    })
+}
+
+/// The JSON that asks for a constraint.
+pub(super) fn written(constraint: &Constraint, problem: &Problem) -> Value {
+    let index = |index| json!(PointIndex::new(index, problem));
+    let at = match constraint.at {
+        At::Side(side) => json!(side.name()),
+        At::Index(point) => json!({"index": index(point)}),
+        At::Parameter(t) => json!({"parameter": t}),
+        At::Parameters(u, v) => json!({"parameter": [u, v]}),
+        At::Boundary(axis, side) => {
+            json!({"boundary": format!("{}_{}", axis.name(), side.name())})
+        }
+    };
+    let (name, value) = match &constraint.wanted {
+        Wanted::DataPoint => return json!({"index": at["index"]}),
+        Wanted::Derivative { orders, vector } => (
+            derivative_name(*orders, problem.v().is_some()),
+            json!(vector),
+        ),
+        Wanted::Tangent(vector) => ("tangent", json!(vector)),
+        Wanted::Across {
+            order,
+            control_points,
+        } => {
+            let points = 0..control_points.len();
+            let points = points.map(|k| json!(control_points.point(k).collect::<Vec<f64>>()));
+            let name = match order {
+                0 => "control_points",
+                _ => "cross_derivatives",
+            };
+            (name, points.collect())
+        }
+    };
+    json!({"at": at, name: value})
+}
+
+/// The field of a point or a derivative of these orders.
+fn derivative_name(orders: [usize; 2], surface: bool) -> &'static str {
+    match (orders, surface) {
+        ([0, 0], _) => "point",
+        ([1, 0], false) => "derivative",
+        (_, false) => "second_derivative",
+        ([1, 0], true) => "derivative_u",
+        ([0, 1], true) => "derivative_v",
+        ([2, 0], true) => "derivative_uu",
+        ([0, 2], true) => "derivative_vv",
+        (_, true) => "derivative_uv",
+    }
+}

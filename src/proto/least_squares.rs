@@ -1,0 +1,245 @@
+//! The settings of least squares in messages.
+
+use super::messages::{method as m, method::constraint as c};
+use super::method::MethodTarget;
+use super::values::{check_count, count, known};
+use crate::fit::invalid::{Axis, Place, Side};
+use crate::fit::method::{
+    At, Constraint, EndPoints, Ending, Fairness, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
+};
+use crate::fit::points::Points;
+use crate::model::method::mu_without_lspia;
+use crate::model::mistakes::{self as model, Mistake, OrMistakes};
+
+/// The settings that a message asks for. Without a number for v both directions have that for u.
+pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
+    let variant = match known(settings.variant, "method.least_squares.variant")? {
+        m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
+        m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
+        m::Variant::Cg => Variant::ConjugateGradients,
+        m::Variant::Direct => Variant::Direct,
+    };
+    if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
+        return Err(mu_without_lspia().into());
+    }
+    let (u, v) = (settings.control_points_u, settings.control_points_v);
+    if v != 0 && !scope.surface {
+        let detail = "a curve has one number of control points";
+        let place = model::SpecPart::Fit(Place::ControlPoints(Axis::U));
+        return Err(Mistake::at(place, detail).into());
+    }
+    let v = if v == 0 { u } else { v };
+    let weights = settings.data_weights;
+    check_count(
+        weights.len(),
+        scope.most,
+        "weights of data",
+        "method.least_squares.data_weights",
+    )?;
+    let constraints = constraints(settings.constraints, scope.surface)?;
+    Ok(LeastSquares {
+        variant,
+        ending: match known(settings.ending, "method.least_squares.ending")? {
+            m::Ending::Unspecified | m::Ending::Minimum => Ending::Minimum,
+            m::Ending::SmallStep => Ending::SmallStep,
+        },
+        ends: match known(settings.ends, "method.least_squares.ends")? {
+            m::EndPoints::Unspecified => EndPoints::Usual,
+            m::EndPoints::Interpolated => EndPoints::Interpolated,
+            m::EndPoints::Free => EndPoints::Free,
+        },
+        constraints: constraints.into(),
+        fairness: fairness(settings.fairness, settings.fairness_order)?,
+        data_weights: (!weights.is_empty()).then(|| weights.into()),
+        ..LeastSquares::new(u as usize, v as usize)
+    })
+}
+
+/// Fairness by the second derivative, unless another order is given.
+fn fairness(value: Option<f64>, order: u32) -> Result<Option<Fairness>, Mistake> {
+    let Some(value) = value else {
+        if order != 0 {
+            let detail = "it is the order of fairness, which is not given";
+            let field = "method.least_squares.fairness_order";
+            return Err(Mistake::at_text(field, detail));
+        }
+        return Ok(None);
+    };
+    let order = if order == 0 { 2 } else { order as usize };
+    Ok(Some(Fairness { value, order }))
+}
+
+fn constraints(messages: Vec<m::Constraint>, surface: bool) -> Result<Vec<Constraint>, Mistake> {
+    let field = "method.least_squares.constraints";
+    check_count(messages.len(), MOST_CONDITIONS, "constraints", field)?;
+    let one = |(index, message)| constraint(message, surface, &format!("{field}[{index}]"));
+    messages.into_iter().enumerate().map(one).collect()
+}
+
+fn constraint(message: m::Constraint, surface: bool, field: &str) -> Result<Constraint, Mistake> {
+    let wrong = |detail: &str| Mistake::at_text(field, detail);
+    let at = match message
+        .at
+        .ok_or_else(|| wrong("it says nowhere where it holds"))?
+    {
+        c::At::Side(side) => match known(side, &format!("{field}.side"))? {
+            m::Side::Unspecified => return Err(wrong("its side is not given")),
+            m::Side::Start => At::Side(Side::Start),
+            m::Side::End => At::Side(Side::End),
+        },
+        c::At::Index(index) => At::Index(index as usize),
+        c::At::Parameter(t) => At::Parameter(t),
+        c::At::Parameters(m::SurfaceParameters { u, v }) => At::Parameters(u, v),
+        c::At::Boundary(boundary) => match known(boundary, &format!("{field}.boundary"))? {
+            m::Boundary::Unspecified => return Err(wrong("its boundary is not given")),
+            m::Boundary::UStart => At::Boundary(Axis::U, Side::Start),
+            m::Boundary::UEnd => At::Boundary(Axis::U, Side::End),
+            m::Boundary::VStart => At::Boundary(Axis::V, Side::Start),
+            m::Boundary::VEnd => At::Boundary(Axis::V, Side::End),
+        },
+    };
+    let wanted = match message.wanted {
+        None if matches!(at, At::Index(_)) => Wanted::DataPoint,
+        None => return Err(wrong("it needs a point or a derivative that holds there")),
+        Some(c::Wanted::Derivative(derivative)) => {
+            let orders = [derivative.order_u, derivative.order_v];
+            let [u, v] = orders;
+            if u.saturating_add(v) > 2 || (v > 0 && !surface) {
+                return Err(wrong(
+                    "derivatives have orders up to two in all, of curves in u",
+                ));
+            }
+            Wanted::Derivative {
+                orders: orders.map(|order| order as usize),
+                vector: derivative.vector.unwrap_or_default().coordinates,
+            }
+        }
+        Some(c::Wanted::Tangent(vector)) => Wanted::Tangent(vector.coordinates),
+        Some(c::Wanted::Across(across)) => {
+            if across.order > 1 {
+                return Err(wrong("across a boundary there is order 0 or 1"));
+            }
+            Wanted::Across {
+                order: across.order as usize,
+                control_points: points(&across.control_points).ok_or_else(|| {
+                    wrong("its control points have different dimensions, or none")
+                })?,
+            }
+        }
+    };
+    Ok(Constraint { at, wanted })
+}
+
+/// Vectors of the same number of coordinates.
+fn points(vectors: &[m::Vector]) -> Option<Points> {
+    let dimension = vectors.first()?.coordinates.len();
+    if dimension == 0 || vectors.iter().any(|it| it.coordinates.len() != dimension) {
+        return None;
+    }
+    let mut points = Points::new(dimension);
+    vectors
+        .iter()
+        .for_each(|vector| points.push(&vector.coordinates));
+    Some(points)
+}
+
+/// The settings, without lists.
+pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
+    use m::Variant as V;
+    let (variant, mu) = match settings.variant {
+        Variant::Diagonal => (V::Diagonal, None),
+        Variant::Lspia { mu } => (V::Lspia, mu),
+        Variant::ConjugateGradients => (V::Cg, None),
+        Variant::Direct => (V::Direct, None),
+    };
+    m::LeastSquares {
+        control_points_u: count(settings.u),
+        // A curve has one number of control points, and refuses another one.
+        control_points_v: if surface { count(settings.v) } else { 0 },
+        variant: variant.into(),
+        mu,
+        ending: match settings.ending {
+            Ending::Minimum => m::Ending::Minimum,
+            Ending::SmallStep => m::Ending::SmallStep,
+        }
+        .into(),
+        ends: match settings.ends {
+            EndPoints::Usual => m::EndPoints::Unspecified,
+            EndPoints::Interpolated => m::EndPoints::Interpolated,
+            EndPoints::Free => m::EndPoints::Free,
+        }
+        .into(),
+        fairness: settings.fairness.map(|fairness| fairness.value),
+        fairness_order: settings
+            .fairness
+            .map_or(0, |fairness| count(fairness.order)),
+        data_weights: Vec::new(),
+        constraints: Vec::new(),
+    }
+}
+
+/// Adds the lists of settings to their message.
+pub(super) fn lists(message: &mut m::LeastSquares, settings: &LeastSquares) {
+    if let Some(weights) = &settings.data_weights {
+        message.data_weights = weights.to_vec();
+    }
+    message.constraints = settings
+        .constraints
+        .iter()
+        .map(constraint_message)
+        .collect();
+}
+
+fn constraint_message(constraint: &Constraint) -> m::Constraint {
+    let at = match constraint.at {
+        At::Side(Side::Start) => c::At::Side(m::Side::Start.into()),
+        At::Side(Side::End) => c::At::Side(m::Side::End.into()),
+        At::Index(index) => c::At::Index(count(index)),
+        At::Parameter(t) => c::At::Parameter(t),
+        At::Parameters(u, v) => c::At::Parameters(m::SurfaceParameters { u, v }),
+        At::Boundary(axis, side) => c::At::Boundary(
+            match (axis, side) {
+                (Axis::U, Side::Start) => m::Boundary::UStart,
+                (Axis::U, Side::End) => m::Boundary::UEnd,
+                (Axis::V, Side::Start) => m::Boundary::VStart,
+                (Axis::V, Side::End) => m::Boundary::VEnd,
+            }
+            .into(),
+        ),
+    };
+    let vector = |coordinates: &[f64]| m::Vector {
+        coordinates: coordinates.to_vec(),
+    };
+    let wanted = match &constraint.wanted {
+        Wanted::DataPoint => None,
+        Wanted::Derivative {
+            orders,
+            vector: coordinates,
+        } => {
+            let [order_u, order_v] = orders.map(count);
+            Some(c::Wanted::Derivative(m::Derivative {
+                order_u,
+                order_v,
+                vector: Some(vector(coordinates)),
+            }))
+        }
+        Wanted::Tangent(coordinates) => Some(c::Wanted::Tangent(vector(coordinates))),
+        Wanted::Across {
+            order,
+            control_points,
+        } => {
+            let points = 0..control_points.len();
+            let points = points.map(|k| m::Vector {
+                coordinates: control_points.point(k).collect(),
+            });
+            Some(c::Wanted::Across(m::Across {
+                order: count(*order),
+                control_points: points.collect(),
+            }))
+        }
+    };
+    m::Constraint {
+        at: Some(at),
+        wanted,
+    }
+}

@@ -1,0 +1,633 @@
+//! Least-squares fits that obey: end points, constraints, weights of data, and fairness.
+
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::support::{Server, Story, problem};
+
+/// All numbers of nested lists.
+fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(values) => values.iter().flat_map(numbers).collect(),
+        _ => vec![value.as_f64().unwrap()],
+    }
+}
+
+/// The largest difference of two nested lists, relative to the largest number of the second one.
+fn difference(a: &Value, b: &Value) -> f64 {
+    let (a, b) = (numbers(a), numbers(b));
+    assert_eq!(a.len(), b.len());
+    let size = b.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let differences = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
+    differences.fold(0.0, f64::max) / size
+}
+
+/// The derivative of this order of a B-spline at `t`, by the control points of derivatives and de
+/// Boor's algorithm.
+fn derivative(degree: usize, knots: &[f64], points: &[Vec<f64>], t: f64, order: usize) -> Vec<f64> {
+    if order > 0 {
+        let lower: Vec<Vec<f64>> = (0..points.len() - 1)
+            .map(|i| {
+                let length = knots[i + degree + 1] - knots[i + 1];
+                let pair = points[i].iter().zip(&points[i + 1]);
+                pair.map(|(a, b)| degree as f64 * (b - a) / length)
+                    .collect()
+            })
+            .collect();
+        return derivative(degree - 1, &knots[1..knots.len() - 1], &lower, t, order - 1);
+    }
+    let last = points.len() - 1;
+    let span = (degree..=last)
+        .rev()
+        .find(|&i| knots[i] <= t && knots[i] < knots[i + 1]);
+    let span = span.unwrap_or(degree);
+    let mut d: Vec<Vec<f64>> = (0..=degree)
+        .map(|j| points[span - degree + j].clone())
+        .collect();
+    for r in 1..=degree {
+        for j in (r..=degree).rev() {
+            let low = knots[span - degree + j];
+            let alpha = (t - low) / (knots[span + j - r + 1] - low);
+            d[j] = (0..d[j].len())
+                .map(|c| (1.0 - alpha) * d[j - 1][c] + alpha * d[j][c])
+                .collect();
+        }
+    }
+    d.swap_remove(degree)
+}
+
+fn points(value: &Value) -> Vec<Vec<f64>> {
+    value.as_array().unwrap().iter().map(numbers).collect()
+}
+
+/// The published curve: 300 points on a wave with three finer ones.
+fn wave(count: usize) -> Vec<[f64; 3]> {
+    let angle = |i: usize| 4.0 * i as f64 / (count - 1) as f64;
+    (0..count)
+        .map(angle)
+        .map(|s| {
+            let fine = [(37.0 * s).sin(), (53.0 * s).cos(), (71.0 * s).sin()];
+            let coarse = [s.cos(), (2.0 * s).sin(), s];
+            std::array::from_fn(|c| coarse[c] + 0.02 * fine[c])
+        })
+        .collect()
+}
+
+/// 300 points, 25 control points, tangents at both ends, and data point 150.
+async fn published(variant: &str, iterations: usize) -> Story {
+    let constraints = json!([
+        {"at": "start", "derivative": [0.0, 2.0 / 5f64.sqrt(), 1.0 / 5f64.sqrt()]},
+        {"at": "end", "tangent": [-(4f64.sin()), 2.0 * 8f64.cos(), 1.0]},
+        {"index": 150},
+    ]);
+    let job = json!({
+        "curve": {"points": wave(300), "basis": {"kind": "bspline", "degree": 3, "knots": "piegl_tiller"}},
+        "method": {"kind": "least_squares", "control_points": 25, "variant": variant, "constraints": constraints},
+        "stop": {"tolerance": 0, "max_iterations": iterations},
+    });
+    Server::start().await.stream(&job).await
+}
+
+/// Errors of an independent implementation; the last digit is half a unit of the fifth one, as the
+/// start between the data of that one is that of the published rule and this one is, too.
+#[tokio::test]
+async fn levels_have_the_published_errors() {
+    for (variant, levels) in [
+        (
+            "diagonal",
+            &[(0, 0.283_107_42), (1, 0.074_113_61), (5, 0.047_001_89)][..],
+        ),
+        (
+            "cg",
+            &[(0, 0.283_107_42), (1, 0.059_210_60), (5, 0.045_674_00)],
+        ),
+        ("direct", &[(1, 0.045_380_22)]),
+    ] {
+        let story = published(variant, 5).await;
+        for &(level, expected) in levels {
+            let found = story.error(level);
+            assert!(
+                (found - expected).abs() < 0.6e-8,
+                "{variant} {level}: {found}"
+            );
+        }
+    }
+}
+
+/// The minima of dense systems and of scipy, of every entry to a part of the largest that conditions of
+/// up to 1e6 leave of 16 digits.
+#[tokio::test]
+async fn limits_equal_those_of_dense_systems() {
+    let server = Server::start().await;
+    let cases: Value = serde_json::from_str(include_str!("../golden/least_squares.json")).unwrap();
+    let cases = cases.as_array().unwrap();
+    assert_eq!(cases.len(), 30);
+    for case in cases {
+        let mut job = case["job"].clone();
+        job["stop"] = json!({"tolerance": 0, "max_iterations": 1});
+        let story = server.stream(&job).await;
+        let found = &story.iterations[1]["control_points"];
+        let found = match case["name"].as_str() {
+            // The complete curve repeats its first control points, the first of which is centred on
+            // the first datum.
+            Some("closed") => {
+                let all = found.as_array().unwrap();
+                json!(
+                    (0..10)
+                        .map(|i| all[(i + 1) % 10].clone())
+                        .collect::<Vec<_>>()
+                )
+            }
+            _ => found.clone(),
+        };
+        let off = difference(&found, &case["control_points"]);
+        assert!(off < 1e-9, "{}: {off:e}", case["name"]);
+    }
+}
+
+/// Iterations lead to the same minimum.
+#[tokio::test]
+async fn variants_have_one_minimum() {
+    let server = Server::start().await;
+    let cases: Value = serde_json::from_str(include_str!("../golden/least_squares.json")).unwrap();
+    let names = [
+        "tangents and a point",
+        "weights and a tangent",
+        "fairness, a point and weights",
+        "surface with fairness",
+        "surface along a boundary",
+    ];
+    for name in names {
+        let case = cases
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|it| it["name"] == name)
+            .unwrap();
+        for variant in ["cg", "diagonal", "lspia"] {
+            let mut job = case["job"].clone();
+            job["method"]["variant"] = json!(variant);
+            job["stop"] = json!({"tolerance": 0, "max_iterations": 100_000});
+            let result = server.fit(&job).await;
+            assert_eq!(result["reason"], "stationary", "{name}, {variant}");
+            let result = server
+                .json(result["links"]["result"].as_str().unwrap())
+                .await;
+            // The end is where the objective is within a millionth of its minimum, so that control
+            // points are within about a thousandth.
+            let off = difference(&result["control_points"], &case["control_points"]);
+            assert!(off < 5e-3, "{name}, {variant}: {off:e}");
+        }
+    }
+}
+
+/// A sequence of numbers between 0 and 1 (Knuth's linear congruential generator).
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: usize) -> usize {
+        (self.next() * count as f64) as usize
+    }
+}
+
+/// 200 fits of random data with random constraints: at every iteration each of them holds to 1e-12 of
+/// the size of the data, derivatives to as much of what their terms can be.
+#[tokio::test]
+async fn every_iteration_obeys() {
+    let server = Server::start().await;
+    let mut chance = Chance(17);
+    for round in 0..200 {
+        let count = 40 + chance.below(100);
+        let degree = 2 + chance.below(4);
+        let control_points = degree + 5 + chance.below(15);
+        let data: Vec<[f64; 2]> = (0..count)
+            .map(|i| [i as f64 + chance.next(), 20.0 * chance.next()])
+            .collect();
+        let range = 1.0;
+        let t: Vec<f64> = (0..count)
+            .map(|i| range * i as f64 / (count - 1) as f64)
+            .collect();
+        // Places far apart, so that each has control points of its own.
+        let mut constraints = vec![];
+        let mut wanted = vec![];
+        let places = 1 + chance.below(3);
+        for k in 0..places {
+            let index = (k + 1) * (count - 1) / (places + 1);
+            let vector = [40.0 * chance.next(), 20.0 * chance.next()];
+            match chance.below(3) {
+                0 => {
+                    constraints.push(json!({"index": index}));
+                    wanted.push((t[index], 0, data[index].to_vec()));
+                }
+                1 => {
+                    let at = t[index] + 0.3 / count as f64;
+                    constraints.push(json!({"at": {"parameter": at}, "point": vector}));
+                    wanted.push((at, 0, vector.to_vec()));
+                }
+                _ => {
+                    constraints.push(json!({"at": {"index": index}, "derivative": vector}));
+                    wanted.push((t[index], 1, vector.to_vec()));
+                }
+            }
+        }
+        if chance.below(2) == 0 {
+            constraints.push(json!({"at": "start", "second_derivative": [1.0, -2.0]}));
+            wanted.push((0.0, 2, vec![1.0, -2.0]));
+        }
+        wanted.push((0.0, 0, data[0].to_vec()));
+        wanted.push((range, 0, data[count - 1].to_vec()));
+        let variant = ["diagonal", "lspia", "cg", "direct"][round % 4];
+        let mut method = json!({"kind": "least_squares", "control_points": control_points, "variant": variant, "constraints": constraints});
+        if chance.below(3) == 0 {
+            method["fairness"] = json!(1e-4 * chance.next());
+        }
+        if chance.below(3) == 0 {
+            method["data_weights"] = (0..count).map(|_| chance.next()).collect();
+        }
+        let job = json!({
+            "curve": {"points": data, "parameters": t, "degree": degree},
+            "method": method,
+            "stop": {"tolerance": 0, "max_iterations": 20},
+        });
+        let story = server.stream(&job).await;
+        let knots = numbers(&story.job["knots"]);
+        let size = count as f64;
+        for iteration in &story.iterations {
+            let control = points(&iteration["control_points"]);
+            for (at, order, value) in &wanted {
+                let found = derivative(degree, &knots, &control, *at, *order);
+                // A derivative is a sum of control points times at most (2 p / h)^order.
+                let spacing = range / (control_points - degree) as f64;
+                let terms = (2.0 * degree as f64 / (0.2 * spacing)).powi(*order as i32);
+                for (found, value) in found.iter().zip(value) {
+                    let off = (found - value).abs();
+                    assert!(
+                        off <= 1e-12 * size * terms,
+                        "round {round}, {variant}, {job}: {off:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// By default a curve passes through its ends at every iteration, a surface through its corners.
+#[tokio::test]
+async fn end_points_are_interpolated() {
+    let server = Server::start().await;
+    let data = wave(50);
+    let method = json!({"kind": "least_squares", "control_points": 8});
+    let story = server
+        .stream(&json!({"curve": {"points": data}, "method": method}))
+        .await;
+    for iteration in &story.iterations {
+        let control = points(&iteration["control_points"]);
+        assert!((0..3).all(|c| (control[0][c] - data[0][c]).abs() < 1e-14));
+        assert!((0..3).all(|c| (control[7][c] - data[49][c]).abs() < 1e-14));
+    }
+    let mut free = method.clone();
+    free["ends"] = json!("free");
+    let story = server
+        .stream(&json!({"curve": {"points": data}, "method": free}))
+        .await;
+    let last = points(&story.iterations.last().unwrap()["control_points"]);
+    assert!((last[0][0] - data[0][0]).abs() > 1e-4);
+    let grid = data::peaks(12);
+    let story = server
+        .stream(&json!({"surface": {"points": grid}, "method": method}))
+        .await;
+    let last = story.iterations.last().unwrap();
+    let net = last["control_points"].as_array().unwrap();
+    let grid = json!(grid);
+    for (i, j, row, column) in [(0, 0, 0, 0), (0, 7, 0, 11), (7, 0, 11, 0), (7, 7, 11, 11)] {
+        assert!(difference(&net[i][j], &grid[row][column]) < 1e-14);
+    }
+}
+
+/// A given point at an end replaces that of the data.
+#[tokio::test]
+async fn constraints_come_before_end_points() {
+    let server = Server::start().await;
+    let method = json!({"kind": "least_squares", "control_points": 8, "constraints": [{"at": "end", "point": [1, 2, 3]}]});
+    let job = json!({"curve": {"points": wave(50)}, "method": method});
+    let story = server.stream(&job).await;
+    let last = points(&story.iterations.last().unwrap()["control_points"]);
+    assert!(
+        last[7]
+            .iter()
+            .zip([1.0, 2.0, 3.0])
+            .all(|(x, y)| (x - y).abs() < 1e-14)
+    );
+}
+
+/// Control points without data that a constraint needs move with it, and all variants agree.
+#[tokio::test]
+async fn constraints_reach_where_no_data_are() {
+    let server = Server::start().await;
+    let t: Vec<f64> = (0..40)
+        .map(|i| f64::from(i) / 39.0)
+        .map(|s| if s < 0.5 { 0.3 * s } else { 0.7 + 0.3 * s })
+        .collect();
+    let data: Vec<[f64; 2]> = t.iter().map(|t| [*t, t * t]).collect();
+    let knots = [
+        0.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.0, 1.0, 1.0,
+    ];
+    for variant in ["diagonal", "cg", "direct"] {
+        let job = json!({
+            "curve": {"points": data, "parameters": t, "basis": {"kind": "bspline", "degree": 3, "knots": knots}},
+            "method": {"kind": "least_squares", "control_points": 13, "variant": variant, "constraints": [{"at": {"parameter": 0.45}, "point": [0.45, 5.0]}]},
+            "stop": {"tolerance": 0, "max_iterations": 50},
+        });
+        let story = server.stream(&job).await;
+        for iteration in &story.iterations {
+            let found = derivative(3, &knots, &points(&iteration["control_points"]), 0.45, 0);
+            assert!((found[1] - 5.0).abs() < 1e-13, "{variant}: {found:?}");
+        }
+    }
+}
+
+/// Mistakes name the constraint and say what would do.
+#[tokio::test]
+async fn constraints_that_cannot_be_are_refused() {
+    let server = Server::start().await;
+    let curve = |method: Value| json!({"curve": {"points": wave(30)}, "method": method});
+    let surface = |method: Value| json!({"surface": {"points": data::peaks(8)}, "method": method});
+    let with = |constraints: Value| json!({"kind": "least_squares", "control_points": 8, "constraints": constraints});
+    let setting = |name: &str, value: Value| json!({"kind": "least_squares", "control_points": 8, name: value});
+    let across: Vec<[f64; 3]> = vec![[0.0; 3]; 8];
+    for (job, pointer, reason) in [
+        (
+            curve(with(json!([{"index": 30}]))),
+            "/method/constraints/0",
+            "data point 30, but there are 30",
+        ),
+        (
+            curve(with(json!([{"index": 3}, {"index": 3}]))),
+            "/method/constraints/1",
+            "follows from constraint 0",
+        ),
+        (
+            curve(with(
+                json!([{"at": "start", "point": [0, 0, 0]}, {"index": 0}]),
+            )),
+            "/method/constraints/1",
+            "together with constraint 0",
+        ),
+        (
+            curve(with(
+                json!([{"index": 1}, {"index": 2}, {"index": 3}, {"index": 4}, {"index": 5}]),
+            )),
+            "/method/constraints/4",
+            "too little freedom",
+        ),
+        (
+            curve(with(json!([{"at": {"parameter": -1}, "point": [0, 0, 0]}]))),
+            "/method/constraints/0",
+            "outside",
+        ),
+        (
+            curve(with(json!([{"at": "start", "point": [0, 0]}]))),
+            "/method/constraints/0",
+            "2 coordinates, the data have 3",
+        ),
+        (
+            curve(with(json!([{"at": "start", "tangent": [0, 0, 0]}]))),
+            "/method/constraints/0",
+            "length zero",
+        ),
+        (
+            curve(with(json!([{"at": "middle", "point": [0, 0, 0]}]))),
+            "/method/constraints/0/at",
+            "\"middle\"",
+        ),
+        (
+            curve(with(
+                json!([{"at": {"index": 1, "parameter": 2}, "point": [0, 0, 0]}]),
+            )),
+            "/method/constraints/0/at",
+            "one of index, parameter and boundary",
+        ),
+        (
+            curve(with(json!([{"at": "start"}]))),
+            "/method/constraints/0",
+            "needs a point or a derivative",
+        ),
+        (
+            curve(with(
+                json!([{"at": "start", "point": [0, 0, 0], "tangent": [0, 0, 1]}]),
+            )),
+            "/method/constraints/0",
+            "tangent is another",
+        ),
+        (
+            curve(with(json!([{"at": "start", "derivative_u": [0, 0, 1]}]))),
+            "/method/constraints/0",
+            "derivative_u is for surfaces",
+        ),
+        (
+            curve(with(
+                json!([{"at": {"boundary": "u_start"}, "control_points": across}]),
+            )),
+            "/method/constraints/0",
+            "for surfaces",
+        ),
+        (
+            curve(with(json!([{"at": "start", "point": [[0, 0, 0]]}]))),
+            "/method/constraints/0",
+            "point is a vector",
+        ),
+        (
+            curve(with(json!([{"at": "start", "poin": [0, 0, 0]}]))),
+            "/method/constraints/0/poin",
+            "unknown field",
+        ),
+        (
+            curve(with(json!([{}]))),
+            "/method/constraints/0",
+            "has an index, or at",
+        ),
+        (
+            surface(with(json!([{"index": 3}]))),
+            "/method/constraints/0",
+            "[row, column]",
+        ),
+        (
+            surface(with(json!([{"at": "start", "point": [0, 0, 0]}]))),
+            "/method/constraints/0",
+            "a surface has boundaries",
+        ),
+        (
+            surface(with(
+                json!([{"at": {"boundary": "u_start"}, "control_points": across[1..]}]),
+            )),
+            "/method/constraints/0",
+            "7 control points along a boundary of 8",
+        ),
+        (
+            surface(with(
+                json!([{"at": {"boundary": "u_top"}, "control_points": across}]),
+            )),
+            "/method/constraints/0/at/boundary",
+            "u_top",
+        ),
+        (
+            surface(with(
+                json!([{"at": {"boundary": "u_start"}, "point": [0, 0, 0]}]),
+            )),
+            "/method/constraints/0",
+            "along a boundary",
+        ),
+        (
+            curve(setting("ends", json!("closed"))),
+            "/method/ends",
+            "interpolated",
+        ),
+        (
+            curve(setting("fairness", json!(-1))),
+            "/method/fairness",
+            "zero or greater",
+        ),
+        (
+            curve(setting("fairness_order", json!(2))),
+            "/method/fairness_order",
+            "which is not given",
+        ),
+        (
+            curve(setting("data_weights", json!([1, 2]))),
+            "/method/data_weights",
+            "2 weights of data for 30 points",
+        ),
+        (
+            curve(setting("data_weights", json!(vec![0; 30]))),
+            "/method/data_weights",
+            "all weights of data are zero",
+        ),
+        (
+            surface(setting("data_weights", json!([1, 2]))),
+            "/method/data_weights",
+            "rows of numbers",
+        ),
+        (
+            json!({"curve": {"points": wave(30)}, "method": {"kind": "global", "ends": "free"}}),
+            "/method/ends",
+            "a setting of the method \"least_squares\"",
+        ),
+    ] {
+        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
+        let (_, found) = problem(response).await;
+        let error = &found["errors"][0];
+        assert_eq!(error["pointer"], pointer, "{found}");
+        assert!(
+            error["detail"].as_str().unwrap().contains(reason),
+            "{found}"
+        );
+    }
+    let mut negative = vec![1.0; 30];
+    negative[7] = -2.0;
+    let mut fair = setting("fairness", json!(1));
+    fair["fairness_order"] = json!(4);
+    let closed = json!({"curve": {"points": wave(30), "closed": true}, "method": setting("ends", json!("interpolated"))});
+    for (job, pointer, reason) in [
+        (
+            curve(setting("data_weights", json!(negative))),
+            "/method/data_weights/7",
+            "not negative",
+        ),
+        (curve(fair), "/method/fairness_order", "order 4"),
+        (closed, "/method/ends", "closed"),
+    ] {
+        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
+        let (_, found) = problem(response).await;
+        assert_eq!(found["errors"][0]["pointer"], pointer, "{found}");
+        assert!(
+            found["errors"][0]["detail"]
+                .as_str()
+                .unwrap()
+                .contains(reason),
+            "{found}"
+        );
+    }
+}
+
+/// What is asked for comes back as it was asked for, as JSON and as a message, and is kept by edits.
+#[tokio::test]
+async fn the_input_has_the_settings() {
+    let server = Server::start().await;
+    let across: Vec<[f64; 3]> = (0..6).map(|j| [0.0, f64::from(j), 1.0]).collect();
+    let weights: Vec<Vec<f64>> = vec![vec![1.0, 2.0, 0.5, 1.0, 1.0, 1.0, 3.0, 1.0]; 8];
+    let jobs = [
+        json!({"curve": {"points": wave(40)}, "method": {
+            "kind": "least_squares", "control_points": 12, "variant": "cg", "ends": "free", "fairness": 1e-5, "fairness_order": 3,
+            "data_weights": (0..40).map(|i| f64::from(i % 3)).collect::<Vec<f64>>(),
+            "constraints": [{"index": 7}, {"at": "start", "tangent": [0, 1, 1]}, {"at": {"parameter": 2.5}, "point": [1, 2, 3]}, {"at": "end", "second_derivative": [0, 0, 0]}],
+        }}),
+        json!({"surface": {"points": data::peaks(8)}, "method": {
+            "kind": "least_squares", "control_points": {"u": 7, "v": 6}, "ends": "interpolated", "data_weights": weights,
+            "constraints": [{"index": [3, 4]}, {"at": {"index": [5, 2]}, "derivative_uv": [0, 0, 1]}, {"at": {"boundary": "u_end"}, "cross_derivatives": across}],
+        }}),
+    ];
+    for job in jobs {
+        let first = server.stream(&job).await;
+        let id = first.job["id"].as_str().unwrap();
+        let path = format!("/v1/jobs/{id}/input");
+        let input = server.json(&path).await;
+        for (name, value) in job["method"].as_object().unwrap() {
+            assert!(
+                same(&input["method"][name], value),
+                "{name}: {}",
+                input["method"]
+            );
+        }
+        let again = server.stream(&input).await;
+        assert_eq!(first.iterations, again.iterations, "{job}");
+        let message = server.get(&path).header("Accept", "application/x-protobuf");
+        let message = message.send().await.unwrap().bytes().await.unwrap();
+        let made = server
+            .post("/v1/jobs")
+            .header("Content-Type", "application/x-protobuf")
+            .header("Accept", "text/event-stream")
+            .body(message);
+        let again = Story::read(made.send().await.unwrap()).await;
+        assert_eq!(first.iterations, again.iterations, "{job}");
+        // Lists are not a part of what is shown of a job.
+        let shown = server.json(&format!("/v1/jobs/{id}")).await;
+        assert!(!shown.to_string().contains("data_weights"), "{shown}");
+        let edit = json!({"stop": {"tolerance": 0.5}});
+        let request = server
+            .post(&format!("/v1/jobs/{id}/edits"))
+            .header("Prefer", "wait=10")
+            .json(&edit);
+        let edited: Value = request.send().await.unwrap().json().await.unwrap();
+        let edited = server
+            .json(&format!(
+                "/v1/jobs/{}/input",
+                edited["id"].as_str().unwrap()
+            ))
+            .await;
+        assert_eq!(edited["method"], input["method"]);
+    }
+}
+
+/// Equal, where numbers are equal by value.
+fn same(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => a.as_f64() == b.as_f64(),
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len()
+                && a.iter()
+                    .all(|(name, value)| b.get(name).is_some_and(|b| same(value, b)))
+        }
+        _ => a == b,
+    }
+}
