@@ -57,7 +57,7 @@ fn name_knots(basis: &mut Value, rule: &str) {
 }
 
 /// The job as the papers have it: with knots at the data where they are not chosen, and copies of the
-/// end points there; those of least squares by Piegl & Tiller (9.68)–(9.69).
+/// end points there; those of least squares by Piegl & Tiller (9.68)–(9.69), with free end points.
 fn with_repeated_ends(job: &Value) -> Value {
     let mut job = job.clone();
     let kind = if job["curve"].is_null() {
@@ -71,6 +71,7 @@ fn with_repeated_ends(job: &Value) -> Value {
         if shape["closed"] != true {
             name_knots(&mut shape["basis"], "piegl_tiller");
         }
+        job["method"]["ends"] = json!("free");
         return job;
     }
     name_knots(&mut shape["basis"], "data");
