@@ -103,7 +103,11 @@ async fn reversed_curves_are_fitted_in_reverse() {
                 let (a, b) = (&forth.iterations[i], &back.iterations[k]);
                 let back = reversed(&b["control_points"]);
                 // Rounding grows on the way of conjugate gradients to the minimum.
-                let tolerance = if variant == "cg" && i > 2 { 1e-6 } else { 1e-10 };
+                let tolerance = if variant == "cg" && i > 2 {
+                    1e-6
+                } else {
+                    1e-10
+                };
                 assert_equal(&a["control_points"], &back, tolerance, &what);
             }
         }
