@@ -13,11 +13,12 @@ test: tools lint
 	cargo test --locked
 	$(MAKE) files interop contract python browser
 
-# Exported files, read by OpenCASCADE, OpenNURBS and others; offset and thickened by OpenCASCADE.
+# Exported files, read by OpenCASCADE, OpenNURBS and others; offset, thickened and joined by OpenCASCADE.
 files: $(VENV)/installed
 	$(PYTHON) tests/python/export_check.py --all target/tmp/export
 	$(PYTHON) tests/python/over_http.py target/debug/piad
 	$(PYTHON) tests/python/offsets.py target/debug/piad
+	$(PYTHON) tests/python/joins.py target/debug/piad
 
 # A gRPC client in another language, from the contract alone.
 interop: $(VENV)/installed

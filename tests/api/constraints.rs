@@ -114,8 +114,8 @@ async fn levels_have_the_published_errors() {
     }
 }
 
-/// The minima of dense systems and of scipy, of every entry to a part of the largest that conditions of
-/// up to 1e6 leave of 16 digits.
+/// The minima of dense systems and of scipy. The worst of them, fairness by third derivatives, is off by
+/// 5e-12 of its size, as its matrix has a condition of 1e5; the others by 2e-13.
 #[tokio::test]
 async fn limits_equal_those_of_dense_systems() {
     let server = Server::start().await;
@@ -141,7 +141,7 @@ async fn limits_equal_those_of_dense_systems() {
             _ => found.clone(),
         };
         let off = difference(&found, &case["control_points"]);
-        assert!(off < 1e-9, "{}: {off:e}", case["name"]);
+        assert!(off < 2e-11, "{}: {off:e}", case["name"]);
     }
 }
 
