@@ -13,6 +13,7 @@ use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
 
 mod kinds;
+mod obeying;
 
 /// Runs each case against each store.
 macro_rules! for_each_store {

@@ -26,6 +26,9 @@ pub(super) struct Input {
     start: Option<PointsMessage>,
     #[prost(double, optional, tag = "16")]
     lambda_min: Option<f64>,
+    /// What is left open is as is usual today. Without it, it is by the rules of earlier programs.
+    #[prost(bool, tag = "18")]
+    open_as_usual: bool,
 }
 
 impl Input {
@@ -36,17 +39,21 @@ impl Input {
             job: Some(job::message(None, request, None)),
             start: request.start.as_deref().map(PointsMessage::new),
             lambda_min: request.lambda_min,
+            open_as_usual: true,
         }
     }
 
     /// What was asked for, to be computed again, from these bytes.
     pub(super) fn read(bytes: &[u8]) -> Result<Request, StoreError> {
         let input = Self::decode(bytes).map_err(damaged)?;
+        let as_usual = input.open_as_usual;
         let mut request = match input.job {
             Some(_) => input.into_request(),
             None => version_1::request(bytes),
         }?;
-        version_2::complete(&mut request);
+        if !as_usual {
+            version_2::complete(&mut request);
+        }
         Ok(request)
     }
 

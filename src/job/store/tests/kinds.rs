@@ -29,12 +29,23 @@ const SURFACE: Grid = Grid {
     columns: 6,
 };
 
+/// How many data points there are.
+pub(super) fn size(surface: bool) -> Grid {
+    if surface { SURFACE } else { CURVE }
+}
+
 /// The problems that can be computed.
 pub(super) fn problems() -> Vec<Problem> {
     let mut problems = Vec::new();
     let mut turn = 0;
     for surface in [false, true] {
         let methods = methods(surface);
+        for method in super::obeying::methods(surface) {
+            // With polynomials of all degrees in both directions, without weights.
+            let mut request = request(surface, 4, 0, 7);
+            request.method = method;
+            problems.push(Problem::new(request).unwrap());
+        }
         for (method, selected) in &methods {
             for basis in 0..7 {
                 for weights in 0..4 {
@@ -109,7 +120,7 @@ pub(super) fn record(problem: &Problem) -> Record {
 
 /// Every method, with the points that it selects.
 fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
-    let grid = if surface { SURFACE } else { CURVE };
+    let grid = size(surface);
     let adaptive = Adaptive {
         threshold: Threshold::All(1e-3),
         omega: 1.0,
@@ -191,7 +202,7 @@ fn nearly_identity(count: usize) -> Vec<Vec<f64>> {
 }
 
 fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request {
-    let grid = if surface { SURFACE } else { CURVE };
+    let grid = size(surface);
     let points = Arc::new(points(grid, 2 + turn % 2));
     let mut u = direction(grid.rows, basis, turn);
     // Both directions of a surface are chosen apart.
@@ -235,7 +246,7 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
 }
 
 /// Points of a wave over a circle, which closes.
-fn points(grid: Grid, dimension: usize) -> Points {
+pub(super) fn points(grid: Grid, dimension: usize) -> Points {
     let mut points = Points::new(dimension);
     for i in 0..grid.rows {
         for j in 0..grid.columns {
