@@ -1,6 +1,8 @@
 //! Jobs and edits that are made up of bytes: each byte chooses something. Most of them are fits that can
 //! be computed, which bytes read as JSON rarely are.
 
+mod obeying;
+
 use serde_json::{Map, Value, json};
 
 /// Numbers at the edges of what is computed.
@@ -358,26 +360,6 @@ impl<'a> Choices<'a> {
             }
             _ => self.least_squares(shape),
         }
-    }
-
-    fn least_squares(&mut self, shape: &Shape) -> Value {
-        let u = 2 + self.below(shape.rows - 1);
-        let counts = match shape.columns {
-            None => json!(u),
-            Some(columns) => json!({"u": u, "v": 2 + self.below(columns - 1)}),
-        };
-        let mut method = json!({"kind": "least_squares", "control_points": counts});
-        match self.below(5) {
-            0 => {}
-            1 => method["variant"] = json!("cg"),
-            2 => method["variant"] = json!("lspia"),
-            3 => method["variant"] = json!("direct"),
-            _ => {
-                method["variant"] = json!("lspia");
-                method["mu"] = json!(self.positive());
-            }
-        }
-        method
     }
 
     /// A matrix near that which changes nothing.
