@@ -1,0 +1,61 @@
+"""The pictures of docs/FITTING.md, fitted and drawn by a real server.
+
+    docs/fitting/pictures.py PROGRAM    # the server to start, such as target/debug/piad
+
+Needs numpy.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+FOLDER = Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parents[1] / "tests" / "python"))
+from over_http import fetch, server
+
+
+def noisy() -> list:
+    """60 measurements of a profile, with an error of about a hundredth of its width."""
+    x = np.linspace(0, 6, 60)
+    y = np.tanh(4 * (x - 2)) + 0.4 * np.sin(1.5 * x) + 0.08 * np.random.default_rng(5).standard_normal(60)
+    return np.c_[x, y].tolist()
+
+
+def half_circle() -> list:
+    angle = np.linspace(0, np.pi, 6)
+    return np.c_[np.cos(angle), np.sin(angle)].tolist()
+
+
+def jobs() -> dict:
+    least_squares = {"kind": "least_squares", "variant": "direct", "control_points": 14}
+    curve = {"points": noisy(), "parameters": "uniform"}
+    return {
+        "interpolated": {"curve": curve},
+        "approximated": {"curve": curve, "method": least_squares},
+        "fair": {"curve": curve, "method": least_squares | {"control_points": 40, "fairness": 1e-4}},
+        "constrained": {
+            "curve": curve,
+            "method": least_squares
+            | {"constraints": [{"at": "start", "tangent": [1, 0]}, {"at": "end", "tangent": [1, 0]}, {"at": {"parameter": 0.5}, "point": [3, 0.2]}]},
+        },
+        "ends_repeated": {"curve": {"points": half_circle(), "ends": "repeated"}},
+        "ends_estimated": {"curve": {"points": half_circle()}},
+    }
+
+
+def main() -> int:
+    with server(sys.argv[1]) as base:
+        for name, job in jobs().items():
+            job["name"] = name.replace("_", " ")
+            resource = json.loads(fetch(f"{base}/v1/jobs", json.dumps(job).encode()))
+            assert resource["state"] == "converged", resource
+            picture = fetch(f"{base}{resource['links']['result']}?format=svg")
+            (FOLDER / f"{name}.svg").write_bytes(picture)
+            print(f"{name}: largest distance {resource['error']['max']:.3g} after {resource['iteration']} iterations")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
