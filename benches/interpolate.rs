@@ -104,6 +104,7 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
         selected: None,
         start: None,
         lambda_min: None,
+        scattered: None,
         tolerance: Tolerance::Absolute(tolerance),
         max_iterations: 10_000,
     };

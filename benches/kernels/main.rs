@@ -100,7 +100,9 @@ fn line(name: &str, system: &Arc<System>, time: Duration) {
     } else {
         0
     };
-    let entries = system.collocation().u.as_banded().map_or(0, |u| u.width());
+    let banded = system.collocation().tensor();
+    let banded = banded.and_then(|tensor| tensor.u.as_banded());
+    let entries = banded.map_or(0, |u| u.width());
     let entries = if is_curve { entries } else { 0 };
     let mut traffic = Traffic::new(
         points,

@@ -49,7 +49,8 @@ fn line(count: usize, time: Duration) {
         (
             "spectrum",
             Box::new(|| {
-                black_box(spectrum::least_eigenvalue(&system.collocation().u));
+                let tensor = system.collocation().tensor();
+                black_box(tensor.map(|tensor| spectrum::least_eigenvalue(&tensor.u)));
             }),
         ),
         (

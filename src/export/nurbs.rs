@@ -292,6 +292,7 @@ mod tests {
             selected: None,
             start: None,
             lambda_min: None,
+            scattered: None,
             tolerance: Tolerance::Relative(1e-6),
             max_iterations: 10,
         })

@@ -238,7 +238,7 @@ fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> 
 
 /// Refuses degrees below 1 or above [`MAX_DEGREE`]; `chosen` says whether it was given as a degree,
 /// rather than by the number of control points.
-fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> {
+pub(super) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> {
     let limit = MAX_DEGREE;
     match degree {
         0 => Err(Invalid::DegreeTooLow { axis, degree }),

@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use super::forecast::Forecast;
+use super::operator::Operator;
 use super::points::Points;
 use super::setup::Setup;
-use super::tensor::Tensor;
 use super::transform::Transform;
 
 /// What does not change from level to level: data P, collocation matrix B, transform U, and what is
@@ -18,7 +18,7 @@ pub(super) struct Equations {
     /// The data and the bases.
     pub setup: Arc<Setup>,
     /// The collocation matrix B.
-    pub collocation: Arc<Tensor>,
+    pub collocation: Operator,
     /// The transform U.
     pub transform: Transform,
     /// What is known of the convergence.

@@ -78,6 +78,7 @@
 //!     selected: None,
 //!     start: None,
 //!     lambda_min: None,
+//!     scattered: None,
 //!     tolerance: Tolerance::Absolute(1e-9),
 //!     max_iterations: 100,
 //! })?;
@@ -149,6 +150,7 @@ pub mod linear;
 pub mod method;
 pub mod missing;
 pub mod norms;
+pub mod operator;
 mod order;
 pub mod outcome;
 pub mod parameters;
@@ -162,8 +164,10 @@ pub mod rates;
 mod request;
 pub mod samples;
 mod scaling;
+pub mod scattered;
 pub mod setup;
 mod shares;
+mod sparse;
 pub mod spectrum;
 pub mod sweep;
 pub mod system;

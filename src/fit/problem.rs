@@ -19,7 +19,9 @@ use super::method::{Method, Scope};
 use super::missing::Missing;
 use super::parameters::Parametrization;
 use super::points::{self, Grid, Points};
+use super::scattered::Scattered;
 use super::setup::Setup;
+use super::sparse::Sparse;
 use super::warning::Warning;
 use super::weights;
 
@@ -65,9 +67,13 @@ impl Problem {
         }
         let tolerance =
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
+        check_scattered(&request)?;
         request.method.scheme().check(&scope(&request))?;
         settle(&mut request);
-        let (u, v) = directions(&request, missing.as_ref())?;
+        let (u, v) = match &request.scattered {
+            Some(scattered) => scattered_directions(&request, scattered)?,
+            None => directions(&request, missing.as_ref())?,
+        };
         let lifted = match &request.weights {
             Weights::Homogeneous(values) => Some(Arc::new(weights::lift(&request.points, values)?)),
             _ => None,
@@ -81,6 +87,7 @@ impl Problem {
             extents: lifted.as_ref().map_or(extents, |it| it.extents()),
             lifted,
             missing,
+            scattered: request.scattered.is_some(),
             offsets,
             target,
             u,
@@ -112,6 +119,12 @@ impl Problem {
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
         request.tolerance = Tolerance::Absolute(self.tolerance);
+        if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
+            let lanes = [&self.u().parameters, &v.parameters];
+            let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
+            request.scattered = Some(Scattered::Given(Arc::new(pairs)));
+            return request;
+        }
         let restate = |choice: &mut DirectionChoice, direction: &Direction| {
             if !matches!(choice.parameters, Parametrization::Explicit(_)) {
                 choice.parameters = Parametrization::Explicit(direction.explicit_parameters());
@@ -171,6 +184,10 @@ impl Problem {
         let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
+        if let (true, Some(v)) = (self.is_scattered(), self.v()) {
+            let matrix = Sparse::memory(self.u(), v);
+            return arrays + matrix + demand.bytes;
+        }
         let directions = self.directions().map(|direction| {
             2 * direction.parameters.len() * size_of::<f64>()
                 + demand.matrices * Collocation::memory(direction)
@@ -198,6 +215,7 @@ fn scope(request: &Request) -> Scope<'_> {
     Scope {
         grid: request.grid,
         is_surface: request.v.is_some(),
+        is_scattered: request.scattered.is_some(),
         dimension: request.points.dimension(),
         is_homogeneous: matches!(request.weights, Weights::Homogeneous(_)),
         selected: request.selected.as_deref(),
@@ -208,7 +226,8 @@ fn scope(request: &Request) -> Scope<'_> {
 /// which are missing.
 fn check_points(request: &mut Request) -> Result<Option<Missing>, Invalid> {
     let grid = request.grid;
-    if grid.rows < 2 || (request.v.is_some() && grid.columns < 2) {
+    let has_columns = request.v.is_some() && request.scattered.is_none();
+    if grid.rows < 2 || (has_columns && grid.columns < 2) {
         let count = if grid.rows < 2 {
             grid.rows
         } else {
@@ -230,6 +249,37 @@ fn check_points(request: &mut Request) -> Result<Option<Missing>, Invalid> {
         missing.fill(Arc::make_mut(&mut request.points), grid);
     }
     Ok(missing)
+}
+
+/// Scattered points are those of a surface, for a method that fits them, and without weights.
+fn check_scattered(request: &Request) -> Result<(), Invalid> {
+    if request.scattered.is_none() {
+        return Ok(());
+    }
+    let weighted = |choice: &DirectionChoice| choice.weights.is_some();
+    let mut choices = std::iter::once(&request.u).chain(&request.v);
+    if !request.method.scheme().fits_scattered() || request.v.is_none() {
+        let method = request.method.scheme().about().name;
+        return Err(Invalid::ScatteredMethod { method });
+    }
+    if request.weights != Weights::None || choices.any(weighted) {
+        return Err(Invalid::ScatteredWeights);
+    }
+    Ok(())
+}
+
+/// The directions of scattered points.
+fn scattered_directions(
+    request: &Request,
+    scattered: &Scattered,
+) -> Result<(Direction, Option<Direction>), Invalid> {
+    let [along, across] = scattered.parameters(&request.points)?;
+    let counts = request.method.scheme().control_points();
+    let (rows, columns) = counts.unwrap_or_default();
+    let u = Direction::scattered(&request.u, (along, rows), Axis::U)?;
+    let v = request.v.as_ref();
+    let v = v.map(|v| Direction::scattered(v, (across, columns), Axis::V));
+    Ok((u, v.transpose()?))
 }
 
 /// A given start has the number and the coordinates of the control points.

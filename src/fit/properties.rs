@@ -76,6 +76,7 @@ fn problem() -> impl Strategy<Value = Request> {
                 selected: None,
                 start: None,
                 lambda_min: None,
+                scattered: None,
                 tolerance: Tolerance::Relative(1e-9),
                 max_iterations: 300,
             }
@@ -233,6 +234,7 @@ fn cubic_splines_converge_within_the_expected_iterations() {
             selected: None,
             start: None,
             lambda_min: None,
+            scattered: None,
             tolerance: Tolerance::Absolute(1e-9),
             max_iterations: 1000,
         });

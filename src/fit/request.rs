@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::direction::DirectionChoice;
 use super::method::Method;
 use super::points::{Grid, Points};
+use super::scattered::Scattered;
 
 /// When to stop, as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,9 @@ pub struct Request {
     pub grid: Grid,
     /// Indices of missing points, for least-squares fits; their coordinates are not looked at.
     pub missing: Vec<usize>,
+    /// How the points of a surface get their parameters if they are scattered: then they are in a grid of
+    /// one column, and the parameters of the directions are not looked at.
+    pub scattered: Option<Scattered>,
     /// The direction of a curve, or u of a surface.
     pub u: DirectionChoice,
     /// The second direction of a surface.

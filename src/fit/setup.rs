@@ -33,6 +33,8 @@ pub struct Setup {
     pub(super) extents: Vec<Extent>,
     /// Which points are missing, for least-squares fits.
     pub(super) missing: Option<Missing>,
+    /// Whether the points of the surface are scattered.
+    pub(super) scattered: bool,
     /// The direction of a curve, or u of a surface.
     pub(super) u: Direction,
     /// The second direction of a surface.
@@ -84,6 +86,12 @@ impl Setup {
     /// The points of which there are no data.
     pub fn missing(&self) -> Option<&Missing> {
         self.missing.as_ref()
+    }
+
+    /// Whether the points of the surface are scattered: then the grid has one column, and directions
+    /// have a parameter for each point, in any order.
+    pub fn is_scattered(&self) -> bool {
+        self.scattered
     }
 
     /// The number of coordinates of the data points.
@@ -161,7 +169,11 @@ impl Setup {
         let widths = self
             .directions()
             .map(|direction| direction.basis.support_width());
-        self.data().dimension() * self.grid().count() * widths.sum::<usize>()
+        let width = match self.scattered {
+            true => widths.product::<usize>(),
+            false => widths.sum(),
+        };
+        self.data().dimension() * self.grid().count() * width
     }
 
     /// About how many multiplications prepare the first iteration: evaluating the basis, and the

@@ -8,9 +8,10 @@ use std::sync::{Arc, OnceLock};
 
 use super::equations::Equations;
 use super::forecast::Foreseen;
+use super::operator::Operator;
 use super::points::Points;
 use super::problem::Problem;
-use super::tensor::Tensor;
+use super::transform::Transform;
 
 pub use super::forecast::Forecast;
 
@@ -28,26 +29,34 @@ impl System {
     /// Evaluates the collocation matrix and prepares the transform: for B-splines in O(n p²), for
     /// polynomials in up to O(n³).
     pub fn new(problem: Arc<Problem>) -> Self {
-        let collocation = Arc::new(Tensor::new(&problem));
+        let collocation = Operator::new(&problem);
         Self::with(problem, collocation)
     }
 
     /// Like [`new`](Self::new), but shares the collocation matrix of `other` if it is the same.
     pub fn like(problem: Arc<Problem>, other: &Self) -> Self {
-        if problem.directions().eq(other.problem.directions()) {
-            Self::with(problem, Arc::clone(&other.equations.collocation))
+        let alike = problem.is_scattered() == other.problem.is_scattered();
+        if alike && problem.directions().eq(other.problem.directions()) {
+            Self::with(problem, other.equations.collocation.clone())
         } else {
             Self::new(problem)
         }
     }
 
     /// Prepares the transform and the forecast of the method.
-    fn with(problem: Arc<Problem>, collocation: Arc<Tensor>) -> Self {
+    fn with(problem: Arc<Problem>, collocation: Operator) -> Self {
         let method = problem.method().scheme();
         let setup = Arc::clone(problem.setup());
-        let forecast = method.forecast(&setup, &collocation);
+        // Methods of scattered points have no fixed transform, and no forecast.
+        let (forecast, transform) = match collocation.tensor() {
+            None => (Forecast::default(), Transform::Scale(1.0)),
+            Some(tensor) => {
+                let forecast = method.forecast(&setup, tensor);
+                (forecast, method.transform(tensor, &forecast))
+            }
+        };
         let mut equations = Equations {
-            transform: method.transform(&collocation, &forecast),
+            transform,
             setup,
             collocation,
             forecast,
@@ -71,7 +80,7 @@ impl System {
     }
 
     /// The collocation matrix.
-    pub fn collocation(&self) -> &Tensor {
+    pub fn collocation(&self) -> &Operator {
         &self.equations.collocation
     }
 

@@ -63,6 +63,26 @@ impl TensorColumns {
             }
         }
     }
+
+    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are
+    /// their indices, `place` says for each index of the grid where in `points` it stands, and
+    /// `columns` is the number of columns of the grid.
+    pub(super) fn principal_block(
+        &self,
+        points: &[usize],
+        place: &[Option<usize>],
+        columns: usize,
+    ) -> DMatrix<f64> {
+        let mut block = DMatrix::zeros(points.len(), points.len());
+        for (k, &index) in points.iter().enumerate() {
+            self.visit(index, columns, |row, value| {
+                if let Some(row) = place[row] {
+                    block[(row, k)] = value;
+                }
+            });
+        }
+        block
+    }
 }
 
 impl Tensor {
@@ -104,16 +124,8 @@ impl Tensor {
         points: &[usize],
         place: &[Option<usize>],
     ) -> DMatrix<f64> {
-        let mut block = DMatrix::zeros(points.len(), points.len());
-        for (k, &index) in points.iter().enumerate() {
-            self.columns()
-                .visit(index, self.data.columns, |row, value| {
-                    if let Some(row) = place[row] {
-                        block[(row, k)] = value;
-                    }
-                });
-        }
-        block
+        self.columns()
+            .principal_block(points, place, self.data.columns)
     }
 
     /// How many numbers of scratch space the maps of this matrix need: none of a curve, of a

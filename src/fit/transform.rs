@@ -13,8 +13,8 @@
 
 use super::linear::qr::Orthogonal;
 use super::linear::{DenseMap, Inverse, apply_tensor};
+use super::operator::Operator;
 use super::points::Points;
-use super::tensor::Tensor;
 
 /// A fixed linear map of all adjusting vectors.
 #[derive(Debug)]
@@ -37,13 +37,13 @@ pub(super) enum Transform {
 impl Transform {
     /// How many numbers of scratch space [`Self::apply`] needs, with this collocation matrix of
     /// `count` data points.
-    pub(super) fn scratch(&self, collocation: &Tensor, count: usize) -> usize {
+    pub(super) fn scratch(&self, collocation: &Operator, count: usize) -> usize {
         let image = matches!(self, Self::Transposed { .. });
         collocation.scratch() + if image { count } else { 0 }
     }
 
     /// Applies the transform in place: `points ← U points`.
-    pub(super) fn apply(&self, collocation: &Tensor, points: &mut Points, scratch: &mut [f64]) {
+    pub(super) fn apply(&self, collocation: &Operator, points: &mut Points, scratch: &mut [f64]) {
         let grid = collocation.data_grid();
         let mut lanes: Vec<&mut [f64]> = points.lanes_mut().iter_mut().map(AsMut::as_mut).collect();
         match self {
@@ -68,7 +68,7 @@ impl Transform {
     /// Applies the transform in place and adds other points: `points ← U points + others`.
     pub(super) fn apply_onto(
         &self,
-        collocation: &Tensor,
+        collocation: &Operator,
         points: &mut Points,
         others: &Points,
         scratch: &mut [f64],

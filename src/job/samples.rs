@@ -43,6 +43,7 @@ pub(crate) fn problem() -> Problem {
         selected: None,
         start: None,
         lambda_min: None,
+        scattered: None,
         tolerance: Tolerance::Absolute(0.0),
         max_iterations: 10,
     })

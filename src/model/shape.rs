@@ -168,6 +168,7 @@ impl CheckedShape {
             selected: method.selected,
             start: None,
             lambda_min: None,
+            scattered: None,
             tolerance: rules.tolerance,
             max_iterations: rules.max_iterations,
         }

@@ -278,6 +278,7 @@ mod tests {
                 selected: None,
                 start: None,
                 lambda_min: None,
+                scattered: None,
                 tolerance: Tolerance::Absolute(0.0),
                 max_iterations: 1,
             });

@@ -58,13 +58,7 @@ impl Rows {
     pub fn triangular(self, fixed: impl Fn(usize) -> bool) -> Triangular {
         let mut order: Vec<usize> = (0..self.firsts.len()).collect();
         order.sort_by_key(|&row| self.firsts[row]);
-        let n = self.places.len();
-        let mut triangular = Triangular {
-            width: self.width,
-            rows: vec![0.0; n * self.width],
-            taken: vec![false; n],
-            places: self.places,
-        };
+        let mut triangular = Triangular::new(self.places, self.width);
         let mut line = vec![0.0; self.width];
         for row in order {
             line.copy_from_slice(&self.entries[row * self.width..(row + 1) * self.width]);
@@ -88,6 +82,43 @@ pub struct Triangular {
 }
 
 impl Triangular {
+    /// The factor of a matrix without rows, of as many columns as there are places. The first and
+    /// the last entry of a row that comes are at most `width` places apart.
+    pub fn new(places: Vec<u32>, width: usize) -> Self {
+        let (n, width) = (places.len(), width.min(places.len()));
+        Self {
+            width,
+            rows: vec![0.0; n * width],
+            taken: vec![false; n],
+            places,
+        }
+    }
+
+    /// Rotates another row of the matrix into the factor. It takes the least time if rows come in
+    /// the order of their first places.
+    pub fn insert_row(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone) {
+        let entries = row.filter(|&(_, value)| value != 0.0);
+        let places = entries.map(|(column, value)| (self.places[column] as usize, value));
+        let places: Vec<(usize, f64)> = places.collect();
+        let Some(first) = places.iter().map(|(place, _)| *place).min() else {
+            return;
+        };
+        let mut line = vec![0.0; self.width];
+        for (place, value) in places {
+            line[place - first] += value;
+        }
+        self.insert(&mut line, first);
+    }
+
+    /// The rows of the factor, as places and values.
+    pub fn rows(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, f64)> + Clone + '_> {
+        let rows = self.rows.chunks_exact(self.width).enumerate();
+        rows.map(|(place, row)| {
+            let entries = row.iter().enumerate();
+            entries.map(move |(k, value)| (place + k, *value))
+        })
+    }
+
     /// Rotates a row, which begins at place `first`, into the rows that are there.
     fn insert(&mut self, line: &mut [f64], first: usize) {
         let width = self.width;
@@ -116,7 +147,7 @@ impl Triangular {
     }
 
     /// Leaves out fixed columns and those that depend on others before them.
-    fn leave_out(&mut self, fixed: impl Fn(usize) -> bool) {
+    pub fn leave_out(&mut self, fixed: impl Fn(usize) -> bool) {
         let (n, width) = (self.taken.len(), self.width);
         let mut squares = vec![0.0; n];
         for (place, row) in self.rows.chunks_exact(width).enumerate() {

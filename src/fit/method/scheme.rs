@@ -35,6 +35,8 @@ pub(in crate::fit) struct Scope<'a> {
     pub grid: Grid,
     /// Whether there is a second direction.
     pub is_surface: bool,
+    /// Whether the points of the surface are scattered: they are in a grid of one column.
+    pub is_scattered: bool,
     /// The number of coordinates of the data points.
     pub dimension: usize,
     /// Whether the fit is made in homogeneous coordinates.
@@ -111,6 +113,11 @@ pub(in crate::fit) trait Scheme: Debug {
 
     /// Whether data points of the grid may be missing.
     fn fits_holes(&self) -> bool {
+        false
+    }
+
+    /// Whether the points of a surface may be scattered.
+    fn fits_scattered(&self) -> bool {
         false
     }
 

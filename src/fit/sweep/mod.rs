@@ -54,6 +54,7 @@ use super::method::relaxation::{Relaxation, Step};
 use super::norms::{FitError, Norms};
 use super::points::Points;
 use super::system::System;
+use super::tensor::Tensor;
 use buffers::{Returned, Vectors};
 use parts::{LANES, Part};
 use pass::{Pass, Way};
@@ -271,7 +272,9 @@ impl Sweep {
 
     /// A pass from the current level to the spare one, divided among the threads.
     fn run(&mut self, system: &System, steps: &[Step], way: Way) {
-        let tensor = system.collocation();
+        let Some(tensor) = system.collocation().tensor() else {
+            return;
+        };
         let Collocation::Banded(u) = &tensor.u else {
             return;
         };
@@ -323,8 +326,9 @@ fn is_plain(system: &System) -> bool {
     let banded = |matrix: &Collocation| {
         matches!(matrix, Collocation::Banded(_)) && matrix.rows() == matrix.columns()
     };
+    let square = |tensor: &Tensor| tensor.directions().all(banded);
     !problem.is_homogeneous()
         && problem.missing().is_none()
         && problem.data().dimension() <= LANES
-        && system.collocation().directions().all(banded)
+        && system.collocation().tensor().is_some_and(square)
 }

@@ -88,6 +88,7 @@ prop_compose! {
             selected: None,
             start: None,
             lambda_min: None,
+            scattered: None,
             tolerance: Tolerance::Relative(10f64.powi(-exponent)),
             max_iterations: 23,
         }

@@ -49,6 +49,7 @@ fn request(rows: usize, columns: usize, basis: BasisChoice, method: Method) -> R
         selected: None,
         start: None,
         lambda_min: None,
+        scattered: None,
         tolerance: Tolerance::Absolute(1e-13),
         max_iterations: 100,
     }

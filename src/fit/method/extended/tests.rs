@@ -44,6 +44,7 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
         selected: None,
         start: None,
         lambda_min: None,
+        scattered: None,
         tolerance: Tolerance::Relative(tolerance),
         max_iterations: 10_000,
     }
@@ -53,7 +54,7 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
 fn start(request: Request) -> (Iteration, DMatrix<f64>) {
     let problem = Problem::new(request).unwrap();
     let system = Arc::new(System::new(Arc::new(problem)));
-    let matrix = system.collocation().u.to_dense();
+    let matrix = system.collocation().tensor().unwrap().u.to_dense();
     (Iteration::start(system), matrix)
 }
 

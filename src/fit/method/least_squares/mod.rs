@@ -81,6 +81,20 @@ impl LeastSquares {
         }
     }
 
+    /// There are no more control points than scattered points, unless fairness determines the others.
+    fn check_scattered(&self, count: usize) -> Result<(), Invalid> {
+        let most = count * if self.fairness().is_some() { FAIR } else { 1 };
+        let (rows, columns) = (self.u, self.v);
+        match rows.saturating_mul(columns) <= most {
+            true => Ok(()),
+            false => Err(Invalid::ScatteredPoints {
+                count,
+                rows,
+                columns,
+            }),
+        }
+    }
+
     /// Room for a direction of each condition, their matrix, and the energy of fairness.
     fn bytes(&self) -> usize {
         let along = |constraint: &Constraint| match &constraint.wanted {
@@ -126,7 +140,14 @@ impl Scheme for LeastSquares {
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let lines = [(Axis::U, self.u), (Axis::V, self.v)];
         for (axis, free) in lines.into_iter().take(1 + usize::from(scope.is_surface)) {
-            self.check_count(axis, free, scope.grid.along(axis))?;
+            let count = match scope.is_scattered {
+                true => scope.grid.count(),
+                false => scope.grid.along(axis),
+            };
+            self.check_count(axis, free, count)?;
+        }
+        if scope.is_scattered {
+            self.check_scattered(scope.grid.count())?;
         }
         if let Variant::Lspia { mu: Some(mu) } = self.variant {
             Invalid::unless_positive(Setting::Mu, mu)?;
@@ -177,6 +198,11 @@ impl Scheme for LeastSquares {
         true
     }
 
+    /// Each point has a row of the matrix of its own.
+    fn fits_scattered(&self) -> bool {
+        true
+    }
+
     /// The gradient, for conjugate gradients the direction and its image, and the factorization that
     /// tells how far the minimum is.
     fn demand(&self) -> Demand {
@@ -196,9 +222,12 @@ impl Scheme for LeastSquares {
         equations.forecast.without_data = Steps::without_data(equations, self);
     }
 
-    /// Samples of the data.
+    /// Samples of the data, or means of scattered points.
     fn start(&self, equations: &Equations) -> Arc<Points> {
-        Arc::new(start::start(&equations.setup))
+        Arc::new(match equations.setup.is_scattered() {
+            true => start::means(equations),
+            false => start::start(&equations.setup),
+        })
     }
 
     fn update(&self, equations: &Equations) -> Box<dyn Update> {

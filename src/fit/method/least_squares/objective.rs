@@ -17,7 +17,7 @@ use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 
 /// Column sums below this part of the largest belong to control points without data.
-const NO_DATA: f64 = 1e-12;
+pub(super) const NO_DATA: f64 = 1e-12;
 
 /// What is made small.
 #[derive(Debug)]

@@ -20,9 +20,11 @@ use crate::fit::linear::banded::Banded;
 use crate::fit::linear::folded;
 use crate::fit::linear::triangular::{Rows, Triangular};
 use crate::fit::method::update::State;
+use crate::fit::operator::Operator;
 use crate::fit::plain::compute_residual;
 use crate::fit::points::{Grid, Points};
 use crate::fit::setup::Setup;
+use crate::fit::sparse::Sparse;
 use crate::fit::tensor::Tensor;
 
 /// The most multiplications that the factorization of a whole surface may take.
@@ -49,37 +51,17 @@ impl Solver {
         objective: &Objective,
         conditions: &[Condition],
     ) -> Self {
-        let (setup, tensor) = (&equations.setup, &*equations.collocation);
+        let setup = &equations.setup;
         let fixed = |index: usize| scale[index] == 0.0;
         let additional = Additional {
             objective,
             conditions,
             scale,
         };
-        let whole = |factor| Self {
-            u: factor,
-            v: None,
-            grid: Grid {
-                rows: setup.control_grid().count(),
-                columns: 1,
-            },
-            projection: None,
-        };
-        let mut solver = match tensor.v.as_ref().zip(setup.v()) {
-            Some((v, _)) if is_whole(setup, objective.is_separable()) => {
-                whole(surface(setup, tensor, v, &additional).triangular(fixed))
-            }
-            Some((v, across)) => Self {
-                u: line(&tensor.u, setup.u(), |_| 1.0).triangular(|_| false),
-                v: Some(line(v, across, |_| 1.0).triangular(|_| false)),
-                grid: setup.control_grid(),
-                projection: None,
-            },
-            None => {
-                let mut rows = line(&tensor.u, setup.u(), |i| objective.weight(i).sqrt());
-                additional.push(&mut rows);
-                whole(rows.triangular(fixed))
-            }
+        let whole = |rows: Rows| Self::whole(setup, rows.triangular(fixed));
+        let mut solver = match &equations.collocation {
+            Operator::Sparse(sparse) => whole(scattered(sparse, &additional)),
+            Operator::Tensor(tensor) => Self::of_tensor(setup, tensor, &additional),
         };
         let mut scratch = vec![0.0; equations.scratch()];
         solver.projection = Projection::columns(conditions, |condition| {
@@ -90,6 +72,43 @@ impl Solver {
             column
         });
         solver
+    }
+
+    /// The factor of the matrix of a curve or of a whole surface.
+    fn whole(setup: &Setup, factor: Triangular) -> Self {
+        Self {
+            u: factor,
+            v: None,
+            grid: Grid {
+                rows: setup.control_grid().count(),
+                columns: 1,
+            },
+            projection: None,
+        }
+    }
+
+    /// The factors of a curve or a grid of points.
+    fn of_tensor(setup: &Setup, tensor: &Tensor, additional: &Additional) -> Self {
+        let fixed = |index: usize| additional.scale[index] == 0.0;
+        let whole = |rows: Rows| Self::whole(setup, rows.triangular(fixed));
+        match tensor.v.as_ref().zip(setup.v()) {
+            Some((v, _)) if is_whole(setup, additional.objective.is_separable()) => {
+                whole(surface(setup, tensor, v, additional))
+            }
+            Some((v, across)) => Self {
+                u: line(&tensor.u, setup.u(), |_| 1.0).triangular(|_| false),
+                v: Some(line(v, across, |_| 1.0).triangular(|_| false)),
+                grid: setup.control_grid(),
+                projection: None,
+            },
+            None => {
+                let mut rows = line(&tensor.u, setup.u(), |i| {
+                    additional.objective.weight(i).sqrt()
+                });
+                additional.push(&mut rows);
+                whole(rows)
+            }
+        }
     }
 
     /// `x ← N⁻¹ x` for each lane.
@@ -152,7 +171,8 @@ impl Additional<'_> {
 /// Whether the normal equations of a surface are those of the whole grid, rather than of both
 /// directions: the objective may not be `separable`.
 pub(super) fn is_whole(setup: &Setup, separable: bool) -> bool {
-    setup.v().is_some() && (setup.missing().is_some() || !separable)
+    let scattered = setup.is_scattered();
+    setup.v().is_some() && (scattered || setup.missing().is_some() || !separable)
 }
 
 /// About how many multiplications the factorization takes.
@@ -176,7 +196,18 @@ pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
             let bending = settings
                 .fairness()
                 .map_or(0, |fairness| Energy::count(setup, fairness.order));
-            rotations(setup.grid().count().saturating_add(bending), width)
+            let count = setup.grid().count();
+            if setup.is_scattered() {
+                // Those of each cell are reduced to as many rows as it has functions.
+                let cell = span(setup.u()) * span(v);
+                let cells = (setup.u().free() + 1 - span(setup.u())) * (v.free() + 1 - span(v));
+                let left = cells
+                    .saturating_mul(cell)
+                    .min(count)
+                    .saturating_add(bending);
+                return rotations(left, width).saturating_add(rotations(count, cell));
+            }
+            rotations(count.saturating_add(bending), width)
         }
         _ => {
             let costs = setup
@@ -246,4 +277,33 @@ fn surface(setup: &Setup, tensor: &Tensor, v: &Collocation, additional: &Additio
     }
     additional.push(&mut rows);
     rows
+}
+
+/// The rows of scattered points, and additional ones. Points with the same functions follow one
+/// another and are first reduced among themselves: however many they are, (p + 1)(q + 1) rows are
+/// left of them.
+fn scattered(sparse: &Sparse, additional: &Additional) -> Rows {
+    let Grid { rows, columns } = sparse.control_grid();
+    let [along, across] = sparse.widths();
+    let mut points: Vec<usize> = (0..sparse.rows()).collect();
+    points.sort_by_key(|&i| sparse.cell(i));
+    let places = (0..(rows * columns) as u32).collect();
+    let mut left = Rows::new(places, along * columns);
+    for points in points.chunk_by(|&i, &j| sparse.cell(i) == sparse.cell(j)) {
+        let (row, column) = sparse.cell(points[0]);
+        let first = row as usize * columns + column as usize;
+        let width = along * across;
+        let mut cell = Triangular::new((0..width as u32).collect(), width);
+        for &i in points {
+            let factor = additional.objective.weight(i).sqrt();
+            let values = sparse.row(i).map(|(_, value)| factor * value);
+            cell.insert_row(values.enumerate());
+        }
+        for row in cell.rows() {
+            let place = |k: usize| first + k / across * columns + k % across;
+            left.push(row.map(|(k, value)| (place(k), value)), 1.0);
+        }
+    }
+    additional.push(&mut left);
+    left
 }

@@ -1,7 +1,10 @@
-//! Level 0 of least-squares fits: samples of the data.
+//! Level 0 of least-squares fits: samples of the data, or means of scattered points.
 
+use super::objective::NO_DATA;
 use crate::fit::direction::Direction;
+use crate::fit::equations::Equations;
 use crate::fit::lane::Lane;
+use crate::fit::missing::Missing;
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::shares::Position;
@@ -42,4 +45,28 @@ fn samples(count: usize, direction: &Direction) -> Vec<Position> {
         }
     };
     (0..control_points).map(position).collect()
+}
+
+/// Level 0 of scattered points: each control point is the mean of the points in the support of its
+/// function, which are weighted with it, `x_j = (AᵀP)_j / (Aᵀ1)_j`. One without points has the place
+/// of the nearest one that has some, counted in steps of the control grid.
+pub(super) fn means(equations: &Equations) -> Points {
+    let (setup, matrix) = (&equations.setup, &equations.collocation);
+    let (data, grid) = (setup.data(), setup.control_grid());
+    let mut scratch = vec![0.0; matrix.scratch()];
+    let mut weights = vec![0.0; grid.count()];
+    matrix.apply_transposed(&vec![1.0; data.len()], &mut weights, &mut scratch);
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    let is_lost = |j: &usize| weights[*j] <= NO_DATA * largest;
+    let lost: Vec<usize> = (0..weights.len()).filter(is_lost).collect();
+    let mut means = Points::zeros(data.dimension(), grid.count());
+    for (means, lane) in means.lanes_mut().iter_mut().zip(data.lanes()) {
+        matrix.apply_transposed(lane, means, &mut scratch);
+        let means = means.iter_mut().zip(&weights);
+        means.for_each(|(mean, weight)| *mean /= weight);
+    }
+    if let Some(lost) = Missing::new(&lost, grid.count()) {
+        lost.fill(&mut means, grid);
+    }
+    means
 }

@@ -194,6 +194,7 @@ pub(super) fn request(bytes: &[u8]) -> Result<Request, StoreError> {
         selected: selected.map(Arc::from),
         start: start.map(Arc::new),
         lambda_min: input.lambda_min,
+        scattered: None,
         tolerance: match input.relative {
             true => Tolerance::Relative(input.tolerance),
             false => Tolerance::Absolute(input.tolerance),

@@ -228,6 +228,7 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
     Request {
         start: edited.then(|| Arc::clone(&points)),
         lambda_min: edited.then_some(0.1),
+        scattered: None,
         points,
         grid,
         missing: Vec::new(),

@@ -51,9 +51,9 @@ pub(super) fn conditions(
     }
 }
 
-/// The data points at the ends of a curve and at the corners of a surface.
+/// The data points at the ends of a curve and at the corners of a surface; scattered ones have none.
 fn corners(setup: &Setup) -> Vec<usize> {
-    if setup.directions().any(Direction::is_closed) {
+    if setup.is_scattered() || setup.directions().any(Direction::is_closed) {
         return Vec::new();
     }
     let grid = setup.grid();
@@ -86,8 +86,12 @@ fn end(setup: &Setup, point: usize) -> Option<Condition> {
 /// The parameters of a data point; that of v is not looked at on curves.
 fn parameters(setup: &Setup, point: usize) -> [f64; 2] {
     let columns = setup.grid().columns;
-    let v = setup.v().map_or(0.0, |v| v.parameters[point % columns]);
-    [setup.u().parameters[point / columns], v]
+    let (row, column) = match setup.is_scattered() {
+        true => (point, point),
+        false => (point / columns, point % columns),
+    };
+    let v = setup.v().map_or(0.0, |v| v.parameters[column]);
+    [setup.u().parameters[row], v]
 }
 
 /// The factors of a value or a derivative; `None` if the basis has no derivatives.

@@ -11,8 +11,10 @@ pub const MOST_CONDITIONS: usize = 1000;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[allow(missing_docs, reason = "fields are the values that the messages name")]
 pub enum ConstraintsMistake {
-    /// End points of a closed curve are to be interpolated.
-    #[error("there are no ends to interpolate: all directions that have some are closed")]
+    /// End points of a closed curve or of scattered points are to be interpolated.
+    #[error(
+        "there are no ends to interpolate: closed directions have none, and neither have scattered points"
+    )]
     NoEnds,
     /// There is nothing to do as it is asked for.
     #[error("constraint {index} {detail}")]

@@ -1,0 +1,100 @@
+//! The collocation matrix of any problem: of points in a grid, or of scattered ones.
+//!
+//! | data | matrix | multiplications of `B x` |
+//! |---|---|---|
+//! | a curve, a grid | [`Tensor`]: a tensor product | n m (p + q + 2) |
+//! | scattered points | [`Sparse`]: (p + 1)(q + 1) entries a row | n (p + 1)(q + 2) |
+//!
+//! The loop and the updates need no more than `B x` and `Bᵀ x`.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use super::points::Grid;
+use super::setup::Setup;
+use super::sparse::Sparse;
+use super::tensor::{Tensor, TensorColumns};
+
+/// The collocation matrix B, which is shared by problems that have the same one.
+#[derive(Clone, Debug)]
+pub enum Operator {
+    /// Of a curve or a grid of points.
+    Tensor(Arc<Tensor>),
+    /// Of scattered points.
+    Sparse(Arc<Sparse>),
+}
+
+impl Operator {
+    /// The collocation matrix of a setup.
+    pub(super) fn new(setup: &Setup) -> Self {
+        match setup.v() {
+            Some(v) if setup.is_scattered() => Self::Sparse(Arc::new(Sparse::new(setup.u(), v))),
+            _ => Self::Tensor(Arc::new(Tensor::new(setup))),
+        }
+    }
+
+    /// The matrices of both directions, if it is their tensor product.
+    pub fn tensor(&self) -> Option<&Tensor> {
+        match self {
+            Self::Tensor(tensor) => Some(tensor),
+            Self::Sparse(_) => None,
+        }
+    }
+
+    /// The arrangement of the data points.
+    pub(super) fn data_grid(&self) -> Grid {
+        match self {
+            Self::Tensor(tensor) => tensor.data_grid(),
+            Self::Sparse(sparse) => Grid {
+                rows: sparse.rows(),
+                columns: 1,
+            },
+        }
+    }
+
+    /// The entries by columns. They are sorted when they are first needed, and kept.
+    pub(super) fn columns(&self) -> &Arc<TensorColumns> {
+        match self {
+            Self::Tensor(tensor) => tensor.columns(),
+            Self::Sparse(sparse) => sparse.columns(),
+        }
+    }
+
+    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are
+    /// their indices, and `place` says for each index of the grid where in `points` it stands.
+    pub(super) fn principal_block(
+        &self,
+        points: &[usize],
+        place: &[Option<usize>],
+    ) -> DMatrix<f64> {
+        let columns = self.data_grid().columns;
+        self.columns().principal_block(points, place, columns)
+    }
+
+    /// How many numbers of scratch space the maps of this matrix need.
+    pub fn scratch(&self) -> usize {
+        match self {
+            Self::Tensor(tensor) => tensor.scratch(),
+            Self::Sparse(sparse) => sparse.control_grid().count(),
+        }
+    }
+
+    /// `y = B x` for one coordinate x of all free control points: y is that of the curve or surface
+    /// at the parameters of all data points.
+    pub fn apply(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
+        match self {
+            Self::Tensor(tensor) => tensor.apply(x, y, scratch),
+            Self::Sparse(sparse) => sparse.apply(x, y),
+        }
+    }
+
+    /// `y = Bᵀ x` for one coordinate x of all data points; y has a number for each free control
+    /// point.
+    pub fn apply_transposed(&self, x: &[f64], y: &mut [f64], scratch: &mut [f64]) {
+        match self {
+            Self::Tensor(tensor) => tensor.apply_transposed(x, y, scratch),
+            Self::Sparse(sparse) => sparse.apply_transposed(x, y),
+        }
+    }
+}
