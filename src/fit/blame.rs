@@ -44,6 +44,7 @@ impl I {
                 Place::ControlPoints(axis)
             }
             I::Ends(ref mistake) => mistake.place(),
+            I::LeastSquares(ref mistake) => mistake.place(),
             I::Constraints(ref mistake) => mistake.place(),
             I::ClosedPolynomial { axis } => Place::Closed(axis),
             I::WeightCount { .. } | I::NotSeparable | I::WeightsTooLarge => Place::Weights,
@@ -61,12 +62,6 @@ impl I {
             I::NotPositive { setting, .. } => Place::Setting(setting),
             I::ThresholdCount { .. } | I::PartOfStep { .. } => Place::Setting(Setting::Threshold),
             I::Threshold { index, .. } => Place::Threshold(index),
-            I::DataWeightCount { .. } | I::NoDataWeight => Place::Setting(Setting::DataWeights),
-            I::DataWeight { index, .. } => Place::DataWeight(index),
-            I::Fairness { .. } | I::FairnessOfRational | I::FairnessOfBasis => {
-                Place::Setting(Setting::Fairness)
-            }
-            I::FairnessOrder { .. } => Place::Setting(Setting::FairnessOrder),
             I::NoIndices => Place::Setting(Setting::Indices),
             I::IndexOutside { index, .. } | I::IndexRepeated { index } => Place::Index(index),
             I::SweepsOfCurve { setting } => Place::Setting(setting),

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 pub use super::ends::mistake::EndsMistake;
-pub use super::method::ConstraintsMistake;
+pub use super::method::{ConstraintsMistake, LeastSquaresMistake};
 pub use super::place::{Axis, Place, Setting, Side};
 
 /// Why a problem is refused. The text names the index, the value and the rule; fields have the
@@ -284,35 +284,12 @@ pub enum Invalid {
         "the transform U diverges: with this basis and these parameters the spectral radius of I − U B is {rate:.3}, and it must be below 1"
     )]
     TransformDiverges { rate: f64 },
-    /// The number of weights of data is not that of the data points.
-    #[error("{given} weights of data for {expected} points")]
-    DataWeightCount { given: usize, expected: usize },
-    /// The weight of a data point is negative, infinite or NaN.
-    #[error("data weight {index} is {value}; weights of data are finite and not negative")]
-    DataWeight { index: usize, value: f64 },
-    /// No data point counts.
-    #[error("all weights of data are zero, so that no data point counts")]
-    NoDataWeight,
-    /// Fairness is negative, infinite or NaN.
-    #[error("fairness is {value}; it is a finite number, zero or greater")]
-    Fairness { value: f64 },
-    /// Fairness by a derivative of another order than 2 or 3.
-    #[error("fairness is by the second or the third derivative, and order {order} is asked for")]
-    FairnessOrder { order: usize },
-    /// Fairness of a rational curve.
-    #[error("fairness is that of polynomial curves and surfaces: this one has weights")]
-    FairnessOfRational,
-    /// Fairness in a basis whose derivatives are not known.
-    #[error("fairness needs derivatives, which B-splines and Bernstein polynomials have here")]
-    FairnessOfBasis,
+    /// A setting of a least-squares fit is wrong.
+    #[error(transparent)]
+    LeastSquares(#[from] LeastSquaresMistake),
     /// What a least-squares fit is to obey is wrong.
     #[error(transparent)]
     Constraints(#[from] ConstraintsMistake),
-    /// The factorization of the normal equations of a whole surface would take too long.
-    #[error(
-        "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg"
-    )]
-    NormalEquations,
     /// The number of explicit parameters is not that of the data points.
     #[error("{given} parameters for {expected} points")]
     ParameterCount {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::data;
-use crate::support::{Server, Story, problem};
+use crate::support::{Server, Story};
 
 /// All numbers of nested lists.
 fn numbers(value: &Value) -> Vec<f64> {
@@ -61,7 +61,7 @@ fn points(value: &Value) -> Vec<Vec<f64>> {
 }
 
 /// The published curve: 300 points on a wave with three finer ones.
-fn wave(count: usize) -> Vec<[f64; 3]> {
+pub fn wave(count: usize) -> Vec<[f64; 3]> {
     let angle = |i: usize| 4.0 * i as f64 / (count - 1) as f64;
     (0..count)
         .map(angle)
@@ -351,209 +351,6 @@ async fn constraints_reach_where_no_data_are() {
             let found = derivative(3, &knots, &points(&iteration["control_points"]), 0.45, 0);
             assert!((found[1] - 5.0).abs() < 1e-13, "{variant}: {found:?}");
         }
-    }
-}
-
-/// Mistakes name the constraint and say what would do.
-#[tokio::test]
-async fn constraints_that_cannot_be_are_refused() {
-    let server = Server::start().await;
-    let curve = |method: Value| json!({"curve": {"points": wave(30)}, "method": method});
-    let surface = |method: Value| json!({"surface": {"points": data::peaks(8)}, "method": method});
-    let with = |constraints: Value| json!({"kind": "least_squares", "control_points": 8, "constraints": constraints});
-    let setting = |name: &str, value: Value| json!({"kind": "least_squares", "control_points": 8, name: value});
-    let across: Vec<[f64; 3]> = vec![[0.0; 3]; 8];
-    for (job, pointer, reason) in [
-        (
-            curve(with(json!([{"index": 30}]))),
-            "/method/constraints/0",
-            "data point 30, but there are 30",
-        ),
-        (
-            curve(with(json!([{"index": 3}, {"index": 3}]))),
-            "/method/constraints/1",
-            "follows from constraint 0",
-        ),
-        (
-            curve(with(
-                json!([{"at": "start", "point": [0, 0, 0]}, {"index": 0}]),
-            )),
-            "/method/constraints/1",
-            "together with constraint 0",
-        ),
-        (
-            curve(with(
-                json!([{"index": 1}, {"index": 2}, {"index": 3}, {"index": 4}, {"index": 5}]),
-            )),
-            "/method/constraints/4",
-            "too little freedom",
-        ),
-        (
-            curve(with(json!([{"at": {"parameter": -1}, "point": [0, 0, 0]}]))),
-            "/method/constraints/0",
-            "outside",
-        ),
-        (
-            curve(with(json!([{"at": "start", "point": [0, 0]}]))),
-            "/method/constraints/0",
-            "2 coordinates, the data have 3",
-        ),
-        (
-            curve(with(json!([{"at": "start", "tangent": [0, 0, 0]}]))),
-            "/method/constraints/0",
-            "length zero",
-        ),
-        (
-            curve(with(json!([{"at": "middle", "point": [0, 0, 0]}]))),
-            "/method/constraints/0/at",
-            "\"middle\"",
-        ),
-        (
-            curve(with(
-                json!([{"at": {"index": 1, "parameter": 2}, "point": [0, 0, 0]}]),
-            )),
-            "/method/constraints/0/at",
-            "one of index, parameter and boundary",
-        ),
-        (
-            curve(with(json!([{"at": "start"}]))),
-            "/method/constraints/0",
-            "needs a point or a derivative",
-        ),
-        (
-            curve(with(
-                json!([{"at": "start", "point": [0, 0, 0], "tangent": [0, 0, 1]}]),
-            )),
-            "/method/constraints/0",
-            "tangent is another",
-        ),
-        (
-            curve(with(json!([{"at": "start", "derivative_u": [0, 0, 1]}]))),
-            "/method/constraints/0",
-            "derivative_u is for surfaces",
-        ),
-        (
-            curve(with(
-                json!([{"at": {"boundary": "u_start"}, "control_points": across}]),
-            )),
-            "/method/constraints/0",
-            "for surfaces",
-        ),
-        (
-            curve(with(json!([{"at": "start", "point": [[0, 0, 0]]}]))),
-            "/method/constraints/0",
-            "point is a vector",
-        ),
-        (
-            curve(with(json!([{"at": "start", "poin": [0, 0, 0]}]))),
-            "/method/constraints/0/poin",
-            "unknown field",
-        ),
-        (
-            curve(with(json!([{}]))),
-            "/method/constraints/0",
-            "has an index, or at",
-        ),
-        (
-            surface(with(json!([{"index": 3}]))),
-            "/method/constraints/0",
-            "[row, column]",
-        ),
-        (
-            surface(with(json!([{"at": "start", "point": [0, 0, 0]}]))),
-            "/method/constraints/0",
-            "a surface has boundaries",
-        ),
-        (
-            surface(with(
-                json!([{"at": {"boundary": "u_start"}, "control_points": across[1..]}]),
-            )),
-            "/method/constraints/0",
-            "7 control points along a boundary of 8",
-        ),
-        (
-            surface(with(
-                json!([{"at": {"boundary": "u_top"}, "control_points": across}]),
-            )),
-            "/method/constraints/0/at/boundary",
-            "u_top",
-        ),
-        (
-            surface(with(
-                json!([{"at": {"boundary": "u_start"}, "point": [0, 0, 0]}]),
-            )),
-            "/method/constraints/0",
-            "along a boundary",
-        ),
-        (
-            curve(setting("ends", json!("closed"))),
-            "/method/ends",
-            "interpolated",
-        ),
-        (
-            curve(setting("fairness", json!(-1))),
-            "/method/fairness",
-            "zero or greater",
-        ),
-        (
-            curve(setting("fairness_order", json!(2))),
-            "/method/fairness_order",
-            "which is not given",
-        ),
-        (
-            curve(setting("data_weights", json!([1, 2]))),
-            "/method/data_weights",
-            "2 weights of data for 30 points",
-        ),
-        (
-            curve(setting("data_weights", json!(vec![0; 30]))),
-            "/method/data_weights",
-            "all weights of data are zero",
-        ),
-        (
-            surface(setting("data_weights", json!([1, 2]))),
-            "/method/data_weights",
-            "rows of numbers",
-        ),
-        (
-            json!({"curve": {"points": wave(30)}, "method": {"kind": "global", "ends": "free"}}),
-            "/method/ends",
-            "a setting of the method \"least_squares\"",
-        ),
-    ] {
-        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
-        let (_, found) = problem(response).await;
-        let error = &found["errors"][0];
-        assert_eq!(error["pointer"], pointer, "{found}");
-        assert!(
-            error["detail"].as_str().unwrap().contains(reason),
-            "{found}"
-        );
-    }
-    let mut negative = vec![1.0; 30];
-    negative[7] = -2.0;
-    let mut fair = setting("fairness", json!(1));
-    fair["fairness_order"] = json!(4);
-    let closed = json!({"curve": {"points": wave(30), "closed": true}, "method": setting("ends", json!("interpolated"))});
-    for (job, pointer, reason) in [
-        (
-            curve(setting("data_weights", json!(negative))),
-            "/method/data_weights/7",
-            "not negative",
-        ),
-        (curve(fair), "/method/fairness_order", "order 4"),
-        (closed, "/method/ends", "closed"),
-    ] {
-        let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
-        let (_, found) = problem(response).await;
-        assert_eq!(found["errors"][0]["pointer"], pointer, "{found}");
-        assert!(
-            found["errors"][0]["detail"]
-                .as_str()
-                .unwrap()
-                .contains(reason),
-            "{found}"
-        );
     }
 }
 

@@ -15,6 +15,7 @@ mod changed;
 mod clock;
 mod closed;
 mod constraints;
+mod constraints_refused;
 mod convex;
 mod cors;
 mod crashes;

@@ -67,8 +67,8 @@ pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub use least_squares::{
-    At, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness, LeastSquares, MOST_CONDITIONS,
-    Variant, Wanted,
+    At, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness, LeastSquares,
+    LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;

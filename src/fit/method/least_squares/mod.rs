@@ -24,12 +24,13 @@
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
 //! - [`objective`]: what is made small, with [`fairness`]; [`end`]: how far it is above its minimum;
-//! - [`constraints`]: what every level obeys.
+//! - [`constraints`]: what every level obeys; [`mistake`]: what can be wrong besides.
 
 mod conjugate;
 pub(in crate::fit) mod constraints;
 mod end;
 mod fairness;
+pub(in crate::fit) mod mistake;
 mod objective;
 mod settings;
 mod solver;
@@ -56,6 +57,7 @@ use steps::Steps;
 
 pub use constraints::mistake::{ConstraintsMistake, MOST_CONDITIONS};
 pub use constraints::{At, Constraint, Wanted};
+pub use mistake::LeastSquaresMistake;
 pub use settings::{EndPoints, Ending, Fairness, LeastSquares, Variant};
 
 /// The most control points for each data point of a direction of a fair fit.
@@ -114,23 +116,6 @@ impl LeastSquares {
     }
 }
 
-/// Weights of data are finite and not negative, and some of them are greater than zero.
-fn check_weights(weights: &[f64], expected: usize) -> Result<(), Invalid> {
-    let given = weights.len();
-    if given != expected {
-        return Err(Invalid::DataWeightCount { given, expected });
-    }
-    let wrong = |weight: &f64| !(weight.is_finite() && *weight >= 0.0);
-    if let Some(index) = weights.iter().position(wrong) {
-        let value = weights[index];
-        return Err(Invalid::DataWeight { index, value });
-    }
-    match weights.iter().any(|weight| *weight > 0.0) {
-        true => Ok(()),
-        false => Err(Invalid::NoDataWeight),
-    }
-}
-
 impl Scheme for LeastSquares {
     fn about(&self) -> &'static About {
         &ABOUT
@@ -155,8 +140,7 @@ impl Scheme for LeastSquares {
         if let Some(fairness) = self.fairness {
             fairness.check()?;
         }
-        let weights = self.data_weights.as_deref();
-        weights.map_or(Ok(()), |weights| check_weights(weights, scope.grid.count()))
+        Ok(self.check_weights(scope.grid.count())?)
     }
 
     /// Conditions can be obeyed, and the normal equations solved if they have to be: those of a surface
@@ -166,16 +150,16 @@ impl Scheme for LeastSquares {
         let weighted = setup.is_homogeneous() || setup.directions().any(Direction::is_rational);
         if let Some(fairness) = self.fairness() {
             if weighted {
-                return Err(Invalid::FairnessOfRational);
+                return Err(LeastSquaresMistake::FairnessOfRational.into());
             }
             if Energy::new(setup, fairness).is_none() {
-                return Err(Invalid::FairnessOfBasis);
+                return Err(LeastSquaresMistake::FairnessOfBasis.into());
             }
         }
         let direct = self.variant == Variant::Direct;
         let whole = solver::is_whole(setup, self.is_separable());
         if direct && whole && solver::cost(setup, self) > solver::MOST {
-            return Err(Invalid::NormalEquations);
+            return Err(LeastSquaresMistake::NormalEquations.into());
         }
         Ok(())
     }

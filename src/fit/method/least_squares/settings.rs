@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::constraints::Constraint;
-use crate::fit::invalid::Invalid;
+use super::mistake::LeastSquaresMistake as Mistake;
 
 /// A least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +47,27 @@ impl LeastSquares {
             constraints: Arc::new([]),
             data_weights: None,
             ..self.clone()
+        }
+    }
+
+    /// Weights of data are finite and not negative, one for each of so many points, and some of them are
+    /// greater than zero.
+    pub(super) fn check_weights(&self, expected: usize) -> Result<(), Mistake> {
+        let Some(weights) = self.data_weights.as_deref() else {
+            return Ok(());
+        };
+        let given = weights.len();
+        if given != expected {
+            return Err(Mistake::DataWeightCount { given, expected });
+        }
+        let wrong = |weight: &f64| !(weight.is_finite() && *weight >= 0.0);
+        if let Some(index) = weights.iter().position(wrong) {
+            let value = weights[index];
+            return Err(Mistake::DataWeight { index, value });
+        }
+        match weights.iter().any(|weight| *weight > 0.0) {
+            true => Ok(()),
+            false => Err(Mistake::NoDataWeight),
         }
     }
 
@@ -112,14 +133,14 @@ pub enum Variant {
 
 impl Fairness {
     /// Refuses values and orders out of their range.
-    pub(super) fn check(self) -> Result<(), Invalid> {
+    pub(super) fn check(self) -> Result<(), Mistake> {
         let Self { value, order } = self;
         if !(value.is_finite() && value >= 0.0) {
-            return Err(Invalid::Fairness { value });
+            return Err(Mistake::Fairness { value });
         }
         match order {
             2 | 3 => Ok(()),
-            _ => Err(Invalid::FairnessOrder { order }),
+            _ => Err(Mistake::FairnessOrder { order }),
         }
     }
 }

@@ -1,0 +1,54 @@
+//! What can be wrong with the settings of least squares.
+
+use thiserror::Error;
+
+use crate::fit::invalid::{Place, Setting};
+
+/// Why settings are refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[allow(missing_docs, reason = "fields are the values that the messages name")]
+pub enum LeastSquaresMistake {
+    /// The number of weights of data is not that of the data points.
+    #[error("{given} weights of data for {expected} points")]
+    DataWeightCount { given: usize, expected: usize },
+    /// The weight of a data point is negative, infinite or NaN.
+    #[error("data weight {index} is {value}; weights of data are finite and not negative")]
+    DataWeight { index: usize, value: f64 },
+    /// No data point counts.
+    #[error("all weights of data are zero, so that no data point counts")]
+    NoDataWeight,
+    /// Fairness is negative, infinite or NaN.
+    #[error("fairness is {value}; it is a finite number, zero or greater")]
+    Fairness { value: f64 },
+    /// Fairness by a derivative of another order than 2 or 3.
+    #[error("fairness is by the second or the third derivative, and order {order} is asked for")]
+    FairnessOrder { order: usize },
+    /// Fairness of a rational curve.
+    #[error("fairness is that of polynomial curves and surfaces: this one has weights")]
+    FairnessOfRational,
+    /// Fairness in a basis whose derivatives are not known.
+    #[error("fairness needs derivatives, which B-splines and Bernstein polynomials have here")]
+    FairnessOfBasis,
+    /// The factorization of the normal equations of a whole surface would take too long.
+    #[error(
+        "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg"
+    )]
+    NormalEquations,
+}
+
+impl LeastSquaresMistake {
+    /// The part of the problem that is wrong.
+    pub(in crate::fit) fn place(&self) -> Place {
+        match *self {
+            Self::DataWeightCount { .. } | Self::NoDataWeight => {
+                Place::Setting(Setting::DataWeights)
+            }
+            Self::DataWeight { index, .. } => Place::DataWeight(index),
+            Self::Fairness { .. } | Self::FairnessOfRational | Self::FairnessOfBasis => {
+                Place::Setting(Setting::Fairness)
+            }
+            Self::FairnessOrder { .. } => Place::Setting(Setting::FairnessOrder),
+            Self::NormalEquations => Place::Method,
+        }
+    }
+}
