@@ -48,6 +48,12 @@ fn mixed_jobs() -> Vec<Value> {
         curve(json!({"kind": "chebyshev"})),
         curve(json!({"kind": "direct"})),
         curve(json!({"kind": "least_squares", "control_points": 9, "variant": "lspia", "mu": 0.3})),
+        curve(
+            json!({"kind": "least_squares", "control_points": 12, "variant": "cg", "fairness": 1e-4, "data_weights": weights,
+            "constraints": [{"index": 7}, {"at": "start", "tangent": [0, 0, 1]}]}),
+        ),
+        json!({"surface": {"points": grid}, "method": {"kind": "least_squares", "control_points": {"u": 5, "v": 4},
+            "constraints": [{"at": {"boundary": "v_end"}, "control_points": [[0, 5, 0], [1, 5, 1], [3, 5, 1], [4, 5, 1], [6, 5, 0]]}]}}),
         json!({"curve": {"points": planar}, "method": {"kind": "convex"}}),
         json!({"curve": {"points": planar}, "stream": {"view": "samples", "samples": 9, "encoding": "base64"}}),
         json!({"curve": {"points": points, "closed": true}}),

@@ -117,47 +117,10 @@ impl Objective {
         variant: Variant,
         conditions: &[Condition],
     ) -> Vec<f64> {
-        let setup = &equations.setup;
-        let mut scratch = vec![0.0; equations.collocation.scratch()];
-        let mut counted = vec![1.0; setup.grid().count()];
-        if let Some(missing) = setup.missing() {
-            missing.clear(&mut counted);
-        }
-        let mut column_sums = |values: &[f64]| {
-            let mut sums = vec![0.0; setup.control_grid().count()];
-            equations
-                .collocation
-                .apply_transposed(values, &mut sums, &mut scratch);
-            sums
-        };
-        let mut sums;
-        let mut moves: Vec<bool>;
-        let has_data = |sums: &[f64]| {
-            let largest = sums.iter().copied().fold(0.0, f64::max);
-            sums.iter().map(|&sum| sum > NO_DATA * largest).collect()
-        };
-        match &self.weights {
-            None => {
-                sums = column_sums(&counted);
-                moves = has_data(&sums);
-            }
-            Some(weights) => {
-                // Small weights are data, too.
-                let products = counted.iter_mut().zip(&**weights);
-                let weighted: Vec<f64> = products
-                    .map(|(one, weight)| {
-                        *one = if *weight > 0.0 { *one } else { 0.0 };
-                        *one * weight
-                    })
-                    .collect();
-                moves = has_data(&column_sums(&counted));
-                sums = column_sums(&weighted);
-            }
-        }
+        let (mut sums, mut moves) = self.column_sums(equations);
         if let Some(energy) = &self.energy {
-            sums.iter_mut()
-                .zip(energy.sums())
-                .for_each(|(sum, x)| *sum += x);
+            let bending = energy.sums();
+            sums.iter_mut().zip(bending).for_each(|(sum, x)| *sum += x);
             moves.fill(true);
         }
         let largest = sums.iter().copied().fold(0.0, f64::max);
@@ -173,4 +136,41 @@ impl Objective {
         };
         sums.into_iter().zip(moves).map(factor).collect()
     }
+
+    /// `Aᵀ Ω 1`, the row sums of `Aᵀ Ω A`, and which control points have data that count.
+    fn column_sums(&self, equations: &Equations) -> (Vec<f64>, Vec<bool>) {
+        let setup = &equations.setup;
+        let mut counted = vec![1.0; setup.grid().count()];
+        if let Some(missing) = setup.missing() {
+            missing.clear(&mut counted);
+        }
+        let mut scratch = vec![0.0; equations.collocation.scratch()];
+        let mut sums_of = |values: &[f64]| {
+            let mut sums = vec![0.0; setup.control_grid().count()];
+            let collocation = &equations.collocation;
+            collocation.apply_transposed(values, &mut sums, &mut scratch);
+            sums
+        };
+        let Some(weights) = &self.weights else {
+            let sums = sums_of(&counted);
+            let moves = have_data(&sums);
+            return (sums, moves);
+        };
+        let weighted = counted.iter().zip(&**weights);
+        let weighted: Vec<f64> = weighted.map(|(one, weight)| one * weight).collect();
+        // Points with small weights are data, too.
+        for (one, weight) in counted.iter_mut().zip(&**weights) {
+            if *weight == 0.0 {
+                *one = 0.0;
+            }
+        }
+        let moves = have_data(&sums_of(&counted));
+        (sums_of(&weighted), moves)
+    }
+}
+
+/// Which column sums are those of control points with data.
+fn have_data(sums: &[f64]) -> Vec<bool> {
+    let largest = sums.iter().copied().fold(0.0, f64::max);
+    sums.iter().map(|&sum| sum > NO_DATA * largest).collect()
 }
