@@ -72,17 +72,19 @@ impl<'a> Fitted<'a> {
                 grid.rows
             ),
             Some(v) => {
+                let data = match problem.is_scattered() {
+                    true => format!("{} scattered", grid.rows),
+                    false => format!("{} x {}", grid.rows, grid.columns),
+                };
                 let (first, second) = (basis_name(&u.basis), basis_name(&v.basis));
                 let bases = match first == second {
                     true => first.to_owned(),
                     false => format!("{first} x {second}"),
                 };
                 format!(
-                    "{rational}{bases} surface of degree {} x {}, {} x {} data points",
+                    "{rational}{bases} surface of degree {} x {}, {data} data points",
                     u.basis.degree(),
                     v.basis.degree(),
-                    grid.rows,
-                    grid.columns
                 )
             }
         }

@@ -243,6 +243,12 @@ impl Grid {
         self.rows * self.columns
     }
 
+    /// Whether there are rows of points: a curve and scattered points have one column, and surfaces of
+    /// rows have two at least.
+    pub fn is_rows(self) -> bool {
+        self.columns != 1
+    }
+
     /// Number of points along a direction.
     pub fn along(self, axis: Axis) -> usize {
         match axis {

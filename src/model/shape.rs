@@ -15,6 +15,7 @@ use crate::fit::invalid::{self as fit, Axis};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Weights};
+use crate::fit::scattered::Scattered;
 
 /// The most coordinates of a point.
 pub const MAX_DIMENSION: usize = 3;
@@ -96,6 +97,8 @@ pub struct ShapeSpec {
     pub grid: Grid,
     /// The indices of missing points.
     pub missing: Vec<usize>,
+    /// How the points of a surface get their parameters if they are scattered: n × 1.
+    pub scattered: Option<Scattered>,
     /// The direction of a curve, or u of a surface.
     pub u: AxisSpec,
     /// The direction v of a surface.
@@ -109,6 +112,7 @@ pub(super) struct CheckedShape {
     points: Points,
     pub(super) grid: Grid,
     missing: Vec<usize>,
+    scattered: Option<Scattered>,
     u: DirectionChoice,
     v: Option<DirectionChoice>,
     weights: Weights,
@@ -144,6 +148,7 @@ impl ShapeSpec {
             points: self.points,
             grid: self.grid,
             missing: self.missing,
+            scattered: self.scattered,
             u: u?,
             v: match v {
                 None => None,
@@ -168,7 +173,7 @@ impl CheckedShape {
             selected: method.selected,
             start: None,
             lambda_min: None,
-            scattered: None,
+            scattered: self.scattered,
             tolerance: rules.tolerance,
             max_iterations: rules.max_iterations,
         }

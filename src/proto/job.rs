@@ -13,6 +13,7 @@ use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Tolerance, Weights};
+use crate::fit::scattered::Scattered;
 use crate::model::job::JobSpec;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::{AxisSpec, BasisKind, BasisSpec, MAX_DIMENSION, ShapeSpec};
@@ -58,6 +59,7 @@ fn curve(curve: pb::Curve, most: usize) -> Result<ShapeSpec, Mistake> {
         },
         points,
         missing: Vec::new(),
+        scattered: None,
         u: AxisSpec {
             ends: Ok(ends::spec(curve.ends, (1, dimension), "curve.ends")?),
             ..axis(curve.basis, curve.parameters, curve.closed, "curve")?
@@ -68,16 +70,25 @@ fn curve(curve: pb::Curve, most: usize) -> Result<ShapeSpec, Mistake> {
 }
 
 fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
-    let (rows, columns) = (surface.rows as usize, surface.columns as usize);
-    let grid = Grid { rows, columns };
     let points = points(surface.dimension, &surface.points, most, "surface")?;
+    let (rows, columns) = match (surface.rows, surface.columns, &surface.scattered) {
+        (0, 0, Some(_)) => (points.len(), 1),
+        (rows, columns, _) => (rows as usize, columns as usize),
+    };
+    let grid = Grid { rows, columns };
     if rows.checked_mul(columns) != Some(points.len()) {
         let given = points.len();
         let detail = format!("{given} points for {rows} rows of {columns} points");
         return Err(Mistake::at_text("surface.points", detail));
     }
+    let scattered = surface.scattered;
+    let scattered = scattered.map(|it| self::scattered(it, grid)).transpose()?;
     let missing = missing(&surface.missing, points.len())?;
     let (u, v) = (surface.u.unwrap_or_default(), surface.v.unwrap_or_default());
+    if scattered.is_some() && (u.parameters.is_some() || v.parameters.is_some()) {
+        let detail = "scattered points have no parameters of their directions";
+        return Err(Mistake::at_text("surface.scattered", detail));
+    }
     let weights = pb::Weights {
         values: surface.weights,
         u: u.weights,
@@ -88,6 +99,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
         points,
         grid,
         missing,
+        scattered,
         u: AxisSpec {
             ends: Ok(ends::spec(u.ends, (columns, dimension), "surface.u.ends")?),
             ..axis(u.basis, u.parameters, u.closed, "surface.u")?
@@ -98,6 +110,51 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
         }),
         weights: Ok(surface_weights(weights, grid, "surface.weights")?),
     })
+}
+
+/// The parameters of scattered points.
+fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<Scattered, Mistake> {
+    let pb::ScatteredParameters { projection, values } = parameters;
+    if grid.is_rows() {
+        let detail = "scattered points have one column, or neither rows nor columns";
+        return Err(Mistake::at_text("surface.columns", detail));
+    }
+    let field = "surface.scattered.values";
+    let plane = match known(projection, "surface.scattered.projection")? {
+        pb::Projection::Unspecified if values.is_empty() => {
+            let detail = "scattered points need parameters, or a projection";
+            return Err(Mistake::at_text("surface.scattered", detail));
+        }
+        pb::Projection::Unspecified if !values.len().is_multiple_of(2) => {
+            let count = values.len();
+            let detail = format!("{count} numbers are no pairs u, v");
+            return Err(Mistake::at_text(field, detail));
+        }
+        pb::Projection::Unspecified => {
+            return Ok(Scattered::Given(Arc::new(Points::from_flat(2, &values))));
+        }
+        pb::Projection::Nearest => Scattered::Plane,
+        pb::Projection::Xy => Scattered::Coordinates,
+    };
+    match values.is_empty() {
+        true => Ok(plane),
+        false => {
+            let detail = "numbers are given, but there is a projection";
+            Err(Mistake::at_text(field, detail))
+        }
+    }
+}
+
+fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
+    let (projection, values) = match scattered {
+        Scattered::Given(pairs) => (pb::Projection::Unspecified, flat(pairs)),
+        Scattered::Plane => (pb::Projection::Nearest, Vec::new()),
+        Scattered::Coordinates => (pb::Projection::Xy, Vec::new()),
+    };
+    pb::ScatteredParameters {
+        projection: projection.into(),
+        values,
+    }
 }
 
 fn axis(
@@ -308,22 +365,24 @@ fn curve_message(request: &Request) -> pb::Curve {
 }
 
 fn surface_message(request: &Request, v: &DirectionChoice) -> pb::Surface {
+    let scattered = request.scattered.is_some();
     pb::Surface {
         dimension: count(request.points.dimension()),
         rows: count(request.grid.rows),
         columns: count(request.grid.columns),
         points: flat(&request.points),
         missing: request.missing.iter().map(|&index| count(index)).collect(),
-        u: Some(direction(&request.u)),
-        v: Some(direction(v)),
+        scattered: request.scattered.as_ref().map(scattered_message),
+        u: Some(direction(&request.u, scattered)),
+        v: Some(direction(v, scattered)),
         weights: grid_weights(&request.weights).unwrap_or_default(),
     }
 }
 
-fn direction(choice: &DirectionChoice) -> pb::SurfaceDirection {
+fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection {
     pb::SurfaceDirection {
         basis: Some(basis_message(&choice.basis)),
-        parameters: Some(parameters_message(&choice.parameters)),
+        parameters: (!scattered).then(|| parameters_message(&choice.parameters)),
         closed: choice.closed,
         weights: choice.weights.clone().unwrap_or_default(),
         ends: choice.ends.as_ref().map(ends::message),

@@ -66,6 +66,7 @@ mod refusals;
 mod rpc;
 mod rpc_operations;
 mod scales;
+mod scattered;
 mod short_forms;
 mod stored_before;
 mod stream_object;

@@ -47,7 +47,7 @@ where
 }
 
 /// The most numbers that belong to data points: of knots there are the most.
-fn most_numbers(limits: ListLimits) -> Most<'static> {
+pub(in crate::api) fn most_numbers(limits: ListLimits) -> Most<'static> {
     let ends = 2 * (MAX_DEGREE + 1);
     Most::of(limits.points.saturating_add(ends), "numbers")
 }

@@ -13,6 +13,10 @@ use crate::model::shape::MAX_DIMENSION;
 #[derive(Debug)]
 pub struct PointList(pub Points);
 
+/// A list of scattered points, each with 1, 2 or 3 coordinates, all alike.
+#[derive(Debug)]
+pub struct ScatteredPoints(pub Points);
+
 /// Rows (u) of columns (v) of points; `null` stands for a missing one.
 #[derive(Debug)]
 pub struct PointGrid {
@@ -42,6 +46,25 @@ impl Reader for Of<PointList> {
         let row = PointRowReader(&gathered, Under::Curve);
         let whole = row.list(list, at)?;
         Ok(whole.map(|_| PointList(gathered.into_inner().points())))
+    }
+}
+
+impl Reader for Of<ScatteredPoints> {
+    type Value = ScatteredPoints;
+
+    fn expected(&self) -> String {
+        "a list of points, [[x, y, z], …]".to_owned()
+    }
+
+    fn list<'de, A: SeqAccess<'de>>(
+        self,
+        list: A,
+        at: &mut Reading,
+    ) -> Result<Option<ScatteredPoints>, A::Error> {
+        let gathered = RefCell::new(Gathered::default());
+        let row = PointRowReader(&gathered, Under::Scattered);
+        let whole = row.list(list, at)?;
+        Ok(whole.map(|_| ScatteredPoints(gathered.into_inner().points())))
     }
 }
 
@@ -85,6 +108,7 @@ impl Reader for Of<PointGrid> {
 enum Under {
     Curve,
     Surface,
+    Scattered,
     Edit,
 }
 
@@ -185,7 +209,7 @@ impl Reader for PointReader {
     fn number(self, value: Numeral, at: &mut Reading) -> Option<Option<Coordinates>> {
         let hint = match self.0 {
             Under::Surface => "; a surface has rows of points, and a list of points is a curve",
-            Under::Curve | Under::Edit => "",
+            Under::Curve | Under::Scattered | Under::Edit => "",
         };
         at.wrong(format!("expected {}, found {value}{hint}", self.expected()));
         None
@@ -254,6 +278,7 @@ impl Reader for CoordinateReader {
     ) -> Result<Option<f64>, A::Error> {
         at.wrong(match self.0 {
             Under::Curve => "expected a number, found a list: rows of points are fitted by a \"surface\", not by a \"curve\"",
+            Under::Scattered => "expected a number, found a list: rows of points are \"points\", scattered points have none",
             Under::Surface | Under::Edit => "expected a number, found a list",
         });
         Anything.list(list, at)?;

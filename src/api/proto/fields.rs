@@ -19,6 +19,8 @@ pub struct MessageLayout {
     columns: usize,
     /// Edits: for each point that changes, its entry in `moved` and in `weighted`.
     pub(super) changes: Vec<(Option<usize>, Option<usize>)>,
+    /// The points are scattered.
+    scattered: bool,
     method: method::SettingsLayout,
     ends: EndsLayout,
 }
@@ -35,6 +37,10 @@ impl MessageLayout {
             root,
             dimension: dimension as usize,
             columns: columns as usize,
+            scattered: matches!(
+                &input.geometry,
+                Some(Geometry::Surface(it)) if it.scattered.is_some()
+            ),
             method: method::SettingsLayout::of(input.method.as_ref()),
             ends: EndsLayout::of(input),
             ..Self::default()
@@ -91,6 +97,11 @@ impl MessageLayout {
             P::Degree(axis) => self.direction(axis, "basis.degree"),
             P::Knots(axis) => self.direction(axis, "basis.knots"),
             P::Knot(axis, index) => self.direction(axis, &format!("basis.knots[{index}]")),
+            P::Parameters(_) if self.scattered => format!("{root}.scattered"),
+            P::Parameter(axis, index) if self.scattered => {
+                let number = 2 * index + usize::from(axis == Axis::V);
+                format!("{root}.scattered.values[{number}]")
+            }
             P::Parameters(axis) => self.direction(axis, "parameters"),
             P::Parameter(axis, index) => {
                 self.direction(axis, &format!("parameters.values[{index}]"))

@@ -98,7 +98,7 @@ pub fn read(body: Bytes, parent: &Outline) -> Result<(EditSpec, Places), Problem
 impl EditRequest {
     fn spec(self, grid: Grid, surface: bool) -> (EditSpec, Places) {
         let places = Places {
-            columns: surface.then_some(grid.columns),
+            columns: (surface && grid.is_rows()).then_some(grid.columns),
             weights_each: true,
             method_each: self.method.as_ref().is_some_and(MethodRequest::is_each),
             ..Places::default()

@@ -65,7 +65,7 @@ impl JobRequest {
         let surface = self.surface.is_some();
         let (shape, mut places) = match (self.curve, self.surface) {
             (Some(curve), None) => given(curve.spec()),
-            (None, Some(surface)) => given(surface.spec()),
+            (None, Some(surface)) => surface.spec(),
             (None, None) => {
                 let mistake = Mistake::at(SpecPart::Whole, "a curve or a surface is needed");
                 (Err(mistake.into()), Places::default())

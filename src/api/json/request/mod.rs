@@ -4,6 +4,7 @@
 //! - [`shape`]: a curve or a surface; [`basis`]: its basis, knots and parameters; [`ends`]: how it ends;
 //! - [`method`]: the method and its [`settings`]; [`iteration`]: the one that an edit starts from; [`stop`]: when the iteration ends;
 //! - [`places`]: where a part of the model stands;
+//! - [`scattered`]: the parameters of a surface, also of scattered points;
 //! - `schema`: what is not derived of the schemas.
 
 pub mod basis;
@@ -13,6 +14,7 @@ pub mod iteration;
 pub mod job;
 pub mod method;
 pub mod places;
+pub(in crate::api) mod scattered;
 pub(in crate::api) mod schema;
 pub mod settings;
 pub mod shape;

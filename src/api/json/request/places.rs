@@ -5,6 +5,7 @@ use super::method;
 use crate::api::json::per_direction::direction;
 use crate::api::problem::{self, Words};
 use crate::fit::invalid::{Axis, Place as P};
+use crate::fit::points::Grid;
 use crate::model::mistakes::{ChangePart, SpecPart};
 use crate::model::named::Named;
 
@@ -24,6 +25,8 @@ pub struct Places {
     pub(super) ends_each: bool,
     /// How the ends of u and v are written.
     pub(super) ends: [EndsForm; 2],
+    /// The points are scattered.
+    pub(super) scattered: bool,
     /// The setting of the method that has a value for each direction.
     pub(super) method_each: bool,
 }
@@ -38,19 +41,19 @@ impl Places {
     }
 
     /// Of a surface with one value for both directions.
-    pub fn of_surface(columns: usize) -> Self {
+    pub fn of_surface(grid: Grid) -> Self {
         Self {
             root: "/surface",
-            columns: Some(columns),
+            columns: grid.is_rows().then_some(grid.columns),
             ..Self::default()
         }
     }
 
     /// Of a job as it is shown, of whose parts only the bases are looked for.
-    pub fn of_input(columns: Option<usize>, basis_each: bool) -> Self {
+    pub fn of_input(surface: Option<Grid>, basis_each: bool) -> Self {
         Self {
             basis_each,
-            ..columns.map_or_else(Self::of_curve, Self::of_surface)
+            ..surface.map_or_else(Self::of_curve, Self::of_surface)
         }
     }
 
@@ -81,6 +84,14 @@ impl Places {
         format!("{}/{name}/{}", self.root, self.index(index))
     }
 
+    /// The field of the points.
+    fn points(&self) -> &'static str {
+        match self.scattered {
+            true => "scattered",
+            false => "points",
+        }
+    }
+
     /// What a setting of the method has for a point.
     fn setting(&self, name: &str, index: usize) -> String {
         format!("/method/{name}/{}", self.index(index))
@@ -98,8 +109,8 @@ impl Places {
     fn pointer(&self, place: P) -> String {
         let root = self.root;
         match place {
-            P::Points => format!("{root}/points"),
-            P::Point(index) => self.element("points", index),
+            P::Points => format!("{root}/{}", self.points()),
+            P::Point(index) => self.element(self.points(), index),
             P::Line(Axis::U, index) => format!("{root}/points/{index}"),
             P::Line(Axis::V, index) => format!("{root}/points/0/{index}"),
             P::Basis(axis) => self.basis(axis),
@@ -107,6 +118,11 @@ impl Places {
             P::Degree(axis) => format!("{}/degree", self.basis(axis)),
             P::Knots(axis) => format!("{}/knots", self.basis(axis)),
             P::Knot(axis, index) => format!("{}/knots/{index}", self.basis(axis)),
+            P::Parameters(_) if self.scattered => format!("{root}/parameters"),
+            P::Parameter(axis, index) if self.scattered => {
+                let number = usize::from(axis == Axis::V);
+                format!("{root}/parameters/{index}/{number}")
+            }
             P::Parameters(axis) => self.parameters(axis),
             P::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
             P::Closed(axis) => self.part("closed", self.closed_each, axis),

@@ -67,7 +67,7 @@ pub(super) fn each_point(
     surface: bool,
     things: &str,
 ) -> Result<Arc<[f64]>, String> {
-    match (list, surface) {
+    match (list, surface && grid.is_rows()) {
         (WeightList::Line(each), false) => Ok(each.into()),
         (WeightList::Grid { values, columns }, true) => {
             let rows = values.len() / columns.max(1);
@@ -82,6 +82,9 @@ pub(super) fn each_point(
                 "{rows} rows of {columns} {things} for {needed} rows of {each} points"
             ))
         }
+        (_, false) if surface => Err(format!(
+            "the {things} of scattered points are a list of numbers"
+        )),
         (_, false) => Err(format!("the {things} of a curve are a list of numbers")),
         (_, true) => Err(format!("the {things} of a surface are rows of numbers")),
     }
@@ -174,7 +177,7 @@ impl Index {
     /// The index in the list of all points, row by row. Whether a point of a curve exists is
     /// checked with the problem.
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
-        match (self, surface) {
+        match (self, surface && grid.is_rows()) {
             (Self::Single(i), false) => Ok(i),
             (Self::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
                 Ok(i * grid.columns + j)
@@ -185,7 +188,14 @@ impl Index {
                     "[{i}, {j}] lies outside the {rows} rows and {columns} columns"
                 ))
             }
-            (Self::Pair(..), false) => Err("the points of a curve have single indices".to_owned()),
+            (Self::Pair(..), false) => {
+                let whose = if surface {
+                    "scattered points"
+                } else {
+                    "the points of a curve"
+                };
+                Err(format!("{whose} have single indices"))
+            }
             (Self::Single(_), true) => {
                 Err("the points of a surface have indices [row, column]".to_owned())
             }
@@ -271,7 +281,7 @@ schema_of!(
     Index,
     "PointIndex",
     json_schema!({
-        "description": "The index of a data point, from 0: of a curve a number, of a surface [row, column].",
+        "description": "The index of a data point, from 0: of a curve and of scattered points a number, of a surface [row, column].",
         "oneOf": [
             {"type": "integer", "minimum": 0},
             {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 2, "maxItems": 2},
@@ -317,7 +327,7 @@ schema_of!(DataWeights, "DataWeights", {
     let number = json_schema!({"type": "number", "minimum": 0});
     let line = json_schema!({"type": "array", "items": number, "minItems": 2});
     json_schema!({
-        "description": "A number for each data point, zero or greater: of a curve a list, of a surface rows of numbers.",
+        "description": "A number for each data point, zero or greater: of a curve and of scattered points a list, of a surface rows of numbers.",
         "oneOf": [
             {"title": "Line", "type": "array", "items": number, "minItems": 2},
             {"title": "Rows", "type": "array", "items": line, "minItems": 2},

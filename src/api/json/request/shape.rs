@@ -5,16 +5,18 @@ use schemars::JsonSchema;
 use super::basis::{BasisRequest, Degree, ParameterRule, Parameters, parametrization};
 use super::ends::{CurveEnds, EndsForm, EndsRequest, SurfaceEnds};
 use super::places::Places;
+use super::scattered::{SurfaceParameterChoice, SurfaceParameters};
 use super::schema;
 use crate::api::json::numbers::{RuleOrNumbers, WeightList};
 use crate::api::json::per_direction::PerDirection;
-use crate::api::json::points::{PointGrid, PointList};
+use crate::api::json::points::{PointGrid, PointList, ScatteredPoints};
 use crate::api::json::read::object;
 use crate::api::json::schema::numbers::{CurveWeights, SurfaceWeights};
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::ends::Ends;
 use crate::fit::invalid::{self as fit, Axis};
-use crate::fit::points::Grid;
+use crate::fit::points::{Grid, Points};
+use crate::fit::scattered::Scattered;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::{AxisSpec, BasisSpec, ShapeSpec};
 use crate::model::weights::WeightSpec;
@@ -45,22 +47,26 @@ pub(in crate::api) struct CurveRequest {
     pub(in crate::api) ends: Option<EndsRequest>,
 }
 
-/// A surface through a grid of data points. `basis`, `parameters` and `closed` are one value for
-/// both directions, or one for each.
+/// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
+/// of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
+/// directions, or one for each.
 #[derive(Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 #[schemars(rename = "SurfaceInput", example = schema::example_surface())]
 pub(in crate::api) struct SurfaceRequest {
     /// Rows (u) of columns (v) of data points.
-    pub(in crate::api) points: PointGrid,
+    pub(in crate::api) points: Option<PointGrid>,
+    /// Points without rows and columns, for least-squares fits; `parameters` says where each of them is.
+    pub(in crate::api) scattered: Option<ScatteredPoints>,
     /// The bases; without them cubic B-splines.
     pub(in crate::api) basis: Option<PerDirection<BasisRequest>>,
     /// Short for B-splines of this degree, instead of `basis`.
     #[schemars(with = "Option<PerDirection<Degree>>")]
     pub(in crate::api) degree: Option<PerDirection<usize>>,
-    /// The parameters of the data points; without them `chord_length`.
-    #[schemars(with = "Option<PerDirection<Parameters>>")]
-    pub(in crate::api) parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
+    /// The parameters of the data points; of a grid without them `chord_length`. Scattered points need
+    /// them.
+    #[schemars(with = "Option<SurfaceParameterChoice>")]
+    pub(in crate::api) parameters: Option<SurfaceParameters>,
     /// Weights of the data points, for a rational surface.
     #[schemars(with = "Option<SurfaceWeights>")]
     pub(in crate::api) weights: Option<PerDirection<WeightList>>,
@@ -80,8 +86,76 @@ object!(
 object!(
     SurfaceRequest,
     "an object with points",
-    [points, basis, degree, parameters, weights, closed, ends]
+    [
+        points, scattered, basis, degree, parameters, weights, closed, ends
+    ]
 );
+
+/// The data points of a surface as they are asked for.
+struct SurfaceData {
+    points: Points,
+    grid: Grid,
+    missing: Vec<usize>,
+    /// How scattered points get their parameters.
+    scattered: Option<Scattered>,
+    /// How those of a grid do.
+    parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
+}
+
+/// The data points of a surface with their parameters: in a grid, or scattered.
+fn surface_data(
+    points: Option<PointGrid>,
+    scattered: Option<ScatteredPoints>,
+    parameters: Option<SurfaceParameters>,
+) -> Result<SurfaceData, Mistake> {
+    match (points, scattered, parameters) {
+        (Some(_), Some(_), _) => Err(Mistake::at_text(
+            "/surface/scattered",
+            "the surface has points in a grid, so it cannot have scattered ones as well",
+        )),
+        (None, None, _) => Err(Mistake::at_text(
+            "/surface",
+            "the field \"points\" is missing, or \"scattered\" ones",
+        )),
+        (Some(_), None, Some(SurfaceParameters::Scattered(_))) => Err(Mistake::at_text(
+            "/surface/parameters",
+            "pairs and projections are parameters of scattered points; rows and columns have rules or lists of numbers",
+        )),
+        (Some(it), None, parameters) => Ok(SurfaceData {
+            grid: Grid {
+                rows: it.rows,
+                columns: it.columns,
+            },
+            points: it.points,
+            missing: it.missing,
+            scattered: None,
+            parameters: match parameters {
+                Some(SurfaceParameters::Grid(parameters)) => Some(parameters),
+                _ => None,
+            },
+        }),
+        (None, Some(ScatteredPoints(points)), Some(SurfaceParameters::Scattered(scattered))) => {
+            Ok(SurfaceData {
+                grid: Grid {
+                    rows: points.len(),
+                    columns: 1,
+                },
+                points,
+                missing: Vec::new(),
+                scattered: Some(scattered),
+                parameters: None,
+            })
+        }
+        (None, Some(_), None) => Err(Mistake::at_text(
+            "/surface",
+            "scattered points need parameters: [[u, v], …], \"project\" or {\"project\": \"xy\"}",
+        )),
+        (None, Some(_), Some(SurfaceParameters::Grid(_))) => Err(Mistake::at_text(
+            "/surface/parameters",
+            "scattered points have no rows and columns: their parameters are [[u, v], …], \"project\" or {\"project\": \"xy\"}",
+        )),
+    }
+}
 
 impl CurveRequest {
     /// What it asks for, and where its parts stand.
@@ -101,6 +175,7 @@ impl CurveRequest {
             },
             points,
             missing: Vec::new(),
+            scattered: None,
             u: AxisSpec {
                 basis: basis(self.basis.or(of_degree), doubled, &places),
                 parameters: parametrization(self.parameters),
@@ -116,13 +191,11 @@ impl CurveRequest {
 
 impl SurfaceRequest {
     /// What it asks for, and where its parts stand.
-    pub(super) fn spec(self) -> (ShapeSpec, Places) {
-        let PointGrid {
-            points,
-            missing,
-            rows,
-            columns,
-        } = self.points;
+    pub(super) fn spec(self) -> (OrMistakes<ShapeSpec>, Places) {
+        let data = match surface_data(self.points, self.scattered, self.parameters) {
+            Ok(data) => data,
+            Err(mistake) => return (Err(mistake.into()), Places::default()),
+        };
         let doubled = self.degree.is_some() && self.basis.is_some();
         let of_degree = self
             .degree
@@ -133,15 +206,16 @@ impl SurfaceRequest {
         let places = Places {
             degree_alone: self.degree.is_some(),
             basis_each: bases.as_ref().is_some_and(PerDirection::is_each),
-            parameters_each: self.parameters.as_ref().is_some_and(PerDirection::is_each),
+            parameters_each: data.parameters.as_ref().is_some_and(PerDirection::is_each),
+            scattered: data.scattered.is_some(),
             closed_each: self.closed.is_some_and(|closed| closed.is_each()),
             weights_each: self.weights.as_ref().is_some_and(PerDirection::is_each),
             ends_each: self.ends.as_ref().is_some_and(PerDirection::is_each),
             ends: [&ends_u, &ends_v].map(|it| form(it.as_ref(), true)),
-            ..Places::of_surface(columns)
+            ..Places::of_surface(data.grid)
         };
         let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
-        let (parameters_u, parameters_v) = self.parameters.map(PerDirection::split).unzip();
+        let (parameters_u, parameters_v) = data.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
         let axis = |request, doubled, parameters, closed: Option<bool>, ends| AxisSpec {
             basis: basis(request, doubled, &places),
@@ -151,14 +225,15 @@ impl SurfaceRequest {
         };
         let (ends_u, ends_v) = (ends(ends_u, Axis::U, true), ends(ends_v, Axis::V, true));
         let spec = ShapeSpec {
-            points,
-            grid: Grid { rows, columns },
-            missing,
+            points: data.points,
+            grid: data.grid,
+            missing: data.missing,
+            scattered: data.scattered,
             u: axis(basis_u, doubled, parameters_u, closed_u, ends_u),
             v: Some(axis(basis_v, false, parameters_v, closed_v, ends_v)),
             weights: weights(self.weights, true),
         };
-        (spec, places)
+        (Ok(spec), places)
     }
 }
 

@@ -4,7 +4,7 @@ use schemars::json_schema;
 
 use super::schema_of;
 use crate::api::json::per_direction::Pair;
-use crate::api::json::points::{PointGrid, PointList};
+use crate::api::json::points::{PointGrid, PointList, ScatteredPoints};
 use crate::model::shape::MAX_DIMENSION;
 
 /// A data point.
@@ -29,6 +29,14 @@ schema_of!(PointList, "Points", generator => json_schema!({
     "items": generator.subschema_for::<Point>(),
     "minItems": 2,
     "examples": [[[0, 0], [1, 2], [3, 1], [4, 3]]],
+}));
+
+schema_of!(ScatteredPoints, "ScatteredPoints", generator => json_schema!({
+    "description": "The scattered data points of a surface, in any order.",
+    "type": "array",
+    "items": generator.subschema_for::<Point>(),
+    "minItems": 4,
+    "examples": [[[0, 0, 1], [0.3, 1.2, 2], [1, 0.7, 1], [0.6, 0.1, 3]]],
 }));
 
 schema_of!(

@@ -24,7 +24,10 @@ pub struct Arrangement {
 impl From<&Problem> for Arrangement {
     fn from(problem: &Problem) -> Self {
         Self {
-            columns: problem.v().map(|_| problem.grid().columns),
+            columns: problem
+                .v()
+                .filter(|_| !problem.is_scattered())
+                .map(|_| problem.grid().columns),
             local: matches!(problem.method(), Method::Local(_)),
         }
     }
@@ -33,7 +36,7 @@ impl From<&Problem> for Arrangement {
 impl From<&Outline> for Arrangement {
     fn from(outline: &Outline) -> Self {
         Self {
-            columns: outline.surface.then_some(outline.grid.columns),
+            columns: (outline.surface && outline.grid.is_rows()).then_some(outline.grid.columns),
             local: matches!(outline.method, Method::Local(_)),
         }
     }
@@ -102,7 +105,7 @@ impl JsonSchema for Distance {
     }
 }
 
-/// The index of a data point: on surfaces `[row, column]`.
+/// The index of a data point: on surfaces `[row, column]`, but for scattered points.
 #[derive(Clone, Copy, Serialize)]
 #[serde(untagged)]
 pub enum PointIndex {

@@ -14,6 +14,7 @@ use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::fit::scattered::Scattered;
 use crate::job::outline::Outline;
 use crate::model::weights::Rational;
 
@@ -58,12 +59,25 @@ impl Serialize for Shape<'_> {
         let request = self.0;
         let mut fields = serializer.serialize_map(None)?;
         let points = DataPoints::new(request);
-        match &request.v {
-            None => fields.serialize_entry("points", &points.line(0, request.grid.rows))?,
-            Some(_) => fields.serialize_entry("points", &points)?,
+        let list = || points.line(0, request.grid.rows);
+        match (&request.v, &request.scattered) {
+            (None, _) => fields.serialize_entry("points", &list())?,
+            (Some(_), None) => fields.serialize_entry("points", &points)?,
+            (Some(_), Some(_)) => fields.serialize_entry("scattered", &list())?,
         }
         fields.serialize_entry("basis", &per_direction(request, basis))?;
-        fields.serialize_entry("parameters", &per_direction(request, parameters))?;
+        match &request.scattered {
+            None => {
+                fields.serialize_entry("parameters", &per_direction(request, parameters))?;
+            }
+            Some(Scattered::Given(pairs)) => {
+                fields.serialize_entry("parameters", &Pairs(pairs))?;
+            }
+            Some(Scattered::Plane) => fields.serialize_entry("parameters", "project")?,
+            Some(Scattered::Coordinates) => {
+                fields.serialize_entry("parameters", &json!({"project": "xy"}))?;
+            }
+        }
         if let Some(weights) = weights(request) {
             fields.serialize_entry("weights", &weights)?;
         }
@@ -127,6 +141,15 @@ impl Serialize for DataLine<'_> {
         serializer.collect_seq(
             places.map(|(k, missing)| (!missing).then(|| DataPoint(self.points, self.start + k))),
         )
+    }
+}
+
+/// The parameters of scattered points.
+struct Pairs<'a>(&'a Points);
+
+impl Serialize for Pairs<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq((0..self.0.len()).map(|i| DataPoint(self.0, i)))
     }
 }
 

@@ -34,8 +34,8 @@ pub struct WarningView {
 impl WarningView {
     /// What is doubtful about a job, as far as is known by now.
     pub fn of(outline: &Outline, levels: Option<&Levels>) -> Vec<Self> {
-        let columns = outline.surface.then_some(outline.grid.columns);
-        let places = Places::of_input(columns, outline.bases_differ);
+        let surface = outline.surface.then_some(outline.grid);
+        let places = Places::of_input(surface, outline.bases_differ);
         let view = |warning: fit::Warning| Self {
             code: warning.code(),
             pointer: places.of(SpecPart::Fit(warning.place())),

@@ -47,9 +47,11 @@ fn samples(count: usize, direction: &Direction) -> Vec<Position> {
     (0..control_points).map(position).collect()
 }
 
-/// Level 0 of scattered points: each control point is the mean of the points in the support of its
-/// function, which are weighted with it, `x_j = (AᵀP)_j / (Aᵀ1)_j`. One without points has the place
-/// of the nearest one that has some, counted in steps of the control grid.
+/// Level 0 of scattered points: each control point is the mean of all points. From there the first
+/// step of `diagonal` leads to the means of the points in the support of each function, weighted with
+/// it, `x_j = (AᵀP)_j / (Aᵀ1)_j`. Control points without points in their support stay where they are,
+/// so they have the weighted mean of the nearest one that has some, counted in steps of the control
+/// grid.
 pub(super) fn means(equations: &Equations) -> Points {
     let (setup, matrix) = (&equations.setup, &equations.collocation);
     let (data, grid) = (setup.data(), setup.control_grid());
@@ -60,13 +62,23 @@ pub(super) fn means(equations: &Equations) -> Points {
     let is_lost = |j: &usize| weights[*j] <= NO_DATA * largest;
     let lost: Vec<usize> = (0..weights.len()).filter(is_lost).collect();
     let mut means = Points::zeros(data.dimension(), grid.count());
-    for (means, lane) in means.lanes_mut().iter_mut().zip(data.lanes()) {
-        matrix.apply_transposed(lane, means, &mut scratch);
-        let means = means.iter_mut().zip(&weights);
-        means.for_each(|(mean, weight)| *mean /= weight);
+    let missing = Missing::new(&lost, grid.count());
+    if let Some(missing) = &missing {
+        for (means, lane) in means.lanes_mut().iter_mut().zip(data.lanes()) {
+            matrix.apply_transposed(lane, means, &mut scratch);
+            let means = means.iter_mut().zip(&weights);
+            means.for_each(|(mean, weight)| *mean /= weight);
+        }
+        missing.fill(&mut means, grid);
     }
-    if let Some(lost) = Missing::new(&lost, grid.count()) {
-        lost.fill(&mut means, grid);
+    let count = data.len() as f64;
+    for (means, lane) in means.lanes_mut().iter_mut().zip(data.lanes()) {
+        let mean: f64 = lane.iter().map(|x| x / count).sum();
+        for (j, place) in means.iter_mut().enumerate() {
+            if !missing.as_ref().is_some_and(|it| it.contains(j)) {
+                *place = mean;
+            }
+        }
     }
     means
 }

@@ -20,7 +20,7 @@ fn threshold_of(threshold: &Threshold, problem: &Problem) -> Value {
 
 /// A number for each point of a curve, or rows of them.
 fn of_points(values: &[f64], problem: &Problem) -> Value {
-    match problem.v() {
+    match problem.v().filter(|_| !problem.is_scattered()) {
         None => json!(values),
         Some(_) => {
             let rows = values.chunks(problem.grid().columns);
