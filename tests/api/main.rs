@@ -16,6 +16,7 @@ mod clock;
 mod closed;
 mod constraints;
 mod constraints_refused;
+mod constraints_messages;
 mod convex;
 mod cors;
 mod crashes;
