@@ -128,23 +128,27 @@ impl Reader for Of<ParameterRequest> {
 
 schema_of!(AtRequest, "ConstraintPlace", generator => {
     let index = generator.subschema_for::<Index>();
-    let place = |name: &str, schema: schemars::Schema| json_schema!({
-        "type": "object",
-        "properties": {name: schema},
-        "required": [name],
-        "additionalProperties": false,
-    });
+    let place = |name: &str, what: &str, mut schema: schemars::Schema| {
+        schema.insert("description".to_owned(), what.into());
+        json_schema!({
+            "type": "object",
+            "properties": {name: schema},
+            "required": [name],
+            "additionalProperties": false,
+        })
+    };
     let number = json_schema!({"type": "number"});
     let parameter = json_schema!({
         "oneOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}],
     });
+    let boundary = json_schema!({"type": "string", "enum": Boundary::NAMES});
     json_schema!({
         "description": "An end of a curve, the parameters of a data point, a parameter ([u, v] of a surface), or a boundary of a surface.",
         "oneOf": [
             {"type": "string", "enum": ["start", "end"]},
-            place("index", index),
-            place("parameter", parameter),
-            place("boundary", json_schema!({"type": "string", "enum": Boundary::NAMES})),
+            place("index", "The data point at whose parameters it holds.", index),
+            place("parameter", "The parameter of a curve, or [u, v] of a surface.", parameter),
+            place("boundary", "The boundary of a surface at the first or the last parameter of u or of v.", boundary),
         ],
         "examples": ["start", {"index": 17}, {"parameter": [0.5, 0.25]}, {"boundary": "u_end"}],
     })
