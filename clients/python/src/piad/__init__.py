@@ -26,8 +26,8 @@ from .errors import (
     ProtocolError,
     WaitTimeout,
 )
-from .geometry import Basis, Curve, Surface
-from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape
+from .geometry import Basis, Boundary, Curve, Surface
+from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape, boundary
 from .job import Job, JobWarning, Status
 
 # Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
@@ -37,6 +37,7 @@ __all__ = [
     "ApiError",
     "BadWeight",
     "Basis",
+    "Boundary",
     "Client",
     "ConnectionLost",
     "Curve",
@@ -56,4 +57,5 @@ __all__ = [
     "Status",
     "Surface",
     "WaitTimeout",
+    "boundary",
 ]

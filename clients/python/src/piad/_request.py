@@ -129,9 +129,11 @@ def settings(method: Method) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Arrays as lists; objects, texts, numbers and None stay."""
+    """Arrays as lists; objects, also those in lists, texts, numbers and None stay."""
     if _is_each(value):
         return {name: plain(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)) and any(map(_is_each, value)):
+        return [plain(part) for part in value]
     return as_lists(value)
 
 

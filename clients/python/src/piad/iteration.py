@@ -9,7 +9,8 @@ from typing import Any, Optional, Union
 
 from ._arrays import Array, as_array, as_lists, copy, from_base64, outer
 from .errors import ProtocolError
-from .geometry import Basis, Curve, Surface
+from .geometry import Basis, Boundary, Curve, Surface
+from .geometry.boundary import Side
 
 Geometry = Union[Curve, Surface]
 Index = Union[int, tuple[int, int]]
@@ -266,3 +267,13 @@ class Result:
         if not isinstance(self.geometry, Surface):
             raise TypeError("the job fitted a curve, not a surface")
         return self.geometry
+
+
+def boundary(fitted: Union[Result, Iteration, Surface], side: Side) -> Boundary:
+    """The boundary of a fitted surface at "u_start", "u_end", "v_start" or "v_end", to which a neighbour can be
+    fitted: `boundary(result, "u_end").constraints("u_start")`.
+    """
+    geometry = fitted if isinstance(fitted, Surface) else fitted.geometry
+    if not isinstance(geometry, Surface):
+        raise TypeError("the job fitted a curve, which has no boundaries")
+    return geometry.boundary(side)

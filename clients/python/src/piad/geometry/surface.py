@@ -9,6 +9,7 @@ from typing import Any, Optional
 from .._arrays import Array, as_array, depth, np
 from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
+from .boundary import Boundary, Side, boundary
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +98,13 @@ class Surface:
         else:
             points = net.combined(basis_v.as_bspline(), v, lines)
         return points if self.weights is None else net.projected(points)[0]
+
+    def boundary(self, side: Side) -> Boundary:
+        """The boundary at "u_start", "u_end", "v_start" or "v_end": its control points and its derivative
+        across, which a neighbour can be fitted to. A `ValueError` if the surface is closed there, or
+        rational.
+        """
+        return boundary(self, side)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.NdBSpline`, to be called with points (u, v).

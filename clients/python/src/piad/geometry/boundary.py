@@ -1,0 +1,71 @@
+"""Boundaries of surfaces, as constraints of a neighbour that is to join there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from .._arrays import Array, as_array, as_lists, mix
+from . import net
+from .basis import Basis
+
+if TYPE_CHECKING:
+    from .surface import Surface
+
+Side = Literal["u_start", "u_end", "v_start", "v_end"]
+"""A boundary: at the first or the last parameter of u or of v."""
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """A boundary of a surface, and its derivative across it."""
+
+    control_points: Array
+    """Those of the boundary curve in the basis of the other direction, shape (n, dimension)."""
+    cross_derivatives: Array
+    """Those of the derivative with respect to the parameter that is constant there, in its direction."""
+
+    def constraints(self, at: Side, *, scale: float = 1.0) -> list[dict[str, Any]]:
+        """Constraints of a neighbour that joins at its boundary `at`, for the method `least_squares`.
+
+        The neighbour has the same basis along the boundary. Its derivative across is that of this
+        surface times `scale`: with any but zero both have the same tangent planes (G1). It is positive
+        where an end joins a start, and negative where an end joins an end or a start a start, as the
+        parameters run against each other there. If a parameter of the neighbour is worth a times as
+        much length as one of this surface, a is the scale that suits it.
+        """
+        if not scale:
+            raise ValueError("with scale 0 the neighbour would stand still at the boundary")
+        across = [[scale * x for x in vector] for vector in as_lists(self.cross_derivatives)]
+        place = {"boundary": at}
+        return [
+            {"at": place, "control_points": as_lists(self.control_points)},
+            {"at": place, "cross_derivatives": across},
+        ]
+
+
+def boundary(surface: Surface, side: Side) -> Boundary:
+    """The boundary of a surface at a side."""
+    if side not in ("u_start", "u_end", "v_start", "v_end"):
+        raise ValueError(f"{side!r} is no boundary: there are u_start, u_end, v_start and v_end")
+    axis, end = side.split("_")
+    basis = surface.bases[0 if axis == "u" else 1]
+    if basis.closed:
+        raise ValueError(f"the surface is closed in {axis}, and has no boundary there")
+    if surface.weights is not None:
+        raise ValueError("the boundary of a rational surface is not linear in its control points")
+    lines = surface.control_points if axis == "u" else net.swapped(surface.control_points)
+    lines = net.in_bspline_basis(basis, lines)
+    basis = basis.as_bspline()
+    parameter = basis.domain[0 if end == "start" else 1]
+    return Boundary(net.combined(basis, parameter, lines), _derivative(basis, parameter, lines))
+
+
+def _derivative(basis: Basis, parameter: float, lines: Array) -> Array:
+    """The derivative with respect to the parameter of the first axis."""
+    knots, degree = basis.full_knots(), basis.degree
+    factors = [degree / (knots[i + degree + 1] - knots[i + 1]) for i in range(basis.count - 1)]
+    rows = as_lists(lines)
+    differences = [mix([-factor, factor], rows[i : i + 2]) for i, factor in enumerate(factors)]
+    lower = Basis("bspline", degree - 1, knots[1:-1])
+    return net.combined(lower, parameter, as_array(differences))
