@@ -1,8 +1,14 @@
-.PHONY: run test bench fuzz lint tools fmt openapi files interop contract python browser
+.PHONY: run test bench tolerance fuzz lint tools fmt openapi types files interop contract python typescript browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
 PYTHON := $(VENV)/bin/python
+
+# The TypeScript client, and what finds a Node for it.
+TYPESCRIPT := clients/typescript
+VIEWER := viewer
+WITH_NODE := PATH="$(CURDIR)/target/node/node_modules/node/bin:$$PATH"
+NODE_IS_NEW := process.exit(process.versions.node.split(".")[0] < 20 ? 1 : 0)
 
 # Serves on 127.0.0.1:8080.
 run:
@@ -11,12 +17,14 @@ run:
 # Everything that a change must pass; installs what that needs.
 test: tools lint
 	cargo test --locked
-	$(MAKE) files interop contract python browser
+	$(MAKE) files interop contract python typescript browser page
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others; offset, thickened and joined by OpenCASCADE.
 files: $(VENV)/installed
 	$(PYTHON) tests/python/export_check.py --all target/tmp/export
 	$(PYTHON) tests/python/over_http.py target/debug/piad
+	$(PYTHON) tests/python/command.py target/debug/piad
+	$(PYTHON) tests/python/units.py target/debug/piad
 	$(PYTHON) tests/python/offsets.py target/debug/piad
 	$(PYTHON) tests/python/joins.py target/debug/piad
 
@@ -25,9 +33,7 @@ interop: $(VENV)/installed
 	$(PYTHON) tests/python/grpc_client.py target/debug/piad
 
 # A page of another origin in a browser.
-browser: $(VENV)/installed
-	@command -v chromium >/dev/null && command -v chromedriver >/dev/null || \
-	  { apt-get update && apt-get install -y --no-install-recommends chromium chromium-driver; }
+browser: $(VENV)/installed chromium
 	$(PYTHON) tests/python/cors_check.py target/debug/piad
 
 # The API against its own description: what it answers, and requests that schemathesis makes up.
@@ -44,11 +50,69 @@ python: $(VENV)/installed
 	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
 	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
 
+# The TypeScript client against real servers, in Node and in Chromium. Its types are those of the description.
+typescript: chromium node $(TYPESCRIPT)/node_modules/.package-lock.json
+	cd $(TYPESCRIPT) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/debug/piad npm test --silent
+
+$(TYPESCRIPT)/node_modules/.package-lock.json: $(TYPESCRIPT)/package-lock.json | node
+	cd $(TYPESCRIPT) && $(WITH_NODE) npm ci --silent
+	touch $@
+
+# Types for it, from docs/openapi.json.
+types: $(TYPESCRIPT)/node_modules/.package-lock.json
+	cd $(TYPESCRIPT) && $(WITH_NODE) npm run --silent generate
+
+# The page, from viewer/src to viewer/dist, which the program contains.
+viewer: $(VIEWER)/node_modules/.package-lock.json
+	cd $(VIEWER) && $(WITH_NODE) npm run --silent check && $(WITH_NODE) npm run --silent build
+
+# The page in Chromium, with real servers. It fails if viewer/dist is not made from viewer/src as it is.
+page: chromium node $(VIEWER)/node_modules/.package-lock.json
+	cd $(VIEWER) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/debug/piad npm test --silent
+
+# The pictures of the README, docs/pictures: the page in Chromium with a server of its own, light and dark.
+pictures: chromium node $(VIEWER)/node_modules/.package-lock.json
+	cargo build --locked
+	cd $(VIEWER) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/debug/piad npm run --silent pictures
+
+# How long it takes until a fit is seen, and how fluently large ones turn, in Chromium on this machine.
+paint turn: chromium node $(VIEWER)/node_modules/.package-lock.json
+	cargo build --release --locked
+	cd $(VIEWER) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/release/piad npm run --silent $@
+
+$(VIEWER)/node_modules/.package-lock.json: $(VIEWER)/package-lock.json | node
+	cd $(VIEWER) && $(WITH_NODE) npm ci --silent
+	touch $@
+
+# Node 20 or later and npm: of the system, or a Node of the registry where that of the system is older.
+node:
+	@command -v npm >/dev/null || { apt-get update && apt-get install -y --no-install-recommends nodejs npm; }
+	@$(WITH_NODE) node -e '$(NODE_IS_NEW)' || npm install --silent --no-save --prefix target/node node@22
+	@$(WITH_NODE) node -e '$(NODE_IS_NEW)' || \
+	  { echo "clients/typescript needs Node 20 or later, and this is $$(node --version): https://nodejs.org" >&2; exit 1; }
+
+chromium:
+	@command -v chromium >/dev/null && command -v chromedriver >/dev/null || \
+	  { apt-get update && apt-get install -y --no-install-recommends chromium chromium-driver; }
+
 # Kernels, HTTP and other programs, measured side by side: about ten minutes on a quiet machine.
 bench: $(VENV)/benches
 	cargo bench --locked --bench kernels
 	$(PYTHON) benches/http/compare.py target/release/piad
 	$(PYTHON) benches/scipy/compare.py target/release/piad
+
+# As few control points as a tolerance needs, beside scipy and OpenCASCADE: half an hour.
+tolerance: $(VENV)/tolerance
+	cargo build --locked --release
+	$(PYTHON) benches/tolerance/compare.py target/release/piad
+	$(PYTHON) benches/tolerance/memory.py target/release/piad
+
+$(VENV)/tolerance: benches/tolerance/requirements.txt
+	@python3 -m venv $(VENV) && ldconfig -p | grep -q libGL.so.1 || \
+	  { apt-get update && apt-get install -y --no-install-recommends python3-venv libgl1; }
+	python3 -m venv $(VENV)
+	$(PYTHON) -m pip install --quiet -r $<
+	touch $@
 
 $(VENV)/benches: benches/requirements.txt
 	@python3 -m venv $(VENV) && command -v wrk >/dev/null || \

@@ -1,14 +1,19 @@
 //! Generates Rust from `proto/piad/v1/fitting.proto`, without a protoc binary: the service for the
-//! server, the client for its tests, and the descriptors for reflection. And unpacks the files of
-//! Swagger UI that the reference of the API is made of.
+//! server, the client for its tests, and the descriptors for reflection. And makes the files that
+//! browsers get part of the program: the page, which `viewer/dist` has ready to be served, and the
+//! reference of the API, which is made of files of Swagger UI.
 
 use std::error::Error;
-use std::fs::File;
-use std::io::{self, Cursor};
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, Cursor, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use protox::prost::Message;
+use sha2::{Digest, Sha256};
 use utoipa_swagger_ui_vendored::SWAGGER_UI_VENDORED;
 use zip::ZipArchive;
 
@@ -24,7 +29,13 @@ const ENCODED: [&str; 5] = [
     "WatchJobResponse",
 ];
 
-/// What a page needs of Swagger UI, and what its licence asks to be passed on.
+/// The page, as `make viewer` makes it.
+const VIEWER: &str = "viewer/dist";
+
+/// The files of the reference that are the project's own.
+const OWN_REFERENCE: [&str; 2] = ["src/api/openapi/page.html", "src/api/openapi/start.js"];
+
+/// What the reference needs of Swagger UI, and what its licence asks to be passed on.
 const REFERENCE: [&str; 4] = [
     "dist/swagger-ui-bundle.js",
     "dist/swagger-ui.css",
@@ -53,7 +64,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         .build_server(false)
         .out_dir(client)
         .compile_fds(descriptors)?;
-    unpack_reference(&out)
+    let mut reference = unpack_reference(&out)?;
+    reference.extend(OWN_REFERENCE.map(PathBuf::from));
+    let viewer = fs::read_dir(VIEWER)?.map(|entry| entry.map(|entry| entry.path()));
+    let viewer = viewer.collect::<Result<Vec<_>, _>>()?;
+    println!("cargo::rerun-if-changed={VIEWER}");
+    embed(&out, "viewer", viewer)?;
+    embed(&out, "reference", reference)
 }
 
 /// Gives the program its version with the commit that it is built from, if that is known: from the
@@ -75,6 +92,18 @@ fn name_version() {
     };
     println!("cargo::rustc-env=PIAD_VERSION={version}");
     println!("cargo::rustc-env=PIAD_BUILD_COMMIT={commit}");
+    println!("cargo::rustc-env=PIAD_FEATURES={}", features());
+}
+
+/// What the build is like.
+fn features() -> String {
+    let variable = |name| std::env::var(name).unwrap_or_default();
+    let (target, profile) = (variable("TARGET"), variable("PROFILE"));
+    let simd = match variable("CARGO_CFG_TARGET_ARCH").as_str() {
+        "x86_64" => ", x86-64-v3 and v4 where the machine has them",
+        _ => "",
+    };
+    format!("features: http, grpc, fit, tls; {profile} build for {target}{simd}")
 }
 
 /// The commit of the repository, if the project is one and not only somewhere inside of one.
@@ -108,9 +137,10 @@ fn git(arguments: &[&str]) -> Option<String> {
     (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
 }
 
-/// Writes the files out of the archive that the crate holds.
-fn unpack_reference(out: &Path) -> Result<(), Box<dyn Error>> {
+/// Writes the files out of the archive that the crate holds, and tells where.
+fn unpack_reference(out: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut archive = ZipArchive::new(Cursor::new(SWAGGER_UI_VENDORED))?;
+    let mut unpacked = Vec::new();
     for name in REFERENCE {
         let ending = format!("/{name}");
         let found = archive
@@ -118,9 +148,44 @@ fn unpack_reference(out: &Path) -> Result<(), Box<dyn Error>> {
             .flatten()
             .find(|path| path.ends_with(&ending));
         let path = found.ok_or(name)?.into_owned();
-        let name = name.trim_start_matches("dist/");
-        let mut file = File::create(out.join(name))?;
-        io::copy(&mut archive.by_name(&path)?, &mut file)?;
+        let target = out.join(name.trim_start_matches("dist/"));
+        io::copy(&mut archive.by_name(&path)?, &mut File::create(&target)?)?;
+        unpacked.push(target);
     }
+    Ok(unpacked)
+}
+
+/// Writes `{set}.rs`, a list of these files as `http::assets` has them: with their hashes, and
+/// compressed, so that the program need not do either.
+fn embed(out: &Path, set: &str, mut files: Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
+    files.sort();
+    let folder = out.join(set);
+    fs::create_dir_all(&folder)?;
+    let mut list = String::from("&[\n");
+    for file in files {
+        println!("cargo::rerun-if-changed={}", file.display());
+        let file = file.canonicalize()?;
+        let name = file.file_name().and_then(|name| name.to_str());
+        let name = name.ok_or("the name of a file is no text")?;
+        let plain = fs::read(&file)?;
+        let compressed = folder.join(format!("{name}.gz"));
+        let mut encoder = GzEncoder::new(File::create(&compressed)?, Compression::best());
+        encoder.write_all(&plain)?;
+        encoder.finish()?;
+        let digest = Sha256::digest(&plain);
+        let hash: String = digest
+            .iter()
+            .take(16)
+            .fold(String::new(), |mut hash, byte| {
+                let _ = write!(hash, "{byte:02x}");
+                hash
+            });
+        writeln!(
+            list,
+            "Asset {{ name: {name:?}, hash: {hash:?}, plain: include_bytes!({file:?}), gzip: include_bytes!({compressed:?}) }},"
+        )?;
+    }
+    list.push(']');
+    fs::write(out.join(format!("{set}.rs")), list)?;
     Ok(())
 }

@@ -84,6 +84,7 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
     let parameters = placed.map_err(|reason| format!("{reason:?}"))?.values;
     let knots = not_a_knot(&parameters);
     let request = Request {
+        start_breaks: None,
         points: Arc::new(points),
         grid,
         u: DirectionChoice {

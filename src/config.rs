@@ -1,21 +1,24 @@
 //! The settings of a server: flags and `PIAD_*` variables.
 
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
 use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use jiff::SignedDuration;
 
 use crate::api::http::cors::Origin;
+use crate::command::arguments::FitArguments;
 use crate::server::listen::Listen;
 
 use crate::model::job::Limits;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
 #[derive(Debug, Parser)]
-#[command(name = "piad", version = env!("PIAD_VERSION"), about, args_conflicts_with_subcommands = true)]
+#[command(name = "piad", version = env!("PIAD_VERSION"), long_version = concat!(env!("PIAD_VERSION"), "\n", env!("PIAD_FEATURES")), about, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     /// What to do; without a command, serve.
     #[command(subcommand)]
@@ -39,6 +42,18 @@ pub enum Command {
         #[arg(long, default_value = "3")]
         timeout: u64,
     },
+    /// Fit the points of a file, or a job, and write the result; no server is needed.
+    Fit(Box<FitArguments>),
+    /// Write completions for a shell to the standard output.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Write a manual page to the standard output, in the format of man(1).
+    Man {
+        /// The command that it is about, such as fit; without one the program.
+        command: Option<String>,
+    },
 }
 
 /// The settings of a server.
@@ -58,6 +73,11 @@ pub struct Config {
         value_name = "NAME"
     )]
     pub allowed_host: Vec<String>,
+
+    /// The path below which clients see the server, such as /fits: links begin with it, and requests may
+    /// come with it or, from a proxy that takes it off, without it.
+    #[arg(long, env = "PIAD_BASE_PATH", default_value = "/", value_name = "PATH")]
+    pub base_path: BasePath,
 
     /// Origins whose pages may use the API from a browser, such as https://cad.example; * stands for
     /// all of them.
@@ -172,6 +192,40 @@ pub struct Config {
     /// What is logged: a level, or directives such as `info,piad::job=debug`.
     #[arg(long, env = "PIAD_LOG", default_value = "info")]
     pub log: String,
+}
+
+/// The path below which clients see a server: empty, or such as `/fits`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BasePath(String);
+
+impl BasePath {
+    /// Without a slash at the end.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl FromStr for BasePath {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let path = text.trim_end_matches('/');
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-._~".contains(c);
+        let mut parts = path.split('/');
+        let begins = parts.next() == Some("");
+        let whole = parts
+            .all(|part| !part.is_empty() && part != "." && part != ".." && part.chars().all(plain));
+        match begins && whole && !text.is_empty() {
+            true => Ok(Self(path.to_owned())),
+            false => Err("a path such as /fits, of letters, digits, -, ., _ and ~".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for BasePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_empty() { "/" } else { &self.0 })
+    }
 }
 
 /// Where jobs are kept.

@@ -16,18 +16,22 @@
 //!
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
 //! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
-//! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, SVG, CSV;
+//! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, STL, DXF, SVG, CSV;
+//! - [`import`] — files of points: CSV, point clouds, airfoils;
 //! - [`model`] — what clients ask for, typed and without a wire;
 //! - [`proto`] — the messages of the contract, in which jobs travel and are stored;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`server`] — binds them together: [`server::serve`];
+//! - [`command`] — `piad fit`: from a file to files, as a client of a server inside of the process;
 //! - [`trim`] — gives memory back that nobody uses any more.
 
 pub mod api;
+pub mod command;
 pub mod config;
 pub mod export;
 pub mod fit;
+pub mod import;
 pub mod job;
 pub mod model;
 pub mod proto;

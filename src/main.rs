@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::Parser;
+use piad::command;
 use piad::config::{Cli, Command, Config, LogFormat};
 use piad::server;
 use piad::server::listen::Listen;
@@ -22,6 +23,9 @@ fn main() -> ExitCode {
         None => serve(cli.config),
         Some(Command::Serve(config)) => serve(*config),
         Some(Command::Health { listen, timeout }) => health(listen, timeout),
+        Some(Command::Fit(arguments)) => command::fit(&arguments),
+        Some(Command::Completions { shell }) => command::shells::completions(shell),
+        Some(Command::Man { command }) => command::shells::manual(command.as_deref()),
     }
 }
 

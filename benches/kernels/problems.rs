@@ -50,6 +50,7 @@ fn cubic() -> DirectionChoice {
 /// Cubic, or bicubic if the grid has more than one column.
 pub(crate) fn request(points: impl Into<Arc<Points>>, grid: Grid, method: Method) -> Request {
     Request {
+        start_breaks: None,
         points: points.into(),
         grid,
         u: cubic(),

@@ -28,6 +28,12 @@ def half_circle() -> list:
     return np.c_[np.cos(angle), np.sin(angle)].tolist()
 
 
+def leaves(tolerance: float) -> dict:
+    """The outline of `examples/leaves.json`, within another tolerance."""
+    example = json.loads((FOLDER.parents[1] / "examples" / "leaves.json").read_text())
+    return example | {"stop": {"tolerance": tolerance}}
+
+
 def jobs() -> dict:
     least_squares = {"kind": "least_squares", "variant": "direct", "control_points": 14}
     curve = {"points": noisy(), "parameters": "uniform"}
@@ -42,6 +48,8 @@ def jobs() -> dict:
         },
         "ends_repeated": {"curve": {"points": half_circle(), "ends": "repeated"}},
         "ends_estimated": {"curve": {"points": half_circle()}},
+        "within_a_tenth": leaves(0.1),
+        "within_a_thousandth": leaves(0.001),
     }
 
 

@@ -22,12 +22,14 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::job::outline::{Label, Outline};
+use crate::job::result::LastGeometry;
 use crate::job::state::{Levels, State, Status};
 use crate::job::store::embedded::fuzzing as store;
 use crate::job::store::{Record, StoreError};
 use crate::model::edit::{EditSpec, ParentFit};
-use crate::model::job::ValidJob;
+use crate::model::job::{JobSpec, ValidJob};
 use crate::model::mistakes::MOST_MISTAKES;
+use crate::model::scattered::no_base;
 use made::Choices;
 
 /// Jobs of more points are read and written, but not computed.
@@ -91,7 +93,7 @@ pub fn record(bytes: &[u8]) {
     };
     match kind % 5 {
         0 => check_kept(store::record(bytes), store::kept_record, store::record),
-        1 => check_kept(store::points(bytes), store::kept_points, store::points),
+        1 => check_kept(store::result(bytes), store::kept_result, store::result),
         2 => check_kept(store::entry(bytes), store::kept_entry, store::entry),
         3 => {
             let problem = store::problem(bytes);
@@ -114,11 +116,18 @@ fn config() -> &'static Config {
 }
 
 fn job_of_json(bytes: &[u8]) -> Result<ValidJob, Refusal> {
-    json_job::read(Bytes::copy_from_slice(bytes), config())
+    let (spec, places) = json_job::read(Bytes::copy_from_slice(bytes), config())?;
+    valid(spec, &places)
 }
 
 fn job_of_message(bytes: &[u8]) -> Result<ValidJob, Refusal> {
-    proto::request::read(Bytes::copy_from_slice(bytes), config())
+    let (spec, layout) = proto::request::read(Bytes::copy_from_slice(bytes), config())?;
+    valid(spec, &layout)
+}
+
+fn valid(spec: JobSpec, words: &impl Words) -> Result<ValidJob, Refusal> {
+    let valid = spec.validate(config().limits(), Err(no_base()));
+    valid.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
 }
 
 /// What was accepted. A refusal says what is wrong, and not at any length.
@@ -178,14 +187,22 @@ fn check_kept<T>(
     }
 }
 
+/// A level of a fit as it is kept.
+fn kept_level(iteration: &Iteration) -> Vec<u8> {
+    store::kept_result(&LastGeometry {
+        control_points: iteration.shared_control_points(),
+        bases: iteration.problem().bases().map(Arc::new),
+    })
+}
+
 /// A job is kept as it is, before it runs and after.
 fn check_run(outline: Outline, problem: &Problem) {
     let kept = store::kept(problem);
     check_kept(store::problem(&kept), store::kept, store::problem);
     let iteration = compute(problem);
     if let Some(iteration) = &iteration {
-        let kept = store::kept_points(iteration.control_points());
-        check_kept(store::points(&kept), store::kept_points, store::points);
+        let kept = kept_level(iteration);
+        check_kept(store::result(&kept), store::kept_result, store::result);
     }
     let record = record_of(outline, iteration.as_ref());
     let kept = store::kept_record(&record);

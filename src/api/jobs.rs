@@ -63,8 +63,16 @@ pub async fn forget(app: &App, id: &str) -> Result<(), Problem> {
 
 /// The job that a path names.
 pub async fn find(app: &App, id: &str) -> Result<Arc<Job>, Problem> {
-    let job = app.jobs.find(job_id(id)?).await?;
+    let job = known(app, id).await?;
     job.ok_or_else(|| Problem::unknown_job(id))
+}
+
+/// The job with this id, if there is one.
+pub async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Problem> {
+    match Uuid::try_parse(id) {
+        Ok(id) => Ok(app.jobs.find(id).await?),
+        Err(_) => Ok(None),
+    }
 }
 
 fn job_id(id: &str) -> Result<Uuid, Problem> {

@@ -52,4 +52,12 @@ impl Language {
             Self::Protobuf => PROTOBUF,
         }
     }
+
+    /// How the names of files with it end.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Protobuf => "binpb",
+        }
+    }
 }

@@ -7,8 +7,6 @@ use super::language::Language;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode;
-use crate::fit::iteration::Level;
-use crate::fit::points::Points;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
@@ -59,11 +57,15 @@ pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content
 }
 
 /// The last level of a job that has ended.
-pub(super) async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Problem> {
+pub(super) async fn end(job: &Job) -> Result<(Status, Arc<Frame>), Problem> {
     let status = job.status();
-    match (status.levels, job.result().await?) {
-        (Some(Levels { last, .. }), Some(points)) => Ok((status, last, points)),
-        _ => {
+    let frame = match status.levels {
+        Some(Levels { last, .. }) => job.last_frame(last).await?,
+        None => None,
+    };
+    match frame {
+        Some(frame) => Ok((status, frame)),
+        None => {
             let detail = format!("the job is {} and has no result", status.state);
             Err(Problem::new(Kind::NoResult, detail))
         }
@@ -72,16 +74,16 @@ pub(super) async fn end(job: &Job) -> Result<(Status, Level, Arc<Points>), Probl
 
 /// The final geometry in a form, as JSON or as the bytes of a message.
 pub async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Problem> {
-    let (status, level, points) = end(job).await?;
+    let (status, frame) = end(job).await?;
     if form.view != View::ControlPoints && !form.is_protobuf() {
-        let frame = Arc::new(Frame::last(level, points));
         return Ok(encode::frame(job, &frame, &form).await?);
     }
-    let (owner, problem) = (Arc::clone(job), job.problem().await?);
+    let owner = Arc::clone(job);
+    let points = &frame.control_points;
     let numbers = points.len() * points.dimension();
     let write = move || match form.is_protobuf() {
-        false => view::result::result(&owner, &problem, &status, &level, &points, &form),
-        true => proto::geometry::result(&owner, &problem, &status, &level, &points, form.view),
+        false => view::result::result(&owner, &status, &frame, &form),
+        true => proto::geometry::result(&owner, &status, &frame, form.view),
     };
     Ok(encode::off_network(job, numbers, write).await?)
 }

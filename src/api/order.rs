@@ -6,9 +6,12 @@ use bytes::Bytes;
 use sha2::{Digest, Sha256};
 
 use crate::api::app::App;
+use crate::api::jobs;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem, Words};
 use crate::config::Config;
+use crate::fit::foot;
+use crate::fit::nurbs::Nurbs;
 use crate::fit::problem as fit;
 use crate::fit::system::System;
 use crate::job::Job;
@@ -17,10 +20,14 @@ use crate::job::frame::Frame;
 use crate::job::outline::{Label, Parent};
 use crate::job::scheduler::WorkLane;
 use crate::job::service::creating::Accepted;
+use crate::job::service::ephemeral::Ephemeral;
+use crate::job::service::sessions::SessionTurn;
 use crate::job::store::IdempotencyKey;
 use crate::model::edit::{EditSpec, ParentFit};
-use crate::model::job::ValidJob;
+use crate::model::job::{JobSpec, Limits, ValidJob};
 use crate::model::mistakes::{Mistake, SpecPart};
+use crate::model::scattered::{BaseSpec, no_base};
+use crate::model::short::quoted;
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
@@ -42,15 +49,47 @@ pub struct Order {
     similar: Option<Arc<System>>,
 }
 
+/// An edit that can be made.
+pub struct EditOrder {
+    pub order: Order,
+    /// The level of the parent that it starts from.
+    before: Arc<Frame>,
+    /// Its place in a drag.
+    turn: Option<SessionTurn>,
+}
+
 impl Order {
     /// A new job, from a body of so many bytes.
-    pub async fn new(
+    pub async fn new<W: Words + Send + 'static>(
         app: &App,
         bytes: usize,
-        read: impl FnOnce(&Config) -> Result<ValidJob, Problem> + Send + 'static,
+        read: impl FnOnce(&Config) -> Result<(JobSpec, W), Problem> + Send + 'static,
     ) -> Result<Self, Problem> {
         let config = Arc::clone(&app.config);
-        let valid = compute(app, bytes <= PARSED_AT_ONCE, move || read(&config)).await?;
+        let limits = config.limits();
+        let begun = compute(app, bytes <= PARSED_AT_ONCE, move || {
+            let (spec, words) = read(&config)?;
+            match spec.base().cloned() {
+                None => validate(spec, limits, Err(no_base()), &words).map(Begun::Valid),
+                Some(base) => Ok(Begun::OnSurface { spec, base, words }),
+            }
+        });
+        let valid = match begun.await? {
+            Begun::Valid(valid) => valid,
+            Begun::OnSurface { spec, base, words } => {
+                let frame = frame_of(app, &base).await?;
+                let needed = frame.as_ref().map_or(0, |it| foot::memory(&it.problem));
+                let _room = app.jobs.resources().memory.files.take(needed).await;
+                // Foot points take long enough even for small jobs.
+                let whole = move || {
+                    let surface =
+                        frame.map(|frame| Nurbs::of(&frame.problem, &frame.control_points));
+                    let surface = surface.as_ref().map_err(Mistake::clone);
+                    validate(spec, limits, surface, &words)
+                };
+                compute(app, false, whole).await?
+            }
+        };
         Ok(Self {
             label: Label {
                 name: valid.name,
@@ -59,51 +98,6 @@ impl Order {
             },
             problem: valid.problem,
             similar: None,
-        })
-    }
-
-    /// A job that starts from the control points of another one.
-    pub async fn edit(
-        app: &App,
-        parent: &Arc<Job>,
-        edit: EditSpec,
-        words: &impl Words,
-    ) -> Result<Self, Problem> {
-        let wrong =
-            |place, detail: String| Problem::of_mistakes(Mistake::at(place, detail).into(), words);
-        let frame = start(parent, edit.iteration).await?;
-        let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
-        let iteration = frame.level.iteration;
-        // Held until the end: points that nobody holds are read from the store again.
-        let shared = parent.system().await?;
-        let problem = Arc::clone(shared.problem());
-        let limits = app.config.limits();
-        let levels = parent.status().levels;
-        let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
-        let small = problem.grid().count() <= EDITED_AT_ONCE;
-        let label = parent.outline().label.clone();
-        let valid = compute(app, small, move || {
-            let origin = ParentFit {
-                problem: &problem,
-                control_points: &frame.control_points,
-                lambda_min,
-                stream: label.stream.as_deref(),
-            };
-            Ok(edit.apply(&origin, limits))
-        })
-        .await?;
-        let valid = valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))?;
-        Ok(Self {
-            label: Label {
-                name: valid.name,
-                parent: Some(Parent {
-                    id: parent.id(),
-                    iteration,
-                }),
-                stream: valid.stream,
-            },
-            problem: valid.problem,
-            similar: shared.at_hand(),
         })
     }
 
@@ -131,6 +125,85 @@ impl Order {
         let (label, problem, similar) = (self.label, self.problem, self.similar);
         Ok(app.jobs.create(label, problem, similar, key).await?)
     }
+}
+
+impl EditOrder {
+    /// A job that starts from the control points of another one.
+    pub async fn new(
+        app: &App,
+        parent: &Arc<Job>,
+        edit: EditSpec,
+        words: &impl Words,
+    ) -> Result<Self, Problem> {
+        // From here on the edit before of the same session is not wanted any more.
+        let session = edit.session.clone().filter(|_| edit.ephemeral);
+        let turn = session.map(|name| app.jobs.session(parent, name));
+        let wrong =
+            |place, detail: String| Problem::of_mistakes(Mistake::at(place, detail).into(), words);
+        let frame = start(parent, edit.iteration).await?;
+        let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
+        let iteration = frame.level.iteration;
+        // Held until the end: points that nobody holds are read from the store again.
+        let shared = parent.system().await?;
+        if edit.ephemeral {
+            app.jobs.keep_at_hand(parent, &shared).await?;
+        }
+        let problem = Arc::clone(&frame.problem);
+        let limits = app.config.limits();
+        let levels = parent.status().levels;
+        let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
+        let small = problem.grid().count() <= EDITED_AT_ONCE;
+        let label = parent.outline().label.clone();
+        let before = Arc::clone(&frame);
+        let valid = compute(app, small, move || {
+            let origin = ParentFit {
+                problem: &problem,
+                control_points: &frame.control_points,
+                lambda_min,
+                stream: label.stream.as_deref(),
+            };
+            Ok(edit.apply(&origin, limits))
+        })
+        .await?;
+        let valid = valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))?;
+        let order = Order {
+            label: Label {
+                name: valid.name,
+                parent: Some(Parent {
+                    id: parent.id(),
+                    iteration,
+                }),
+                stream: valid.stream,
+            },
+            problem: valid.problem,
+            similar: shared.at_hand(),
+        };
+        Ok(Self {
+            order,
+            before,
+            turn,
+        })
+    }
+
+    /// Begins the fit for one stream, without making a job that is kept.
+    pub async fn begin(self, app: &App) -> Result<Ephemeral, Problem> {
+        let Self {
+            order,
+            before,
+            turn,
+        } = self;
+        let (label, problem, similar) = (order.label, order.problem, order.similar);
+        let begun = app
+            .jobs
+            .begin_ephemeral(label, problem, similar, before, turn);
+        Ok(begun.await?)
+    }
+}
+
+/// Refuses an ephemeral edit that is not asked for with its stream.
+pub fn no_stream(words: &impl Words) -> Problem {
+    let detail = "all that there is of an ephemeral edit is its stream: ask for a stream, with POST /v1/jobs/{id}/edits/stream or the Accept header";
+    Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
 }
 
 /// Reads a body of so many bytes.
@@ -189,7 +262,43 @@ pub async fn known(app: &App, key: Option<&IdempotencyKey>) -> Result<Option<Acc
     }
 }
 
-/// The level of the parent that an edit starts from, or why there is none.
+/// A job whose body has been read.
+enum Begun<W> {
+    Valid(ValidJob),
+    /// Its points have foot points on the surface of another job.
+    OnSurface {
+        spec: JobSpec,
+        base: BaseSpec,
+        words: W,
+    },
+}
+
+/// The job, if it can be computed.
+fn validate(
+    spec: JobSpec,
+    limits: Limits,
+    base: Result<&Nurbs, Mistake>,
+    words: &impl Words,
+) -> Result<ValidJob, Problem> {
+    let valid = spec.validate(limits, base);
+    valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))
+}
+
+/// The level of another job that a new one refers to, or why there is none.
+async fn frame_of(app: &App, base: &BaseSpec) -> Result<Result<Arc<Frame>, Mistake>, Problem> {
+    let Some(job) = jobs::known(app, &base.job).await? else {
+        let detail = format!("there is no job {}", quoted(&base.job));
+        return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
+    };
+    let place = match base.iteration {
+        Some(_) => SpecPart::FootPointsIteration,
+        None => SpecPart::FootPoints,
+    };
+    let frame = start(&job, base.iteration).await?;
+    Ok(frame.map_err(|detail| Mistake::at(place, detail)))
+}
+
+/// The level of a job that an edit or another job starts from, or why there is none.
 async fn start(
     parent: &Arc<Job>,
     iteration: Option<usize>,

@@ -1,9 +1,6 @@
-//! Checks how the bytes of a body are encoded: compressed bodies are refused, and JSON must be UTF-8.
-
-use axum::http::{HeaderMap, header};
+//! Checks how the bytes of a body are encoded: what is compressed must say so, and JSON must be UTF-8.
 
 use crate::api::problem::{Kind, Problem};
-use crate::model::short::quoted;
 
 /// The first bytes of compression formats, with their names.
 const COMPRESSED: [(&[u8], &str); 6] = [
@@ -26,23 +23,6 @@ const MARKED: [(&[u8], &str); 4] = [
 /// The byte-order mark that some programs write before UTF-8.
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Refuses bodies with a Content-Encoding.
-pub(super) fn check_coding(headers: &HeaderMap) -> Result<(), Problem> {
-    for value in headers.get_all(header::CONTENT_ENCODING) {
-        let given = String::from_utf8_lossy(value.as_bytes());
-        let mut codings = given.split(',').map(str::trim);
-        let plain = |coding: &str| coding.is_empty() || coding.eq_ignore_ascii_case("identity");
-        if let Some(coding) = codings.find(|coding| !plain(coding)) {
-            let detail = format!(
-                "the body is encoded as {}; send it as it is, without Content-Encoding",
-                quoted(coding)
-            );
-            return Err(Problem::new(Kind::UnsupportedEncoding, detail));
-        }
-    }
-    Ok(())
-}
-
 /// Refuses compressed bodies without a Content-Encoding. For protobuf only gzip is recognised, as no
 /// message begins with its two bytes.
 pub(super) fn check_compression(body: &[u8], is_message: bool) -> Result<(), Problem> {
@@ -52,7 +32,14 @@ pub(super) fn check_compression(body: &[u8], is_message: bool) -> Result<(), Pro
     match found.map(|(_, name)| name).next() {
         None => Ok(()),
         Some(name) => {
-            let detail = format!("the body is compressed with {name}; send it as it is");
+            let detail = match *name {
+                "gzip" | "zstd" => {
+                    format!("the body is compressed with {name}; say so: Content-Encoding: {name}")
+                }
+                _ => format!(
+                    "the body is compressed with {name}; send it as it is, or with gzip or zstd"
+                ),
+            };
             Err(Problem::new(Kind::UnsupportedEncoding, detail))
         }
     }
@@ -63,7 +50,7 @@ pub(super) fn utf8(body: &[u8]) -> Result<&[u8], Problem> {
     check_compression(body, false)?;
     let marked = MARKED.iter().find(|(mark, _)| body.starts_with(mark));
     if let Some(name) = marked.map(|(_, name)| *name).or_else(|| unmarked(body)) {
-        let detail = format!("the body is {name}; JSON is sent in UTF-8");
+        let detail = format!("the body is {name}; JSON and other texts are sent in UTF-8");
         return Err(Problem::new(Kind::UnsupportedMediaType, detail));
     }
     Ok(body.strip_prefix(UTF8_MARK).unwrap_or(body))

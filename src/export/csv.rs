@@ -28,7 +28,7 @@ pub struct Table {
 impl Table {
     /// The table of a level.
     pub fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
-        let grid = fitted.samples.unwrap_or(match fitted.problem.v() {
+        let grid = fitted.options.samples.unwrap_or(match fitted.problem.v() {
             None => Grid {
                 rows: CURVE,
                 columns: 1,

@@ -54,6 +54,30 @@ pub enum ExportError {
         /// Its value.
         value: f64,
     },
+    /// A unit was chosen for a format without one.
+    #[error("{format} files have {}; step and iges files have a unit to choose", unit_of(*format))]
+    NoUnit {
+        /// The format asked for.
+        format: Format,
+    },
+    /// A curve has no triangles.
+    #[error(
+        "{format} files hold the triangles of surfaces, and a curve has none: export dxf, gltf or step"
+    )]
+    NoTriangles {
+        /// The format asked for.
+        format: Format,
+    },
+    /// More samples than a mesh of the format has.
+    #[error(
+        "polygon meshes of {format} files have at most {most} samples in each direction: ask for fewer, or export gltf or stl"
+    )]
+    MeshSize {
+        /// The format asked for.
+        format: Format,
+        /// The most samples in each direction.
+        most: usize,
+    },
     /// A coordinate that the numbers of the format cannot hold.
     #[error("a coordinate is {value}, and {format} holds single-precision numbers, up to 3.4e38")]
     SinglePrecision {
@@ -78,6 +102,14 @@ pub enum ExportError {
         /// How many there can be.
         most: usize,
     },
+}
+
+/// What a format without a choice of units has.
+fn unit_of(format: Format) -> &'static str {
+    match format {
+        Format::Gltf => "metres as their unit, always",
+        _ => "no unit of length",
+    }
 }
 
 /// The place of a control point or sample: an index on curves, row and column on surfaces.

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use jiff::Timestamp;
 
+use super::options::Options;
 use crate::fit::basis::{Basis, Polynomial};
 use crate::fit::direction::Direction;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 
 /// The program that writes the files.
@@ -26,9 +27,8 @@ pub struct Fitted<'a> {
     pub created: Timestamp,
     /// The largest distance from the data at each level from 0 on, for drawings; may be empty.
     pub errors: &'a [f64],
-    /// The number of samples in each direction, at least 2, for formats that sample; chosen to suit the
-    /// curve or surface by default.
-    pub samples: Option<Grid>,
+    /// What was chosen about the file.
+    pub options: Options,
 }
 
 impl<'a> Fitted<'a> {
@@ -44,7 +44,7 @@ impl<'a> Fitted<'a> {
             name: None,
             created,
             errors: &[],
-            samples: None,
+            options: Options::default(),
         }
     }
 

@@ -16,6 +16,10 @@ pub enum Format {
     Obj,
     /// glTF 2.0 as one binary file: a mesh or a line, for viewers.
     Gltf,
+    /// STL in its binary form: the triangles of a surface, for printers.
+    Stl,
+    /// DXF of AutoCAD R12: a polyline or a polygon mesh, for drafting.
+    Dxf,
     /// A drawing, for people.
     Svg,
     /// Samples with their parameters, for spreadsheets and scripts.
@@ -24,16 +28,18 @@ pub enum Format {
 
 /// There is no format of this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0:?} is not a format; there are step, iges, obj, gltf, svg and csv")]
+#[error("{0:?} is not a format; there are step, iges, obj, gltf, stl, dxf, svg and csv")]
 pub struct UnknownFormat(String);
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Step,
         Self::Iges,
         Self::Obj,
         Self::Gltf,
+        Self::Stl,
+        Self::Dxf,
         Self::Svg,
         Self::Csv,
     ];
@@ -45,6 +51,8 @@ impl Format {
             Self::Iges => ("iges", "model/iges", "igs"),
             Self::Obj => ("obj", "model/obj", "obj"),
             Self::Gltf => ("gltf", "model/gltf-binary", "glb"),
+            Self::Stl => ("stl", "model/stl", "stl"),
+            Self::Dxf => ("dxf", "image/vnd.dxf", "dxf"),
             Self::Svg => ("svg", "image/svg+xml", "svg"),
             Self::Csv => ("csv", "text/csv", "csv"),
         }

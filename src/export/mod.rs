@@ -2,37 +2,44 @@
 //!
 //! [`write()`] is the only entry. It knows nothing of jobs or of HTTP.
 //!
-//! - `fitted`: what is written;
+//! - `fitted`: what is written; [`options`]: what can be chosen about it;
 //! - [`format`](mod@format): the formats and their names; [`error`]: why something cannot be written;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
-//!   exactly; `ball`: how polynomials of the Ball bases are converted to it;
-//! - `sampling`: points and derivatives of it, for `gltf` and `svg`;
+//!   exactly;
+//! - `sampling`: points and derivatives of it, for `dxf` and `svg`, and for `mesh`: triangles for `gltf` and `stl`;
+//! - `deviation`: how far it is from each data point, for `svg`;
 //! - [`csv`]: samples as numbers;
 //! - `text`: numbers and names as text.
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
 //! (up to 17) as it takes to read them back. What a format cannot represent is an error, never a guess:
 //! values of a function (one coordinate) have no place in space, and weights must be positive.
-//! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres.
+//! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
-mod ball;
 pub mod csv;
+mod deviation;
+mod dxf;
 pub mod error;
 mod fitted;
 pub mod format;
 mod gltf;
 mod iges;
+mod mesh;
 pub mod nurbs;
 mod obj;
+pub mod options;
 mod sampling;
 mod step;
+mod stl;
 mod svg;
 mod text;
 
+pub use deviation::MOST_MEASURED;
 pub use error::ExportError;
 pub use fitted::Fitted;
 pub use format::{Format, UnknownFormat};
 pub use nurbs::Nurbs;
+pub use options::{Dots, Options, Unit};
 
 use crate::fit::problem::Problem;
 
@@ -42,6 +49,9 @@ pub const MOST_CAD_DEGREE: usize = 25;
 
 /// The file of a level in a format.
 pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
+    if fitted.options.unit.is_some() && !format.has_unit() {
+        return Err(ExportError::NoUnit { format });
+    }
     if format == Format::Csv {
         return csv::write(fitted);
     }
@@ -57,6 +67,8 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
         Format::Iges => iges::write(&nurbs, fitted),
         Format::Obj => Ok(obj::write(&nurbs, fitted)),
         Format::Gltf => gltf::write(&nurbs, fitted),
+        Format::Stl => stl::write(&nurbs, fitted),
+        Format::Dxf => dxf::write(&nurbs, fitted),
         Format::Svg => svg::write(&nurbs, fitted),
         Format::Csv => csv::write(fitted),
     }

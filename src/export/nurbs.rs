@@ -1,54 +1,10 @@
-//! The curve or surface as CAD kernels store it: the model that all exact formats write.
+//! The curve or surface as CAD kernels store it, checked: the model that all exact formats write.
 
-use super::ball::ToBezier;
 use super::error::{ExportError, NetIndex};
-use crate::fit::basis::Basis;
-use crate::fit::direction::Direction;
-use crate::fit::geometry::Geometry;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
-use std::borrow::Cow;
 
-/// The B-spline basis of one direction.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KnotVector {
-    /// The degree p.
-    pub degree: usize,
-    /// Non-decreasing knots, p + 1 more than control points. Clamped, or of a closed direction the
-    /// knots of a period, continued by p on both sides.
-    pub knots: Vec<f64>,
-    /// Whether the direction is periodic: then the last p control points are the first ones again.
-    pub closed: bool,
-}
-
-impl KnotVector {
-    /// The knots of a direction; those of Bézier curves for all polynomial bases.
-    fn new(direction: &Direction) -> Self {
-        let degree = direction.basis.degree();
-        let knots = direction.basis.knots().map(Cow::into_owned);
-        Self {
-            degree,
-            knots: knots.unwrap_or_else(|| bezier(degree)),
-            closed: direction.is_closed(),
-        }
-    }
-
-    /// The number of control points.
-    pub fn count(&self) -> usize {
-        self.knots.len() - self.degree - 1
-    }
-
-    /// The interval on which the curve is defined.
-    pub fn domain(&self) -> (f64, f64) {
-        (self.knots[self.degree], self.knots[self.count()])
-    }
-
-    /// The distinct knots with their multiplicities.
-    pub fn multiplicities(&self) -> Vec<(f64, usize)> {
-        let equal = self.knots.chunk_by(|a, b| a == b);
-        equal.map(|knots| (knots[0], knots.len())).collect()
-    }
-}
+pub use crate::fit::nurbs::{KnotVector, Nurbs};
 
 /// The place of a point in space: points of the plane have z = 0.
 pub(super) fn in_space(coordinates: impl Iterator<Item = f64>) -> [f64; 3] {
@@ -59,60 +15,18 @@ pub(super) fn in_space(coordinates: impl Iterator<Item = f64>) -> [f64; 3] {
     place
 }
 
-/// The knots 0 and 1, p + 1 times each.
-fn bezier(degree: usize) -> Vec<f64> {
-    let mut knots = vec![0.0; degree + 1];
-    knots.resize(2 * (degree + 1), 1.0);
-    knots
-}
-
-/// A B-spline curve or surface, polynomial or rational (PT97 (4.1), (4.15)).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Nurbs {
-    /// The direction of a curve; of a surface the direction along its columns, from row to row.
-    pub u: KnotVector,
-    /// The second direction of a surface.
-    pub v: Option<KnotVector>,
-    /// The complete control net, row by row: Cartesian coordinates, not multiplied by weights.
-    pub points: Points,
-    /// Their weights, all positive, if the curve or surface is rational.
-    pub weights: Option<Vec<f64>>,
-}
-
 impl Nurbs {
-    /// The B-spline form of a fit: exact, whatever its basis.
+    /// The B-spline form of a fit, if its weights are positive and its control points finite.
     pub fn new(problem: &Problem, control_points: &Points) -> Result<Self, ExportError> {
-        let mut net = ConvertedNet::new(problem, control_points);
-        net.leave_ball_bases(problem);
-        let nurbs = Self {
-            u: KnotVector::new(problem.u()),
-            v: problem.v().map(KnotVector::new),
-            weights: net.weights(),
-            points: net.places(),
-        };
+        let nurbs = Self::of(problem, control_points);
         nurbs.check_weights()?;
         nurbs.check_places()?;
         Ok(nurbs)
     }
 
-    /// The number of control points in the u direction.
-    pub fn rows(&self) -> usize {
-        self.u.count()
-    }
-
-    /// The number of control points in the v direction; one for a curve.
-    pub fn columns(&self) -> usize {
-        self.v.as_ref().map_or(1, KnotVector::count)
-    }
-
     /// The place of a control point in space; curves and surfaces of the plane have z = 0.
     pub fn place(&self, index: usize) -> [f64; 3] {
         in_space(self.points.point(index))
-    }
-
-    /// The weight of a control point.
-    pub fn weight(&self, index: usize) -> f64 {
-        self.weights.as_ref().map_or(1.0, |weights| weights[index])
     }
 
     /// The length below which differences are meaningless, which CAD systems call the accuracy of a model:
@@ -131,121 +45,25 @@ impl Nurbs {
     }
 
     fn check_weights(&self) -> Result<(), ExportError> {
-        let weights = self.weights.as_deref().unwrap_or_default();
-        match weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) {
+        match self.bad_weight() {
             None => Ok(()),
             Some(index) => Err(ExportError::Weight {
                 place: self.place_of(index),
-                weight: weights[index],
+                weight: self.weight(index),
             }),
         }
     }
 
     fn check_places(&self) -> Result<(), ExportError> {
-        for (coordinate, lane) in self.points.lanes().iter().enumerate() {
-            if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
-                return Err(ExportError::NotFinite {
-                    what: "control point",
-                    place: self.place_of(index),
-                    coordinate,
-                    value: lane[index],
-                });
-            }
+        match self.bad_coordinate() {
+            None => Ok(()),
+            Some((coordinate, index)) => Err(ExportError::NotFinite {
+                what: "control point",
+                place: self.place_of(index),
+                coordinate,
+                value: self.points.lane(coordinate)[index],
+            }),
         }
-        Ok(())
-    }
-}
-
-/// The complete control net while it is converted to Cartesian points and weights.
-struct ConvertedNet {
-    rows: usize,
-    columns: usize,
-    /// Coordinates, multiplied by the weights if there are some.
-    lanes: Vec<Vec<f64>>,
-    weights: Option<Vec<f64>>,
-    /// Weights of the basis functions, by which the coordinates are not multiplied.
-    fixed: Option<Vec<f64>>,
-}
-
-impl ConvertedNet {
-    fn new(problem: &Problem, control_points: &Points) -> Self {
-        let geometry = Geometry::new(problem, control_points);
-        let (rows, columns) = (geometry.rows(), geometry.columns().unwrap_or(1));
-        let mut lanes = geometry.net();
-        let weights = if problem.is_homogeneous() {
-            lanes.pop()
-        } else {
-            None
-        };
-        Self {
-            rows,
-            columns,
-            lanes,
-            weights,
-            fixed: fixed_weights(problem, rows, columns),
-        }
-    }
-
-    /// Converts directions with a Ball basis to Bézier form; rational fits in homogeneous coordinates, in
-    /// which they are polynomial.
-    fn leave_ball_bases(&mut self, problem: &Problem) {
-        let u = to_bezier(problem.u());
-        let v = problem.v().and_then(to_bezier);
-        if u.is_none() && v.is_none() {
-            return;
-        }
-        if let Some(fixed) = self.fixed.take() {
-            let own = self.weights.iter_mut();
-            for lane in self.lanes.iter_mut().chain(own) {
-                lane.iter_mut().zip(&fixed).for_each(|(x, w)| *x *= w);
-            }
-            self.weights.get_or_insert(fixed);
-        }
-        for lane in self.lanes.iter_mut().chain(&mut self.weights) {
-            if let Some(matrix) = &u {
-                (0..self.columns).for_each(|column| matrix.convert(lane, column, self.columns));
-            }
-            if let Some(matrix) = &v {
-                (0..self.rows).for_each(|row| matrix.convert(lane, row * self.columns, 1));
-            }
-        }
-    }
-
-    /// The weights of a CAD kernel: the products of the weights of control points and of basis functions.
-    fn weights(&self) -> Option<Vec<f64>> {
-        match (&self.weights, &self.fixed) {
-            (Some(own), Some(fixed)) => Some(own.iter().zip(fixed).map(|(a, b)| a * b).collect()),
-            (own, fixed) => own.clone().or_else(|| fixed.clone()),
-        }
-    }
-
-    fn places(mut self) -> Points {
-        if let Some(weights) = &self.weights {
-            for lane in &mut self.lanes {
-                lane.iter_mut().zip(weights).for_each(|(x, w)| *x /= w);
-            }
-        }
-        Points::from_lanes(self.lanes)
-    }
-}
-
-/// The weights of the basis functions; those of a surface are products of both directions.
-fn fixed_weights(problem: &Problem, rows: usize, columns: usize) -> Option<Vec<f64>> {
-    if !problem.directions().any(Direction::is_rational) {
-        return None;
-    }
-    let of = |direction: Option<&Direction>, j: usize| {
-        let weights = direction.and_then(Direction::weights);
-        weights.map_or(1.0, |weights| weights[j])
-    };
-    let row = |i| (0..columns).map(move |j| of(Some(problem.u()), i) * of(problem.v(), j));
-    Some((0..rows).flat_map(row).collect())
-}
-
-fn to_bezier(direction: &Direction) -> Option<ToBezier> {
-    match &direction.basis {
-        Basis::Polynomial { kind, degree } => ToBezier::new(*kind, *degree),
-        Basis::BSpline { .. } => None,
     }
 }
 
@@ -279,6 +97,7 @@ mod tests {
             weights,
         };
         Problem::new(Request {
+            start_breaks: None,
             grid: Grid {
                 rows: points.len(),
                 columns: 1,

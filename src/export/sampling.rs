@@ -14,6 +14,13 @@ pub(super) struct SpanParameter {
     pub(super) t: f64,
 }
 
+impl SpanParameter {
+    /// A parameter in a span that it lies in.
+    pub(super) fn new(span: usize, t: f64) -> Self {
+        Self { span, t }
+    }
+}
+
 /// A point with its partial derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jet {
@@ -31,14 +38,6 @@ pub(super) fn steps_between(samples: usize) -> usize {
 }
 
 impl KnotVector {
-    /// The knot spans of the domain that are not empty: `knots[span] < knots[span + 1]`.
-    pub(super) fn spans(&self) -> Vec<usize> {
-        let spans = self.degree..self.count();
-        spans
-            .filter(|&span| self.knots[span] < self.knots[span + 1])
-            .collect()
-    }
-
     /// A number of steps, at most `most`, for sampling: enough to see what the control points do,
     /// and equally many in each span, as long as there are fewer spans than `most`.
     pub(super) fn steps(&self, most: usize) -> usize {

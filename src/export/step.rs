@@ -8,6 +8,7 @@
 
 use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::{KnotVector, Nurbs};
+use super::options::Unit;
 use super::text::Text;
 
 /// The number of the context of the representation, written by [`product`].
@@ -17,7 +18,7 @@ const SHAPE: usize = 9;
 /// The number of the coordinate system.
 const ORIGIN: usize = 15;
 /// The number of the first control point.
-const FIRST_POINT: usize = 19;
+const FIRST_POINT: usize = 22;
 
 /// The curve or surface as a STEP file.
 pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Vec<u8> {
@@ -25,7 +26,8 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Vec<u8> {
     let name = string(fitted.title());
     header(&mut text, &name, fitted);
     text.push("DATA;\n");
-    product(&mut text, &name, nurbs.resolution());
+    let unit = fitted.options.unit.unwrap_or_default();
+    product(&mut text, &name, nurbs.resolution(), unit);
     let points = nurbs.points.len();
     for index in 0..points {
         text.put(format_args!("#{}=CARTESIAN_POINT('',", FIRST_POINT + index));
@@ -60,7 +62,7 @@ fn header(text: &mut Text, name: &str, fitted: &Fitted<'_>) {
 
 /// What does not depend on the geometry: the product, the units and the coordinate system. Fitted
 /// points have no unit; STEP needs one, and millimetres are the usual one.
-fn product(text: &mut Text, name: &str, resolution: f64) {
+fn product(text: &mut Text, name: &str, resolution: f64, unit: Unit) {
     text.put(format_args!(
         "#1=APPLICATION_CONTEXT('core data for automotive mechanical design processes');\n\
          #2=APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#1);\n\
@@ -71,10 +73,11 @@ fn product(text: &mut Text, name: &str, resolution: f64) {
          #7=PRODUCT_DEFINITION_CONTEXT('part definition',#1,'design');\n\
          #8=PRODUCT_DEFINITION('design','',#6,#7);\n\
          #{SHAPE}=PRODUCT_DEFINITION_SHAPE('','',#8);\n\
-         #10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n\
+         #10={};\n\
          #11=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n\
          #12=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n\
-         #13=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE("
+         #13=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(",
+        length_unit(unit),
     ));
     text.real(resolution, 'E');
     text.put(format_args!(
@@ -86,8 +89,21 @@ fn product(text: &mut Text, name: &str, resolution: f64) {
          #{ORIGIN}=AXIS2_PLACEMENT_3D('',#16,#17,#18);\n\
          #16=CARTESIAN_POINT('',(0.,0.,0.));\n\
          #17=DIRECTION('',(0.,0.,1.));\n\
-         #18=DIRECTION('',(1.,0.,0.));\n"
+         #18=DIRECTION('',(1.,0.,0.));\n\
+         #19={};\n\
+         #20=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#19);\n\
+         #21=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n",
+        length_unit(Unit::Millimetre),
     ));
+}
+
+/// The unit of length. An inch is defined by millimetres, in the instances behind the fixed ones.
+fn length_unit(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Millimetre => "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))",
+        Unit::Metre => "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.))",
+        Unit::Inch => "(CONVERSION_BASED_UNIT('INCH',#20)LENGTH_UNIT()NAMED_UNIT(#21))",
+    }
 }
 
 /// The set around the curve or surface, and its tie to the product.

@@ -15,13 +15,7 @@ impl I {
             I::ParameterCount { axis, .. }
             | I::ParameterRange { axis }
             | I::ClosedParameterCount { axis, .. } => Place::Parameters(axis),
-            I::NoPlane | I::OnLine => Place::Parameters(Axis::U),
-            I::ScatteredEqual { axis } => Place::Parameters(axis),
-            I::ScatteredKnots { axis } => Place::Knots(axis),
-            I::ScatteredClosed { axis } => Place::Closed(axis),
-            I::ScatteredWeights => Place::Weights,
-            I::ScatteredFew { axis, .. } => Place::ControlPoints(axis),
-            I::ScatteredPoints { .. } => Place::Points,
+            I::Scattered(ref mistake) => mistake.place(),
             I::ParameterOrder { axis, index, .. }
             | I::ParameterNotFinite { axis, index, .. }
             | I::ParameterOutside { axis, index, .. } => Place::Parameter(axis, index),

@@ -15,16 +15,17 @@
 use std::sync::Arc;
 
 use super::basis::{
-    Basis, MAX_DEGREE, Polynomial,
+    Basis, MAX_DEGREE, Polynomial, given_knots,
     knots::{self, Knots},
 };
 use super::choice::{BasisChoice, DirectionChoice};
 use super::direction::Direction;
 use super::ends::chosen;
-use super::invalid::{Axis, Invalid};
+use super::invalid::{Axis, Invalid, LeastSquaresMistake};
 use super::missing::Missing;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
 use super::points::{Grid, Points};
+use super::tolerance::line::KnotLine;
 
 impl Direction {
     /// Computes the parameters and knots of a direction and checks them.
@@ -88,6 +89,37 @@ impl Direction {
     }
 }
 
+/// The parameters of an automatic direction, and the knots with which it begins: given breaks, or the
+/// fewest that there are for the degree.
+pub(super) fn first_line(
+    choice: DirectionChoice,
+    (points, grid): (&Points, Grid),
+    breaks: Option<&[f64]>,
+    most: usize,
+    axis: Axis,
+) -> Result<(KnotLine, Arc<Vec<f64>>), Invalid> {
+    chosen::are_chosen(&choice, axis)?;
+    let BasisChoice::BSpline { degree, .. } = choice.basis else {
+        return Err(LeastSquaresMistake::AutomaticKnots { axis }.into());
+    };
+    check_degree(degree, true, axis)?;
+    let free = most.min(grid.along(axis).max(degree + 1));
+    if degree >= free {
+        return Err(Invalid::TooFewControlPoints { axis, free, degree });
+    }
+    let Parametrized { values, period } =
+        parameters(choice.parameters, points, grid, None, axis, choice.closed)?;
+    check_range(&values, axis)?;
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let end = if choice.closed { first + period } else { last };
+    let line = match breaks {
+        Some(breaks) => KnotLine::new(degree, choice.closed, breaks.to_vec()),
+        None => KnotLine::coarsest(degree, choice.closed, first, end),
+    };
+    let line = line.ok_or(Invalid::ParameterRange { axis })?;
+    Ok((line, values))
+}
+
 /// A polynomial direction of degree control points − 1, with parameters scaled to [0, 1].
 fn polynomial(
     kind: Polynomial,
@@ -129,7 +161,7 @@ fn clamped(
         Knots::Spread | Knots::PieglTiller => return Err(Invalid::SpreadKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
-            knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
+            given_knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
             knots
         }
     };
@@ -216,7 +248,7 @@ fn explicit(
     parameters_given: bool,
     axis: Axis,
 ) -> Result<(), Invalid> {
-    knots::check(knots, degree, free, axis)?;
+    given_knots::check(knots, degree, free, axis)?;
     if !parameters_given {
         let (low, high) = (knots[0], knots[knots.len() - 1]);
         rescale(Arc::make_mut(t).as_mut_slice(), low, high, axis)?;

@@ -145,6 +145,14 @@ impl Direction {
         values
     }
 
+    /// The period of the parameters of a closed direction.
+    pub fn period(&self) -> Option<f64> {
+        match self.sharing {
+            Sharing::Closed { period } => Some(period),
+            Sharing::Open { .. } => None,
+        }
+    }
+
     /// The number of free control points.
     pub fn free(&self) -> usize {
         self.free

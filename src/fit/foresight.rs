@@ -22,7 +22,10 @@ impl Iteration {
     /// Level 0 of a fit. Where the fit will end is found out before, once for all iterations of a
     /// system.
     pub fn start(system: Arc<System>) -> Self {
-        system.foresee(end);
+        // Fits that choose their knots end where nobody knows before.
+        if !system.problem().is_automatic() {
+            system.foresee(end);
+        }
         Self::start_unforeseen(system)
     }
 }

@@ -86,6 +86,35 @@ impl<'a> Geometry<'a> {
         places.into_iter()
     }
 
+    /// The free control points, in order, that are elsewhere in another geometry, or beside which a copy
+    /// at an end is elsewhere; `None` if the other one has other control points.
+    pub fn differences(&self, other: &Self) -> Option<Vec<usize>> {
+        let (mine, others) = (self.control_points, other.control_points);
+        let dimension = mine.dimension();
+        if (others.len(), others.dimension()) != (mine.len(), dimension) {
+            return None;
+        }
+        let lanes = || mine.lanes().iter().zip(others.lanes());
+        let moved = |index: &usize| lanes().any(|(a, b)| a[*index] != b[*index]);
+        let mut differences: Vec<usize> = (0..mine.len()).filter(moved).collect();
+        if self.problem.offsets().is_some() || other.problem.offsets().is_some() {
+            let columns = self.problem.control_grid().columns;
+            let copies = self
+                .places()
+                .filter(|(row, column)| self.equal_to(*row, *column).is_none());
+            for (row, column) in copies {
+                let at = |of: &Self, c| of.coordinate(row, column, c);
+                if (0..dimension).any(|c| at(self, c) != at(other, c)) {
+                    let across = self.problem.v().map_or(0, |v| v.free_index(column));
+                    differences.push(self.problem.u().free_index(row) * columns + across);
+                }
+            }
+            differences.sort_unstable();
+            differences.dedup();
+        }
+        Some(differences)
+    }
+
     /// Whether the control points have weights of their own.
     pub fn is_homogeneous(&self) -> bool {
         self.problem.is_homogeneous()

@@ -5,6 +5,7 @@ use thiserror::Error;
 pub use super::ends::mistake::EndsMistake;
 pub use super::method::{ConstraintsMistake, LeastSquaresMistake};
 pub use super::place::{Axis, Place, Setting, Side};
+pub use super::scattered::ScatteredMistake;
 
 /// Why a problem is refused. The text names the index, the value and the rule; fields have the
 /// values that it names: `axis` the direction, `given` and `expected` numbers of values.
@@ -110,51 +111,9 @@ pub enum Invalid {
         low: f64,
         high: f64,
     },
-    /// Scattered points are to be fitted by a method that needs an order of them.
-    #[error(
-        "scattered points have no order, and {method} needs one: only least_squares fits them, and only surfaces"
-    )]
-    ScatteredMethod { method: &'static str },
-    /// There are weights of scattered points.
-    #[error(
-        "scattered points have no weights of a rational surface; data_weights of the method says how much each of them counts"
-    )]
-    ScatteredWeights,
-    /// There are fewer scattered points than control points.
-    #[error("{rows} × {columns} control points need at least as many points, {count} given")]
-    ScatteredPoints {
-        count: usize,
-        rows: usize,
-        columns: usize,
-    },
-    /// Scattered points are all at the same parameter.
-    #[error("all points have the same parameter in this direction: they are no surface")]
-    ScatteredEqual { axis: Axis },
-    /// Knots are to be spread over fewer parameters than there are control points.
-    #[error(
-        "{free} control points for {count} different parameters: give the knots as numbers, or fewer control points"
-    )]
-    ScatteredFew {
-        axis: Axis,
-        free: usize,
-        count: usize,
-    },
-    /// Knots of points in an order are asked for.
-    #[error("the knots of scattered points are \"spread\" over their parameters, or numbers")]
-    ScatteredKnots { axis: Axis },
-    /// Scattered points are to be fitted by a closed surface.
-    #[error("scattered points are fitted by open surfaces only")]
-    ScatteredClosed { axis: Axis },
-    /// Points of one coordinate have no plane.
-    #[error(
-        "points of one coordinate have no plane for their parameters: give u and v of each point"
-    )]
-    NoPlane,
-    /// All points lie on a line.
-    #[error(
-        "all points lie on a line (or are equal), so that there is no plane nearest to them: give u and v of each point"
-    )]
-    OnLine,
+    /// Something about scattered points.
+    #[error(transparent)]
+    Scattered(#[from] ScatteredMistake),
     /// The number of weights is not that of the data points.
     #[error("{given} weights for {expected} points")]
     WeightCount { given: usize, expected: usize },

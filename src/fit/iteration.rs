@@ -2,7 +2,7 @@
 //!
 //! A level is told with its errors, and the next one is computed when it is asked for. Two engines
 //! compute levels, the same to the last bit: the plain loop, for every method and basis, and
-//! sweeps, for long banded data.
+//! sweeps, for long banded data. A third one is for fits that choose their knots.
 //!
 //! An iteration ends at the first level at which one of these is true:
 //!
@@ -17,17 +17,19 @@
 //! An iterate is a pure function of the problem and the level: nothing random, nothing that depends
 //! on time or on the number of threads.
 
+mod ending;
+
 use std::sync::Arc;
 
+use super::automatic::Automatic;
 use super::decay::Decay;
-use super::direction::Direction;
 use super::forecast::Foreseen;
 use super::geometry::Geometry;
-use super::method::Progress;
 use super::method::update::Update;
 use super::norms::FitError;
 use super::plain::Plain;
 use super::points::Points;
+use super::problem::Problem;
 use super::sweep::{Measured, Sweep};
 use super::system::System;
 
@@ -58,12 +60,22 @@ pub struct Iteration {
 enum Engine {
     Plain(Box<Plain>),
     Sweep(Box<Sweep>),
+    Automatic(Box<Automatic>),
 }
 
 impl Iteration {
     /// Level 0, without a look at where the fit will end. It takes a sweep if the problem and its
     /// method have one.
     pub(super) fn start_unforeseen(system: Arc<System>) -> Self {
+        if let Some(automatic) = Automatic::start(system.problem()) {
+            let error = automatic.error();
+            return Self::begin(
+                system,
+                Engine::Automatic(Box::new(automatic)),
+                error,
+                error.rms,
+            );
+        }
         let control_points = system.start();
         match Sweep::start(&system, control_points) {
             Ok(begun) => Self::with_sweep(system, begun),
@@ -73,6 +85,9 @@ impl Iteration {
 
     /// Level 0 of the plain loop, which sweeps are measured by, for tests and benches.
     pub fn start_plain(system: Arc<System>) -> Self {
+        if system.problem().is_automatic() {
+            return Self::start_unforeseen(system);
+        }
         let control_points = system.start();
         Self::with_plain(system, control_points)
     }
@@ -133,15 +148,34 @@ impl Iteration {
         match &self.engine {
             Engine::Plain(plain) => plain.control_points(),
             Engine::Sweep(sweep) => sweep.control_points(),
+            Engine::Automatic(automatic) => automatic.control_points(),
         }
     }
 
-    /// The same, to be kept while the iteration goes on. The plain loop copies them, a sweep shares
+    /// The problem with the bases of the current level: that of the system, unless the fit chooses its
+    /// knots by itself.
+    pub fn problem(&self) -> &Arc<Problem> {
+        match &self.engine {
+            Engine::Automatic(automatic) => automatic.problem(),
+            Engine::Plain(_) | Engine::Sweep(_) => self.system.problem(),
+        }
+    }
+
+    /// The level from which on the bases are what they are at the current one.
+    pub fn knots_since(&self) -> usize {
+        match &self.engine {
+            Engine::Automatic(automatic) => automatic.knots_since(),
+            Engine::Plain(_) | Engine::Sweep(_) => 0,
+        }
+    }
+
+    /// The same control points, to be kept while the iteration goes on. The plain loop copies them, a sweep shares
     /// them.
     pub fn shared_control_points(&self) -> Arc<Points> {
         match &self.engine {
             Engine::Plain(plain) => Arc::new(plain.control_points().clone()),
             Engine::Sweep(sweep) => Arc::clone(sweep.control_points()),
+            Engine::Automatic(automatic) => Arc::clone(automatic.control_points()),
         }
     }
 
@@ -156,7 +190,7 @@ impl Iteration {
     fn update(&self) -> Option<&dyn Update> {
         match &self.engine {
             Engine::Plain(plain) => Some(plain.update()),
-            Engine::Sweep(_) => None,
+            Engine::Sweep(_) | Engine::Automatic(_) => None,
         }
     }
 
@@ -172,7 +206,7 @@ impl Iteration {
     pub fn residual(&self) -> Option<&Points> {
         match &self.engine {
             Engine::Plain(plain) => Some(plain.residual()),
-            Engine::Sweep(_) => None,
+            Engine::Sweep(_) | Engine::Automatic(_) => None,
         }
     }
 
@@ -187,6 +221,10 @@ impl Iteration {
             Engine::Sweep(sweep) => {
                 let measured = sweep.step(system);
                 (sweep.control_points().len(), measured)
+            }
+            Engine::Automatic(automatic) => {
+                let (moved, error) = automatic.step();
+                (moved, (error, error.rms))
             }
         };
         self.reach(moved, error, length);
@@ -282,6 +320,9 @@ impl Iteration {
             iteration, error, ..
         } = self.level;
         let problem = self.system.problem();
+        if let Engine::Automatic(automatic) = &self.engine {
+            return automatic.outcome().map(|_| iteration);
+        }
         if self.is_within() {
             return Some(iteration);
         }
@@ -315,88 +356,6 @@ impl Iteration {
     /// Homogeneous fits: the first control point whose weight is not positive. It has no place, or
     /// the curve may leave the convex hull of its control points.
     fn bad_weight(&self) -> Option<(usize, f64)> {
-        Geometry::new(self.system.problem(), self.control_points()).bad_weight()
-    }
-
-    /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left
-    /// the range of numbers.
-    fn success(&self, outcome: Outcome) -> Outcome {
-        if self.level.error.is_finite() && self.has_places() {
-            outcome
-        } else {
-            Outcome::Overflow
-        }
-    }
-
-    /// Whether all control points have a place. At weight zero they are at infinity; and where
-    /// basis functions vanish but for rounding, control points can overflow although all distances
-    /// are finite.
-    fn has_places(&self) -> bool {
-        let problem = self.system.problem();
-        let points = self.control_points();
-        let given = problem.is_homogeneous() || problem.directions().any(Direction::is_rational);
-        let solved = problem.method().scheme().solves();
-        // Long fits without weights are not looked at again: that would take as long as a step.
-        if !given && points.len() > if solved { LONG } else { 0 } {
-            return true;
-        }
-        if problem.is_homogeneous()
-            && let Some((weights, lanes)) = points.lanes().split_last()
-        {
-            let place = |(x, weight): (&f64, &f64)| (x / weight).is_finite();
-            return lanes
-                .iter()
-                .all(|lane| lane.iter().zip(&**weights).all(place));
-        }
-        points.extents().iter().all(|extent| extent.is_finite)
-    }
-
-    /// Whether the curve is as near to the data as was asked for. A method may have a larger
-    /// tolerance, and find points that are still to be moved.
-    fn is_within(&self) -> bool {
-        let (problem, largest) = (self.system.problem(), self.level.error.max);
-        let unfinished = || self.update().is_some_and(Update::is_unfinished);
-        largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
-    }
-
-    /// Whether the iteration ends at the current level, and why.
-    pub fn outcome(&self) -> Option<Outcome> {
-        let problem = self.system.problem();
-        let iteration = self.level.iteration;
-        // Homogeneous distances can be infinite where a weight is not positive; residuals cannot.
-        if !self.length.is_finite() {
-            Some(Outcome::Overflow)
-        } else if self.is_within() {
-            Some(self.success(Outcome::Converged))
-        } else if let Some(outcome) = self.rule_of_method() {
-            match outcome {
-                Outcome::Stationary => Some(self.success(outcome)),
-                _ => Some(outcome),
-            }
-        } else if let Some(stall) = self.update().and_then(Update::stalled) {
-            Some(Outcome::Stalled(stall))
-        } else if iteration >= problem.max_iterations() {
-            Some(Outcome::Exhausted)
-        } else {
-            None
-        }
-    }
-
-    /// Whether the fit ends for a reason of the method's own, by its errors or by what its update
-    /// has measured.
-    fn rule_of_method(&self) -> Option<Outcome> {
-        let rule = self.system.problem().method().scheme();
-        let measured = || self.update().and_then(Update::outcome);
-        rule.stop(&self.progress()).or_else(measured)
-    }
-
-    /// What the stop rule of the method goes by.
-    fn progress(&self) -> Progress {
-        Progress {
-            iteration: self.level.iteration,
-            first_length: self.first_length,
-            length: self.length,
-            decrease: self.decrease,
-        }
+        Geometry::new(self.problem(), self.control_points()).bad_weight()
     }
 }

@@ -77,6 +77,7 @@
 //!     method: Method::Global,
 //!     selected: None,
 //!     start: None,
+//!     start_breaks: None,
 //!     lambda_min: None,
 //!     scattered: None,
 //!     tolerance: Tolerance::Absolute(1e-9),
@@ -111,6 +112,8 @@
 //!   it will end;
 //! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
+//! - [`nurbs`]: the same as CAD kernels store it, whatever its basis;
+//! - [`foot`]: the points of a surface that are nearest to others;
 //! - [`limit`]: where local fits end, in closed form;
 //! - [`tolerance`]: as few control points as a tolerance needs;
 //! - [`warning`]: what is doubtful about a fit.
@@ -125,7 +128,9 @@
 //! Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
 pub mod about;
+mod automatic;
 mod bands;
+pub mod bases;
 pub mod basis;
 mod blame;
 mod blocks;
@@ -134,9 +139,11 @@ pub mod collocation;
 mod construction;
 mod decay;
 pub mod direction;
+mod divergence;
 pub mod ends;
 mod equations;
 mod extent;
+pub mod foot;
 mod forecast;
 mod foresight;
 mod functional;
@@ -150,6 +157,7 @@ pub mod linear;
 pub mod method;
 pub mod missing;
 pub mod norms;
+pub mod nurbs;
 pub mod operator;
 mod order;
 pub mod outcome;

@@ -20,6 +20,7 @@ use super::lane::Lane;
 use super::points::{self, Points};
 use super::scaling::normalizing_scale;
 use super::setup::Setup;
+use super::tolerance::equations::Distances;
 
 /// Distances of the curve from the data, in data units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +47,30 @@ pub struct FitError {
 }
 
 impl FitError {
+    /// The distances of a fit that chooses its knots.
+    pub(super) fn of(distances: &Distances) -> Self {
+        let Distances { each, max, rms } = distances;
+        Self {
+            max: *max,
+            at: each.iter().position(|it| it == max).unwrap_or(0),
+            rms: *rms,
+            sum: each.iter().sum(),
+            fixed_max: None,
+            homogeneous: None,
+            gradient: None,
+            transformed: None,
+        }
+    }
+
+    /// Distances that are not finite.
+    pub(super) fn unknown() -> Self {
+        Self::of(&Distances {
+            each: Vec::new(),
+            max: f64::INFINITY,
+            rms: f64::INFINITY,
+        })
+    }
+
     /// Whether all of them are finite.
     pub fn is_finite(&self) -> bool {
         let more = [

@@ -130,6 +130,12 @@ pub enum Setting {
     Fairness,
     /// The order of the derivative for it.
     FairnessOrder,
+    /// The update of least-squares PIA.
+    Variant,
+    /// When least-squares PIA ends.
+    Ending,
+    /// Whether parameters move while least-squares PIA chooses its knots.
+    CorrectParameters,
 }
 
 impl Setting {
@@ -147,6 +153,9 @@ impl Setting {
             Self::Constraints => "constraints",
             Self::Fairness => "fairness",
             Self::FairnessOrder => "fairness_order",
+            Self::Variant => "variant",
+            Self::Ending => "ending",
+            Self::CorrectParameters => "correct_parameters",
         }
     }
 }

@@ -6,16 +6,18 @@
 //! direction, homogeneous coordinates are lifted, a given start is compared with the control grid,
 //! and methods that cannot converge are refused.
 
+mod checks;
+
 use std::ops::Deref;
 use std::sync::Arc;
 
+use super::automatic as engine;
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
 use super::ends::line::Fitted;
 use super::ends::offsets::Offsets;
-use super::extent::Extent;
 use super::invalid::{Axis, Invalid};
-use super::method::{Method, Scope};
+use super::method::{Method, automatic};
 use super::missing::Missing;
 use super::parameters::Parametrization;
 use super::points::{self, Grid, Points};
@@ -25,10 +27,9 @@ use super::sparse::Sparse;
 use super::warning::Warning;
 use super::weights;
 
-pub use super::request::{Request, Tolerance, Weights};
+use checks::{check_finite, check_points, check_scattered, check_start, resolve_tolerance, scope};
 
-/// Rounding errors of coordinates, relative to the largest absolute coordinate.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub use super::request::{Request, Tolerance, Weights};
 
 /// A validated fitting problem: a [`Setup`] with a method. It can be iterated, and every error left
 /// is one of arithmetic.
@@ -69,10 +70,12 @@ impl Problem {
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         check_scattered(&request)?;
         request.method.scheme().check(&scope(&request))?;
+        automatic::check_request(&request)?;
         settle(&mut request);
-        let (u, v) = match &request.scattered {
-            Some(scattered) => scattered_directions(&request, scattered)?,
-            None => directions(&request, missing.as_ref())?,
+        let (u, v) = match (&request.scattered, request.method.automatic()) {
+            (_, Some(settings)) => engine::first_directions(&request, settings)?,
+            (Some(scattered), None) => scattered_directions(&request, scattered)?,
+            (None, None) => directions(&request, missing.as_ref())?,
         };
         let lifted = match &request.weights {
             Weights::Homogeneous(values) => Some(Arc::new(weights::lift(&request.points, values)?)),
@@ -81,7 +84,7 @@ impl Problem {
         let data = lifted.as_ref().unwrap_or(&request.points);
         let (offsets, target) = constants(&request, data, &u, v.as_ref())?;
         let choices = || std::iter::once(&request.u).chain(&request.v);
-        let setup = Setup {
+        let mut setup = Setup {
             points: Arc::clone(&request.points),
             grid: request.grid,
             extents: lifted.as_ref().map_or(extents, |it| it.extents()),
@@ -101,7 +104,9 @@ impl Problem {
             clustered: choices().any(DirectionChoice::is_clustered),
         };
         check_start(&setup)?;
-        request.method.scheme().check_convergence(&setup)?;
+        while let Err(mistake) = request.method.scheme().check_convergence(&setup) {
+            setup = engine::finer(&setup, &request).ok_or(mistake)?;
+        }
         Ok(Self {
             request,
             setup: Arc::new(setup),
@@ -135,6 +140,36 @@ impl Problem {
             restate(choice, direction);
         }
         request
+    }
+
+    /// The same with other directions, as many as it has.
+    pub(super) fn with_directions(&self, directions: impl IntoIterator<Item = Direction>) -> Self {
+        let mut setup = Setup::clone(&self.setup);
+        let places = std::iter::once(&mut setup.u).chain(&mut setup.v);
+        places
+            .zip(directions)
+            .for_each(|(place, direction)| *place = direction);
+        Self {
+            request: self.request.clone(),
+            setup: Arc::new(setup),
+            tolerance: self.tolerance,
+        }
+    }
+
+    /// Whether the fit chooses its knots by itself, so that each level has knots of its own.
+    pub fn is_automatic(&self) -> bool {
+        self.method().is_automatic()
+    }
+
+    /// The most free control points that a level can have.
+    pub fn most_control_points(&self) -> usize {
+        let Some((settings, _)) = self.method().automatic() else {
+            return self.control_grid().count();
+        };
+        let grid = self.grid();
+        let columns = self.v().map_or(1, |_| settings.v.min(grid.columns));
+        let most = settings.u.min(grid.rows).saturating_mul(columns);
+        most.max(self.control_grid().count())
     }
 
     /// What is fitted, whatever the method.
@@ -184,6 +219,9 @@ impl Problem {
         let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
+        if self.is_automatic() {
+            return arrays + engine::memory(self) + demand.bytes;
+        }
         if let (true, Some(v)) = (self.is_scattered(), self.v()) {
             let matrix = Sparse::memory(self.u(), v);
             return arrays + matrix + demand.bytes;
@@ -210,64 +248,6 @@ impl Problem {
     }
 }
 
-/// What the settings of a method are checked against.
-fn scope(request: &Request) -> Scope<'_> {
-    Scope {
-        grid: request.grid,
-        is_surface: request.v.is_some(),
-        is_scattered: request.scattered.is_some(),
-        dimension: request.points.dimension(),
-        is_homogeneous: matches!(request.weights, Weights::Homogeneous(_)),
-        selected: request.selected.as_deref(),
-    }
-}
-
-/// Refuses grids with fewer than 2 points in a direction, and gives missing points a place. Returns
-/// which are missing.
-fn check_points(request: &mut Request) -> Result<Option<Missing>, Invalid> {
-    let grid = request.grid;
-    let has_columns = request.v.is_some() && request.scattered.is_none();
-    if grid.rows < 2 || (has_columns && grid.columns < 2) {
-        let count = if grid.rows < 2 {
-            grid.rows
-        } else {
-            grid.columns
-        };
-        return Err(Invalid::TooFewPoints { count });
-    }
-    let missing = Missing::new(&request.missing, grid.count());
-    if let Some(missing) = &missing {
-        if request.missing.len() == grid.count() {
-            return Err(Invalid::NoPoints);
-        }
-        if let (false, Some(&index)) = (
-            request.method.scheme().fits_holes(),
-            request.missing.first(),
-        ) {
-            return Err(Invalid::MissingPoint { index });
-        }
-        missing.fill(Arc::make_mut(&mut request.points), grid);
-    }
-    Ok(missing)
-}
-
-/// Scattered points are those of a surface, for a method that fits them, and without weights.
-fn check_scattered(request: &Request) -> Result<(), Invalid> {
-    if request.scattered.is_none() {
-        return Ok(());
-    }
-    let weighted = |choice: &DirectionChoice| choice.weights.is_some();
-    let mut choices = std::iter::once(&request.u).chain(&request.v);
-    if !request.method.scheme().fits_scattered() || request.v.is_none() {
-        let method = request.method.scheme().about().name;
-        return Err(Invalid::ScatteredMethod { method });
-    }
-    if request.weights != Weights::None || choices.any(weighted) {
-        return Err(Invalid::ScatteredWeights);
-    }
-    Ok(())
-}
-
 /// The directions of scattered points.
 fn scattered_directions(
     request: &Request,
@@ -280,18 +260,6 @@ fn scattered_directions(
     let v = request.v.as_ref();
     let v = v.map(|v| Direction::scattered(v, (across, columns), Axis::V));
     Ok((u, v.transpose()?))
-}
-
-/// A given start has the number and the coordinates of the control points.
-fn check_start(setup: &Setup) -> Result<(), Invalid> {
-    let Some(start) = setup.start() else {
-        return Ok(());
-    };
-    let (given, expected) = (start.len(), setup.control_grid().count());
-    if given != expected || start.dimension() != setup.data().dimension() {
-        return Err(Invalid::StartCount { given, expected });
-    }
-    Ok(())
 }
 
 /// The directions of what was asked for, with fixed weights from a grid separated, and with as many
@@ -357,43 +325,4 @@ fn constants(
     let across = v.map(|v| (v, &v.parameters[..]));
     offsets.add(-1.0, (u, &u.parameters), across, target.lanes_mut());
     Ok((Some(Arc::new(offsets)), Arc::new(target)))
-}
-
-/// Refuses coordinates that are infinite or NaN, and names the first one.
-fn check_finite(points: &Points, extents: &[Extent]) -> Result<(), Invalid> {
-    let lanes = points.lanes().iter().zip(extents);
-    for (coordinate, (lane, _)) in lanes.enumerate().filter(|(_, (_, it))| !it.is_finite) {
-        if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
-            return Err(Invalid::NotFinite {
-                index,
-                coordinate,
-                value: lane[index],
-            });
-        }
-    }
-    Ok(())
-}
-
-/// The tolerance in data units: a relative one is a multiple of the `diagonal`, but never below the
-/// rounding of coordinates of this `magnitude`, unless it is zero.
-fn resolve_tolerance(tolerance: Tolerance, magnitude: f64, diagonal: f64) -> Result<f64, Invalid> {
-    let (value, relative) = match tolerance {
-        Tolerance::Absolute(value) => (value, false),
-        Tolerance::Relative(value) => (value, true),
-    };
-    if !(value.is_finite() && value >= 0.0) {
-        return Err(Invalid::Tolerance { value, relative });
-    }
-    // Relative to points that are nearly equal, rounding of their coordinates would be too much.
-    let rounding = magnitude * ROUNDING;
-    let tolerance = match relative {
-        true if value > 0.0 => (value * diagonal).max(rounding),
-        true => 0.0,
-        false => value,
-    };
-    if tolerance.is_finite() {
-        Ok(tolerance)
-    } else {
-        Err(Invalid::ToleranceTooLarge { value, diagonal })
-    }
 }

@@ -56,6 +56,9 @@ pub struct Request {
     /// The free control points of level 0, in homogeneous coordinates if the fit is; without them
     /// the method says where to start.
     pub start: Option<Arc<Points>>,
+    /// The breaks of each direction that the given control points belong to, where the fit chooses its
+    /// knots by itself.
+    pub start_breaks: Option<Vec<Arc<Vec<f64>>>>,
     /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one:
     /// of many points it takes longer to compute than a local fit.
     pub lambda_min: Option<f64>,

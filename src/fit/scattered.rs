@@ -8,11 +8,14 @@
 //!
 //! The surface has fewer control points than there are points, so that only least squares fits it.
 
+mod mistake;
+
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
 use super::basis::Basis;
+use super::basis::given_knots;
 use super::basis::knots::{self, Knots};
 use super::choice::{BasisChoice, DirectionChoice};
 use super::construction::check_degree;
@@ -21,6 +24,8 @@ use super::invalid::{Axis, EndsMistake, Invalid};
 use super::linear::triangular::Triangular;
 use super::points::Points;
 use super::scaling::normalizing_scale;
+
+pub use mistake::ScatteredMistake;
 
 /// Points that spread less than this part across a line lie on it.
 const LINE: f64 = 1e-12;
@@ -59,7 +64,7 @@ impl Scattered {
             Self::Plane => in_plane(points)?,
             Self::Coordinates => match points.lanes() {
                 [x, y, ..] => [x.to_vec(), y.to_vec()],
-                _ => return Err(Invalid::NoPlane),
+                _ => return Err(ScatteredMistake::NoPlane.into()),
             },
         };
         for (axis, values) in [Axis::U, Axis::V].into_iter().zip(&parameters) {
@@ -79,7 +84,7 @@ fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
         return Err(Invalid::ParameterRange { axis });
     }
     if values.iter().all(|value| *value == values[0]) {
-        return Err(Invalid::ScatteredEqual { axis });
+        return Err(ScatteredMistake::Equal { axis }.into());
     }
     Ok(())
 }
@@ -88,7 +93,7 @@ fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
 fn in_plane(points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
     let dimension = points.dimension();
     if dimension < 2 {
-        return Err(Invalid::NoPlane);
+        return Err(ScatteredMistake::NoPlane.into());
     }
     // Scaled, so that neither sums nor squares leave the range of numbers.
     let scale = normalizing_scale(points.magnitude());
@@ -107,7 +112,7 @@ fn in_plane(points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
         let entries = entries.filter(|(column, _)| *column < dimension);
         entries.for_each(|(column, value)| matrix[(row, column)] = value);
     }
-    let axes = principal_axes(matrix).ok_or(Invalid::OnLine)?;
+    let axes = principal_axes(matrix).ok_or(ScatteredMistake::OnLine)?;
     Ok(axes.map(|axis| {
         let along = |i| centred(i).map(|(c, x)| x * axis[c]).sum::<f64>() / scale;
         (0..points.len()).map(along).collect()
@@ -151,7 +156,7 @@ impl Direction {
         sorted.dedup();
         let count = sorted.len();
         if choice.closed {
-            return Err(Invalid::ScatteredClosed { axis });
+            return Err(ScatteredMistake::Closed { axis }.into());
         }
         if choice.ends.is_some() {
             let found = "least squares has ends of its own";
@@ -195,12 +200,14 @@ fn knots_of(
     let count = sorted.len();
     match choice {
         Knots::Usual | Knots::Spread if free > count => {
-            Err(Invalid::ScatteredFew { axis, free, count })
+            Err(ScatteredMistake::Few { axis, free, count }.into())
         }
         Knots::Usual | Knots::Spread => Ok(Arc::new(knots::spread(sorted, degree, free))),
-        Knots::Data | Knots::Averaged | Knots::PieglTiller => Err(Invalid::ScatteredKnots { axis }),
+        Knots::Data | Knots::Averaged | Knots::PieglTiller => {
+            Err(ScatteredMistake::Knots { axis }.into())
+        }
         Knots::Explicit(knots) => {
-            knots::check(knots, degree, free, axis)?;
+            given_knots::check(knots, degree, free, axis)?;
             let (low, high) = (knots[0], knots[knots.len() - 1]);
             match parameters.iter().position(|t| !(low..=high).contains(t)) {
                 Some(index) => Err(Invalid::ParameterOutside {
@@ -265,15 +272,24 @@ mod tests {
     fn points_on_a_line_have_no_plane() {
         let mut line = Points::new(3);
         (0..9).for_each(|i| line.push(&[0.1 * f64::from(i), 0.3 * f64::from(i), 7.0]));
-        assert_eq!(Scattered::Plane.parameters(&line), Err(Invalid::OnLine));
+        assert_eq!(
+            Scattered::Plane.parameters(&line),
+            Err(ScatteredMistake::OnLine.into())
+        );
         let mut equal = Points::new(3);
         (0..9).for_each(|_| equal.push(&[0.1, 0.2, 0.3]));
-        assert_eq!(Scattered::Plane.parameters(&equal), Err(Invalid::OnLine));
+        assert_eq!(
+            Scattered::Plane.parameters(&equal),
+            Err(ScatteredMistake::OnLine.into())
+        );
         let values = Points::zeros(1, 9);
-        assert_eq!(Scattered::Plane.parameters(&values), Err(Invalid::NoPlane));
+        assert_eq!(
+            Scattered::Plane.parameters(&values),
+            Err(ScatteredMistake::NoPlane.into())
+        );
         assert_eq!(
             Scattered::Coordinates.parameters(&values),
-            Err(Invalid::NoPlane)
+            Err(ScatteredMistake::NoPlane.into())
         );
     }
 }

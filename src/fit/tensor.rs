@@ -134,7 +134,8 @@ impl Tensor {
         self.v.as_ref().map_or(0, |_| {
             let between = |grid: Grid, other: Grid| grid.rows * other.columns;
             let either = between(self.control, self.data).max(between(self.data, self.control));
-            either.max(self.data.count())
+            // Surfaces that choose their knots can begin with more control points than data.
+            either.max(self.data.count()).max(self.control.count())
         })
     }
 

@@ -19,6 +19,8 @@ pub struct Counters {
     pub events: Counter,
     /// Jobs accepted.
     pub accepted: Counter,
+    /// Ephemeral edits begun, which are no jobs that are accepted.
+    pub ephemeral: Counter,
     /// Commits of the store.
     pub commits: Counter,
     /// Writes in those commits.
@@ -86,6 +88,7 @@ impl Counters {
             ("encodings", "Frames encoded", &self.encodings),
             ("events", "Events of streams sent", &self.events),
             ("jobs_accepted", "Jobs accepted", &self.accepted),
+            ("ephemeral_edits", "Ephemeral edits begun", &self.ephemeral),
             ("store_commits", "Commits of the store", &self.commits),
             (
                 "store_writes",

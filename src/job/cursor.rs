@@ -58,6 +58,14 @@ impl Cursor {
         }
     }
 
+    /// A reader that is attached to a run of the job already.
+    pub fn attached(job: Arc<Job>, run: Attached) -> Self {
+        Self {
+            run: Some(run),
+            ..Self::new(job, 0)
+        }
+    }
+
     /// From now on the reader skips to the newest frame whose level is a multiple of `every`; when the
     /// job has ended, to the last frame.
     pub fn only_latest(&mut self, every: usize) {
@@ -130,12 +138,11 @@ impl Cursor {
         if level.iteration != self.next || self.run.is_some() {
             return Ok(None);
         }
-        let points = match self.job.result().await {
+        match self.job.last_frame(level).await {
             // The job was deleted; the frame can still be computed again.
-            Err(StoreError::Gone(_)) => None,
-            points => points?,
-        };
-        Ok(points.map(|points| Arc::new(Frame::last(level, points))))
+            Err(StoreError::Gone(_)) => Ok(None),
+            frame => frame,
+        }
     }
 }
 

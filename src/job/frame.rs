@@ -6,14 +6,20 @@ use super::content::Content;
 use super::forms::Forms;
 use super::memory::{Cache, Charge};
 use super::store::StoreError;
+use crate::fit::geometry::Geometry;
 use crate::fit::iteration::{Iteration, Level};
 use crate::fit::points::Points;
+use crate::fit::problem::Problem;
 
 /// One level of a fit.
 #[derive(Debug)]
 pub struct Frame {
     /// The level and its errors.
     pub level: Level,
+    /// What is fitted, with the bases of this level.
+    pub problem: Arc<Problem>,
+    /// The level from which on the bases are what they are at this one.
+    pub knots_since: usize,
     /// The free control points.
     pub control_points: Arc<Points>,
     /// The indices of those that have moved since the level before; `None` if all may have.
@@ -34,22 +40,44 @@ impl Frame {
         let points = iteration.shared_control_points();
         let bytes = 8 * points.len() * points.dimension() + size_of::<Self>();
         Self {
+            knots_since: iteration.knots_since(),
             moved: iteration.moved().map(Arc::from),
             is_last: iteration.outcome().is_some(),
             _charge: Some(cache.charge(bytes)),
-            ..Self::last(iteration.level(), points)
+            ..Self::last(iteration.level(), Arc::clone(iteration.problem()), points)
         }
     }
 
     /// The last level of a fit, with control points that are not counted in the cache.
-    pub fn last(level: Level, control_points: Arc<Points>) -> Self {
+    pub fn last(level: Level, problem: Arc<Problem>, control_points: Arc<Points>) -> Self {
+        let known = !problem.is_automatic();
         Self {
             level,
+            problem,
+            // Where it is not known it is said again.
+            knots_since: if known { 0 } else { level.iteration },
             control_points,
             moved: None,
             is_last: true,
             encoded: Forms::default(),
             _charge: None,
+        }
+    }
+
+    /// The same level, with what is different from another fit with these bases as what has moved; with
+    /// all of it, if the other one has other control points.
+    pub fn since(&self, before: &Self) -> Self {
+        let old = Geometry::new(&before.problem, &before.control_points);
+        let new = Geometry::new(&self.problem, &self.control_points);
+        Self {
+            knots_since: self.knots_since,
+            moved: new.differences(&old).map(Arc::from),
+            is_last: self.is_last,
+            ..Self::last(
+                self.level,
+                Arc::clone(&self.problem),
+                Arc::clone(&self.control_points),
+            )
         }
     }
 

@@ -6,7 +6,7 @@
 //! | `quick` | 2 | running jobs with small steps, which wait for no large one |
 //! | `again` | 5 | runs that compute levels again that readers have missed |
 //! | `bodies` | 1 | requests while they arrive and are read |
-//! | `files` | 1 | files that are made as a whole |
+//! | `files` | 1 | files that are made as a whole, and searches for foot points |
 //! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
 //! All but the cache are shares: those who need memory wait for it. The cache only counts its contents,

@@ -34,6 +34,7 @@ pub(crate) mod patience;
 pub(crate) mod peer;
 pub(crate) mod recent;
 pub(crate) mod resources;
+pub mod result;
 pub(crate) mod run;
 #[cfg(test)]
 mod samples;
@@ -51,15 +52,16 @@ use parking_lot::Mutex;
 use tokio::sync::{Notify, watch};
 use uuid::Uuid;
 
-use crate::fit::points::Points;
+use crate::fit::iteration::Level;
 use crate::fit::problem::Problem;
-use crate::fit::system::System;
 use content::Content;
 use forms::Forms;
+use frame::Frame;
 use memory::Permit;
 use outline::Outline;
 use peer::Peer;
 use resources::Resources;
+use result::LastGeometry;
 use run::attached::Attached;
 use run::{Run, SharedSystem};
 use state::{State, Status};
@@ -76,10 +78,12 @@ pub struct Job {
     outline: Outline,
     /// How many crashes of the process it may have caused.
     crashes: u32,
+    /// Whether there is anything of it once nobody reads it.
+    kept: bool,
     status: watch::Sender<Status>,
     store: Arc<dyn Store>,
     system: Mutex<Weak<SharedSystem>>,
-    result: OnceLock<Option<Arc<Points>>>,
+    result: OnceLock<Option<LastGeometry>>,
     cancel_requested: AtomicBool,
     cancel: Notify,
     /// The run whose end is the end of the job; gone once the job has ended.
@@ -92,10 +96,11 @@ pub struct Job {
 
 impl Job {
     /// A job as the store knows it.
-    fn new(record: Record, store: Arc<dyn Store>, resources: Arc<Resources>) -> Self {
+    fn new(record: Record, store: Arc<dyn Store>, kept: bool, resources: Arc<Resources>) -> Self {
         Self {
             outline: record.outline,
             crashes: record.crashes,
+            kept,
             status: watch::Sender::new(record.status),
             store,
             system: Mutex::default(),
@@ -117,6 +122,11 @@ impl Job {
     /// The id; ids grow with time.
     pub fn id(&self) -> Uuid {
         self.outline.id
+    }
+
+    /// Whether it is in the store. An ephemeral edit is nowhere but in its stream.
+    pub fn is_kept(&self) -> bool {
+        self.kept
     }
 
     /// The fitting problem, read from the store if it is not in memory.
@@ -170,8 +180,17 @@ impl Job {
         status.state.is_final() && last == Some(iteration)
     }
 
-    /// The free control points of the last level, once the job has ended.
-    pub async fn result(&self) -> Result<Option<Arc<Points>>, StoreError> {
+    /// The last frame again, once the job has ended at this level; `None` if it has no geometry.
+    pub async fn last_frame(&self, level: Level) -> Result<Option<Arc<Frame>>, StoreError> {
+        let Some(result) = self.result().await? else {
+            return Ok(None);
+        };
+        let problem = self.problem().await?;
+        Ok(Some(result.frame(level, problem)))
+    }
+
+    /// The geometry of the last level, once the job has ended.
+    async fn result(&self) -> Result<Option<LastGeometry>, StoreError> {
         if !self.status.borrow().state.is_final() {
             return Ok(None);
         }
@@ -239,15 +258,9 @@ impl Job {
     }
 
     /// Starts the primary run. Readers can attach to it as soon as this returns.
-    fn begin(
-        &self,
-        problem: Arc<Problem>,
-        similar: Option<Arc<System>>,
-        permit: Permit,
-    ) -> Arc<Run> {
-        let system = Arc::new(SharedSystem::new(problem, similar));
+    fn begin(&self, system: Arc<SharedSystem>, permit: Option<Permit>) -> Arc<Run> {
         *self.system.lock() = Arc::downgrade(&system);
-        let run = Run::new(system, Arc::clone(&self.resources), Some(permit));
+        let run = Run::new(system, Arc::clone(&self.resources), permit);
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
         // The job may have been cancelled before there was a run to stop.

@@ -1,5 +1,6 @@
-//! Jobs that have just ended. They are likely to be read and edited in the next moments, so they stay in
-//! memory with their recent frames and collocation matrices while there is room in the cache.
+//! Jobs that have just ended, or were just edited. They are likely to be read and edited in the next
+//! moments, so they stay in memory with their recent frames and collocation matrices while there is room
+//! in the cache.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use uuid::Uuid;
 
 use super::Job;
 use super::memory::{Cache, Charge};
-use super::run::Run;
+use super::run::{Run, SharedSystem};
 use crate::fit::system::System;
 
 /// The last jobs to end, up to so many bytes.
@@ -32,7 +33,8 @@ struct KeptJob {
     bytes: usize,
     _charge: Charge,
     /// A job itself holds its runs and its system only weakly.
-    _run: Option<Arc<Run>>,
+    run: Option<Arc<Run>>,
+    shared: Option<Arc<SharedSystem>>,
     _system: Option<Arc<System>>,
 }
 
@@ -56,9 +58,42 @@ impl Recent {
             bytes: if frames_fit { with_frames } else { alone },
             // Frames have charges of their own.
             _charge: self.cache.charge(alone),
-            _run: frames_fit.then(|| Arc::clone(run)),
+            run: frames_fit.then(|| Arc::clone(run)),
+            shared: None,
             _system: run.system(),
         };
+        self.push(entry);
+    }
+
+    /// Whether the points of a job are kept.
+    pub(super) fn has_points(&self, id: Uuid) -> bool {
+        let kept = self.kept.lock();
+        let has = |entry: &KeptJob| entry.run.is_some() || entry.shared.is_some();
+        kept.jobs
+            .iter()
+            .any(|entry| entry.job.id() == id && has(entry))
+    }
+
+    /// Keeps a job that is edited.
+    pub(super) fn keep_edited(
+        &self,
+        job: &Arc<Job>,
+        shared: Arc<SharedSystem>,
+        system: Arc<System>,
+    ) {
+        let bytes = size_of::<Job>() + job.outline().memory;
+        self.push(KeptJob {
+            job: Arc::clone(job),
+            bytes,
+            _charge: self.cache.charge(bytes),
+            run: None,
+            shared: Some(shared),
+            _system: Some(system),
+        });
+    }
+
+    /// Keeps an entry, if there is room for it.
+    fn push(&self, entry: KeptJob) {
         if entry.bytes > self.limit {
             return;
         }
@@ -94,7 +129,7 @@ impl Recent {
     /// Drops a job.
     pub(super) fn forget(&self, id: Uuid) {
         let mut kept = self.kept.lock();
-        if let Some(place) = kept.jobs.iter().position(|entry| entry.job.id() == id)
+        while let Some(place) = kept.jobs.iter().position(|entry| entry.job.id() == id)
             && let Some(entry) = kept.jobs.remove(place)
         {
             kept.bytes -= entry.bytes;

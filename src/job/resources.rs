@@ -18,6 +18,8 @@ pub struct Resources {
     pub(super) ring_bytes: usize,
     /// The metrics of the server.
     pub counters: Counters,
+    /// What the paths of jobs begin with, in links.
+    pub base_path: String,
 }
 
 impl Resources {
@@ -29,6 +31,15 @@ impl Resources {
             again: Again::default(),
             ring_bytes,
             counters: Counters::default(),
+            base_path: String::new(),
+        }
+    }
+
+    /// The same for a server that clients see below this path.
+    pub fn below(self, base_path: &str) -> Self {
+        Self {
+            base_path: base_path.to_owned(),
+            ..self
         }
     }
 }

@@ -42,6 +42,7 @@ pub(crate) fn problem() -> Problem {
         method: Method::Global,
         selected: None,
         start: None,
+        start_breaks: None,
         lambda_min: None,
         scattered: None,
         tolerance: Tolerance::Absolute(0.0),

@@ -22,6 +22,10 @@ pub struct EditSpec {
     pub name: Option<String>,
     /// The level of the parent to start from; without one, its last.
     pub iteration: Option<usize>,
+    /// It is one frame of a drag: nothing of it is kept.
+    pub ephemeral: bool,
+    /// The name that the client has given to the drag.
+    pub session: Option<String>,
     /// Data points that go elsewhere or get another weight.
     pub points: Vec<PointChange>,
     /// New weights of all data points.
@@ -35,6 +39,9 @@ pub struct EditSpec {
     /// What the streams of the new job are like; without it as those of the parent.
     pub stream: OrMistakes<Option<StreamSpec>>,
 }
+
+/// The most characters of the name of a drag.
+pub const LONGEST_SESSION: usize = 100;
 
 /// A data point that goes elsewhere, gets another weight, or both.
 #[derive(Clone, Debug)]
@@ -87,6 +94,7 @@ impl EditSpec {
         let mut mistakes = Mistakes::default();
         mistakes.keep(check_name(self.name.as_deref()));
         mistakes.keep(self.check_some());
+        mistakes.keep(self.check_session());
         let mut request = parent.problem.restated();
         let surface = request.v.is_some();
         let rational = mistakes.keep(self.rational).flatten();
@@ -122,6 +130,7 @@ impl EditSpec {
             return Err(mistakes);
         }
         request.start = Some(start(parent, &request)?);
+        request.start_breaks = start_breaks(parent, &request)?;
         let problem = mistakes.fit(request, |place| in_edit(place, &changed));
         if let Some(problem) = &problem {
             mistakes.keep(check_bases(problem, parent.problem));
@@ -141,6 +150,20 @@ impl EditSpec {
             return Err(Mistake::at(SpecPart::Whole, detail).into());
         }
         Ok(())
+    }
+
+    fn check_session(&self) -> OrMistakes<()> {
+        let wrong = |detail: String| Err(Mistake::at(SpecPart::Session, detail).into());
+        match &self.session {
+            None => Ok(()),
+            Some(_) if !self.ephemeral => {
+                wrong("only ephemeral edits are parts of a session".to_owned())
+            }
+            Some(name) if name.is_empty() || name.chars().count() > LONGEST_SESSION => {
+                wrong(format!("a name has 1 to {LONGEST_SESSION} characters"))
+            }
+            Some(_) => Ok(()),
+        }
     }
 }
 
@@ -286,14 +309,30 @@ fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
     Ok(Arc::new(Points::from_lanes(lanes)))
 }
 
+/// Where a fit that chooses its knots goes on from: the knots of its parent.
+fn start_breaks(
+    parent: &ParentFit<'_>,
+    request: &Request,
+) -> OrMistakes<Option<Vec<Arc<Vec<f64>>>>> {
+    if !request.method.is_automatic() {
+        return Ok(None);
+    }
+    let breaks = parent.problem.breaks();
+    breaks.map(Some).ok_or_else(other_basis)
+}
+
 /// Refuses a method with other bases.
 fn check_bases(problem: &Problem, parent: &Problem) -> OrMistakes<()> {
     let bases = problem.directions().map(|direction| &direction.basis);
     if bases.eq(parent.directions().map(|direction| &direction.basis)) {
         return Ok(());
     }
+    Err(other_basis())
+}
+
+fn other_basis() -> Mistakes {
     let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
-    Err(Mistake::at(SpecPart::Fit(fit::Place::Method), detail).into())
+    Mistake::at(SpecPart::Fit(fit::Place::Method), detail).into()
 }
 
 /// Where in an edit a part of the problem is, which has changed these points by these entries.

@@ -7,11 +7,13 @@ use std::sync::Arc;
 
 use super::method::MethodSpec;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::scattered::{BaseSpec, ScatteredSpec, no_base};
 use super::shape::ShapeSpec;
 use super::stop::StopSpec;
 use super::stream::StreamSpec;
 use super::weights::Rational;
 use crate::fit::invalid as fit;
+use crate::fit::nurbs::Nurbs;
 use crate::fit::problem::{Problem, Request};
 
 /// The most characters of a name.
@@ -57,8 +59,17 @@ pub struct Limits {
 }
 
 impl JobSpec {
-    /// Checks the job against the limits and the mathematics.
-    pub fn validate(self, limits: Limits) -> OrMistakes<ValidJob> {
+    /// The job on whose surface scattered points have their foot points.
+    pub fn base(&self) -> Option<&BaseSpec> {
+        match self.shape.as_ref().ok()?.scattered.as_ref()? {
+            ScatteredSpec::Own(_) => None,
+            ScatteredSpec::FootPoints(base) => Some(base),
+        }
+    }
+
+    /// Checks the job against the limits and the mathematics. `base` is the surface of
+    /// [`Self::base`], or why there is none.
+    pub fn validate(self, limits: Limits, base: Result<&Nurbs, Mistake>) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         mistakes.keep(check_name(self.name.as_deref()));
         let rational = self.rational.clone().ok().flatten();
@@ -78,7 +89,8 @@ impl JobSpec {
             return Err(mistakes);
         };
         // The points and the basis may be wrong beside what was found so far.
-        let problem = mistakes.fit(shape.request(method, rules), SpecPart::Fit);
+        let request = mistakes.keep(shape.request(base, method, rules));
+        let problem = request.and_then(|request| mistakes.fit(request, SpecPart::Fit));
         ValidJob::new(self.name, stream, problem, mistakes)
     }
 
@@ -91,7 +103,10 @@ impl JobSpec {
         let method = mistakes.keep(self.method);
         let rules = self.stop.rules(usize::MAX, &mut mistakes);
         match shape.zip(method) {
-            Some((shape, method)) => mistakes.or(shape.request(method, rules)),
+            Some((shape, method)) => {
+                let request = shape.request(Err(no_base()), method, rules)?;
+                mistakes.or(request)
+            }
             None => Err(mistakes),
         }
     }

@@ -24,8 +24,16 @@ pub enum SpecPart {
     MaxIterations,
     /// A choice of the streams, or an element of its list.
     Stream(Choice, Option<usize>),
+    /// The job on whose surface scattered points have their foot points.
+    FootPoints,
+    /// Its iteration.
+    FootPointsIteration,
     /// Edits: the iteration to start from.
     Iteration,
+    /// Edits: whether nothing of it is kept.
+    Ephemeral,
+    /// Ephemeral edits: the name of the drag.
+    Session,
     /// Edits: an entry of the list of points that change, or a part of it.
     Change(usize, ChangePart),
 }

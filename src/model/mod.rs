@@ -1,7 +1,7 @@
 //! What clients ask for, typed and without a wire: JSON and protobuf messages are read into this model
 //! and written from it.
 //!
-//! - [`job`]: a job, with its [`shape`], its [`weights`], its [`method`] and when it ends ([`stop`]); [`edit`]: changes of one;
+//! - [`job`]: a job, with its [`shape`] ([`scattered`] points), its [`weights`], its [`method`] and when it ends ([`stop`]); [`edit`]: changes of one;
 //! - [`stream`]: what the event streams of a job are like;
 //! - [`mistakes`]: all that is wrong with a request, each at a part of the model; `mathematics`: what is
 //!   wrong with the fitting problem;
@@ -13,6 +13,7 @@ mod mathematics;
 pub mod method;
 pub mod mistakes;
 pub mod named;
+pub mod scattered;
 pub mod shape;
 pub mod short;
 pub mod stop;

@@ -6,16 +6,17 @@ use schemars::JsonSchema;
 
 use super::method::MethodSpec;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::scattered::ScatteredSpec;
 use super::stop::StopRules;
 use super::weights::{Rational, WeightSpec, check_unused};
 use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::ends::Ends;
 use crate::fit::invalid::{self as fit, Axis};
+use crate::fit::nurbs::Nurbs;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Weights};
-use crate::fit::scattered::Scattered;
 
 /// The most coordinates of a point.
 pub const MAX_DIMENSION: usize = 3;
@@ -98,7 +99,7 @@ pub struct ShapeSpec {
     /// The indices of missing points.
     pub missing: Vec<usize>,
     /// How the points of a surface get their parameters if they are scattered: n × 1.
-    pub scattered: Option<Scattered>,
+    pub scattered: Option<ScatteredSpec>,
     /// The direction of a curve, or u of a surface.
     pub u: AxisSpec,
     /// The direction v of a surface.
@@ -112,7 +113,7 @@ pub(super) struct CheckedShape {
     points: Points,
     pub(super) grid: Grid,
     missing: Vec<usize>,
-    scattered: Option<Scattered>,
+    scattered: Option<ScatteredSpec>,
     u: DirectionChoice,
     v: Option<DirectionChoice>,
     weights: Weights,
@@ -161,8 +162,14 @@ impl ShapeSpec {
 
 impl CheckedShape {
     /// The problem of fitting it.
-    pub(super) fn request(self, method: MethodSpec, rules: StopRules) -> Request {
-        Request {
+    pub(super) fn request(
+        self,
+        base: Result<&Nurbs, Mistake>,
+        method: MethodSpec,
+        rules: StopRules,
+    ) -> OrMistakes<Request> {
+        let scattered = self.scattered.map(|it| it.resolve(&self.points, base));
+        Ok(Request {
             points: Arc::new(self.points),
             grid: self.grid,
             missing: self.missing,
@@ -172,10 +179,11 @@ impl CheckedShape {
             method: method.method,
             selected: method.selected,
             start: None,
+            start_breaks: None,
             lambda_min: None,
-            scattered: self.scattered,
+            scattered: scattered.transpose()?,
             tolerance: rules.tolerance,
             max_iterations: rules.max_iterations,
-        }
+        })
     }
 }

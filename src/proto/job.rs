@@ -2,21 +2,21 @@
 
 use std::sync::Arc;
 
+use super::basis::{self, axis};
 use super::ends::{self, flat};
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
 use super::method::{self, MethodTarget};
 use super::stream;
 use super::values::{check_count, count, known, some};
-use crate::fit::basis::{Polynomial, knots::Knots};
-use crate::fit::direction::{BasisChoice, DirectionChoice};
+use crate::fit::direction::DirectionChoice;
 use crate::fit::method::Method;
-use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Tolerance, Weights};
 use crate::fit::scattered::Scattered;
 use crate::model::job::JobSpec;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
-use crate::model::shape::{AxisSpec, BasisKind, BasisSpec, MAX_DIMENSION, ShapeSpec};
+use crate::model::scattered::{BaseSpec, ScatteredSpec};
+use crate::model::shape::{AxisSpec, MAX_DIMENSION, ShapeSpec};
 use crate::model::stop::StopSpec;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::{Rational, WeightSpec};
@@ -113,16 +113,32 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
 }
 
 /// The parameters of scattered points.
-fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<Scattered, Mistake> {
-    let pb::ScatteredParameters { projection, values } = parameters;
+fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<ScatteredSpec, Mistake> {
+    let pb::ScatteredParameters {
+        projection,
+        values,
+        foot_points,
+    } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
         return Err(Mistake::at_text("surface.columns", detail));
     }
     let field = "surface.scattered.values";
-    let plane = match known(projection, "surface.scattered.projection")? {
+    let projection = known(projection, "surface.scattered.projection")?;
+    if let Some(pb::FootPoints { job, iteration }) = foot_points {
+        if projection != pb::Projection::Unspecified || !values.is_empty() {
+            let detail = "scattered points have foot points, a projection or values, one of them";
+            return Err(Mistake::at_text("surface.scattered.foot_points", detail));
+        }
+        return Ok(ScatteredSpec::FootPoints(BaseSpec {
+            job,
+            // Too large for this machine is beyond every job.
+            iteration: iteration.map(|k| usize::try_from(k).unwrap_or(usize::MAX)),
+        }));
+    }
+    let plane = match projection {
         pb::Projection::Unspecified if values.is_empty() => {
-            let detail = "scattered points need parameters, or a projection";
+            let detail = "scattered points need parameters, a projection, or foot points";
             return Err(Mistake::at_text("surface.scattered", detail));
         }
         pb::Projection::Unspecified if !values.len().is_multiple_of(2) => {
@@ -131,13 +147,14 @@ fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<Scattere
             return Err(Mistake::at_text(field, detail));
         }
         pb::Projection::Unspecified => {
-            return Ok(Scattered::Given(Arc::new(Points::from_flat(2, &values))));
+            let pairs = Arc::new(Points::from_flat(2, &values));
+            return Ok(ScatteredSpec::Own(Scattered::Given(pairs)));
         }
         pb::Projection::Nearest => Scattered::Plane,
         pb::Projection::Xy => Scattered::Coordinates,
     };
     match values.is_empty() {
-        true => Ok(plane),
+        true => Ok(ScatteredSpec::Own(plane)),
         false => {
             let detail = "numbers are given, but there is a projection";
             Err(Mistake::at_text(field, detail))
@@ -154,27 +171,8 @@ fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
     pb::ScatteredParameters {
         projection: projection.into(),
         values,
+        foot_points: None,
     }
-}
-
-fn axis(
-    basis: Option<pb::Basis>,
-    parameters: Option<pb::Parameters>,
-    closed: bool,
-    root: &str,
-) -> Result<AxisSpec, Mistake> {
-    Ok(AxisSpec {
-        basis: Ok(self::basis(
-            basis.unwrap_or_default(),
-            &format!("{root}.basis"),
-        )?),
-        parameters: self::parameters(
-            parameters.unwrap_or_default(),
-            &format!("{root}.parameters"),
-        )?,
-        closed,
-        ends: Ok(None),
-    })
 }
 
 /// Flat coordinates as points.
@@ -231,71 +229,6 @@ pub fn surface_weights(
             ))
         }
         (false, true) => Ok(Some(WeightSpec::Grid { values, columns })),
-    }
-}
-
-fn basis(basis: pb::Basis, field: &str) -> Result<BasisSpec, Mistake> {
-    let kind = match known(basis.kind, &format!("{field}.kind"))? {
-        pb::BasisKind::Unspecified | pb::BasisKind::Bspline => BasisKind::Bspline,
-        pb::BasisKind::Bernstein => BasisKind::Bernstein,
-        pb::BasisKind::SaidBall => BasisKind::SaidBall,
-        pb::BasisKind::WangBall => BasisKind::WangBall,
-    };
-    let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
-        pb::KnotRule::Unspecified => Chosen::Any,
-        pb::KnotRule::Explicit => Chosen::Explicit,
-        pb::KnotRule::Data => Chosen::Rule(Knots::Data, "data"),
-        pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged, "averaged"),
-        pb::KnotRule::Spread => Chosen::Rule(Knots::Spread, "spread"),
-        pb::KnotRule::PieglTiller => Chosen::Rule(Knots::PieglTiller, "piegl_tiller"),
-    };
-    Ok(BasisSpec {
-        kind,
-        degree: basis.degree.map(|degree| degree as usize),
-        knots: rule.of(basis.knots, Knots::Explicit, &format!("{field}.knots"))?,
-    })
-}
-
-fn parameters(parameters: pb::Parameters, field: &str) -> Result<Parametrization, Mistake> {
-    let rule = match known(parameters.rule, &format!("{field}.rule"))? {
-        pb::ParameterRule::Unspecified => Chosen::Any,
-        pb::ParameterRule::Explicit => Chosen::Explicit,
-        pb::ParameterRule::ChordLength => {
-            Chosen::Rule(Parametrization::ChordLength, "chord_length")
-        }
-        pb::ParameterRule::Centripetal => Chosen::Rule(Parametrization::Centripetal, "centripetal"),
-        pb::ParameterRule::Uniform => Chosen::Rule(Parametrization::Uniform, "uniform"),
-    };
-    let field = format!("{field}.values");
-    let chosen = rule.of(parameters.values, Parametrization::Explicit, &field)?;
-    Ok(chosen.unwrap_or(Parametrization::ChordLength))
-}
-
-/// The rule by which numbers are chosen.
-enum Chosen<R> {
-    /// As the numbers say, if there are any.
-    Any,
-    Explicit,
-    /// A rule, and its name.
-    Rule(R, &'static str),
-}
-
-impl<R> Chosen<R> {
-    fn of(
-        self,
-        numbers: Vec<f64>,
-        explicit: impl Fn(Arc<Vec<f64>>) -> R,
-        field: &str,
-    ) -> Result<Option<R>, Mistake> {
-        match (self, numbers.is_empty()) {
-            (Self::Any, true) => Ok(None),
-            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(explicit(Arc::new(numbers)))),
-            (Self::Rule(rule, _), true) => Ok(Some(rule)),
-            (Self::Rule(_, name), false) => {
-                let detail = format!("numbers are given, but the rule is {name:?}");
-                Err(Mistake::at_text(field, detail))
-            }
-        }
     }
 }
 
@@ -356,8 +289,8 @@ fn curve_message(request: &Request) -> pb::Curve {
     pb::Curve {
         dimension: count(request.points.dimension()),
         points: flat(&request.points),
-        basis: Some(basis_message(&request.u.basis)),
-        parameters: Some(parameters_message(&request.u.parameters)),
+        basis: Some(basis::message(&request.u.basis)),
+        parameters: Some(basis::parameters_message(&request.u.parameters)),
         weights: grid_weights(&request.weights).or(fixed).unwrap_or_default(),
         closed: request.u.closed,
         ends: request.u.ends.as_ref().map(ends::message),
@@ -381,48 +314,11 @@ fn surface_message(request: &Request, v: &DirectionChoice) -> pb::Surface {
 
 fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection {
     pb::SurfaceDirection {
-        basis: Some(basis_message(&choice.basis)),
-        parameters: (!scattered).then(|| parameters_message(&choice.parameters)),
+        basis: Some(basis::message(&choice.basis)),
+        parameters: (!scattered).then(|| basis::parameters_message(&choice.parameters)),
         closed: choice.closed,
         weights: choice.weights.clone().unwrap_or_default(),
         ends: choice.ends.as_ref().map(ends::message),
-    }
-}
-
-fn basis_message(choice: &BasisChoice) -> pb::Basis {
-    let kind = basis_kind(choice).into();
-    let BasisChoice::BSpline { degree, knots } = choice else {
-        return pb::Basis {
-            kind,
-            ..pb::Basis::default()
-        };
-    };
-    let (rule, knots) = match knots {
-        Knots::Usual => (pb::KnotRule::Unspecified, Vec::new()),
-        Knots::Data => (pb::KnotRule::Data, Vec::new()),
-        Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
-        Knots::Spread => (pb::KnotRule::Spread, Vec::new()),
-        Knots::PieglTiller => (pb::KnotRule::PieglTiller, Vec::new()),
-        Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
-    };
-    pb::Basis {
-        kind,
-        degree: Some(count(*degree)),
-        knot_rule: rule.into(),
-        knots,
-    }
-}
-
-fn parameters_message(choice: &Parametrization) -> pb::Parameters {
-    let (rule, values) = match choice {
-        Parametrization::ChordLength => (pb::ParameterRule::ChordLength, Vec::new()),
-        Parametrization::Centripetal => (pb::ParameterRule::Centripetal, Vec::new()),
-        Parametrization::Uniform => (pb::ParameterRule::Uniform, Vec::new()),
-        Parametrization::Explicit(values) => (pb::ParameterRule::Explicit, values.to_vec()),
-    };
-    pb::Parameters {
-        rule: rule.into(),
-        values,
     }
 }
 
@@ -438,15 +334,5 @@ fn grid_weights(weights: &Weights) -> Option<Vec<f64>> {
     match weights {
         Weights::None => None,
         Weights::Homogeneous(weights) | Weights::FixedGrid(weights) => Some(weights.clone()),
-    }
-}
-
-/// The kind of a basis that was asked for.
-fn basis_kind(choice: &BasisChoice) -> pb::BasisKind {
-    match choice {
-        BasisChoice::BSpline { .. } => pb::BasisKind::Bspline,
-        BasisChoice::Polynomial(Polynomial::Bernstein) => pb::BasisKind::Bernstein,
-        BasisChoice::Polynomial(Polynomial::SaidBall) => pb::BasisKind::SaidBall,
-        BasisChoice::Polynomial(Polynomial::WangBall) => pb::BasisKind::WangBall,
     }
 }

@@ -5,7 +5,8 @@ use super::method::MethodTarget;
 use super::values::{check_count, count, known};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
-    At, Constraint, EndPoints, Ending, Fairness, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, Constraint, EndPoints, Ending, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant, Wanted,
 };
 use crate::fit::points::Points;
 use crate::model::method::mu_without_lspia;
@@ -14,6 +15,7 @@ use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 /// The settings that a message asks for. Without a number for v both directions have that for u.
 pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
     let variant = match known(settings.variant, "method.least_squares.variant")? {
+        m::Variant::Unspecified if settings.automatic.is_some() => Variant::ConjugateGradients,
         m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
         m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
         m::Variant::Cg => Variant::ConjugateGradients,
@@ -29,6 +31,23 @@ pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes
         return Err(Mistake::at(place, detail).into());
     }
     let v = if v == 0 { u } else { v };
+    if u == 0 && v != 0 && settings.automatic.is_some() {
+        let detail = "without a number for u there is none for v";
+        let place = model::SpecPart::Fit(Place::ControlPoints(Axis::V));
+        return Err(Mistake::at(place, detail).into());
+    }
+    let most = |count| {
+        if count == 0 {
+            AS_MANY_AS_DATA
+        } else {
+            count as usize
+        }
+    };
+    let automatic = settings.automatic;
+    let (u, v) = match automatic {
+        None => (u as usize, v as usize),
+        Some(_) => (most(u), most(v)),
+    };
     let weights = settings.data_weights;
     check_count(
         weights.len(),
@@ -51,7 +70,10 @@ pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes
         constraints: constraints.into(),
         fairness: fairness(settings.fairness, settings.fairness_order)?,
         data_weights: (!weights.is_empty()).then(|| weights.into()),
-        ..LeastSquares::new(u as usize, v as usize)
+        automatic: automatic.map(|it| Automatic {
+            correct_parameters: it.correct_parameters,
+        }),
+        ..LeastSquares::new(u, v)
     })
 }
 
@@ -152,10 +174,21 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         Variant::ConjugateGradients => (V::Cg, None),
         Variant::Direct => (V::Direct, None),
     };
+    // Zero: as many as there are data points.
+    let number = |most| {
+        if most == AS_MANY_AS_DATA {
+            0
+        } else {
+            count(most)
+        }
+    };
     m::LeastSquares {
-        control_points_u: count(settings.u),
+        control_points_u: number(settings.u),
         // A curve has one number of control points, and refuses another one.
-        control_points_v: if surface { count(settings.v) } else { 0 },
+        control_points_v: if surface { number(settings.v) } else { 0 },
+        automatic: settings.automatic.map(|it| m::Automatic {
+            correct_parameters: it.correct_parameters,
+        }),
         variant: variant.into(),
         mu,
         ending: match settings.ending {

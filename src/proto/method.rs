@@ -215,7 +215,10 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
                 | Setting::EndPoints
                 | Setting::Constraints
                 | Setting::Fairness
-                | Setting::FairnessOrder => "least_squares",
+                | Setting::FairnessOrder
+                | Setting::Variant
+                | Setting::Ending => "least_squares",
+                Setting::CorrectParameters => "least_squares.automatic",
                 Setting::Indices | Setting::RowByRow | Setting::Sweeps => "local",
             };
             format!("method.{kind}.{}", setting.name())

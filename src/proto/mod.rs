@@ -1,10 +1,11 @@
 //! The messages of the contract (`proto/piad/v1/fitting.proto`), and how they say a job.
 //!
-//! - [`job`]: a job and its message, both ways; [`ends`], [`method`] with `least_squares`, and [`stream`]: parts of it;
-//!   [`values`]: numbers, lists and enumerations.
+//! - [`job`]: a job and its message, both ways; `basis`, [`ends`], [`method`] with `least_squares`, and [`stream`]: parts
+//!   of it; [`values`]: numbers, lists and enumerations.
 //!
 //! Requests, answers and the store use the same messages.
 
+mod basis;
 pub mod ends;
 pub mod job;
 mod least_squares;

@@ -5,7 +5,8 @@ use super::values::{check_count, known};
 use crate::model::mistakes::Mistake;
 use crate::model::named::Named;
 use crate::model::stream::{
-    Choice, Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec, View,
+    Choice, Describe, Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec,
+    View,
 };
 
 const VIEWS: [(View, pb::View); 3] = [
@@ -15,6 +16,11 @@ const VIEWS: [(View, pb::View); 3] = [
 ];
 
 const PACES: [(Pace, pb::Pace); 2] = [(Pace::All, pb::Pace::All), (Pace::Latest, pb::Pace::Latest)];
+
+const DESCRIPTIONS: [(Describe, pb::Describe); 2] = [
+    (Describe::Full, pb::Describe::Full),
+    (Describe::None, pb::Describe::None),
+];
 
 const DISCONNECTS: [(OnDisconnect, pb::OnDisconnect); 2] = [
     (OnDisconnect::Continue, pb::OnDisconnect::Continue),
@@ -65,6 +71,7 @@ pub fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mist
         milestones,
         pace: chosen(&PACES, options.pace, &field(Choice::Pace))?,
         changed: options.changed,
+        describe: chosen(&DESCRIPTIONS, options.describe, &field(Choice::Describe))?,
         encoding: chosen(&ENCODINGS, options.json_encoding, &field(Choice::Encoding))?,
         digits: chosen(&DIGITS, options.json_digits, &field(Choice::Digits))?,
         on_disconnect: chosen(
@@ -103,6 +110,7 @@ pub fn options(spec: &StreamSpec) -> pb::StreamOptions {
         milestones: distances.map(|distances| pb::Milestones { distances }),
         pace: value(&PACES, spec.pace).into(),
         changed: spec.changed,
+        describe: value(&DESCRIPTIONS, spec.describe).into(),
         on_disconnect: value(&DISCONNECTS, spec.on_disconnect).into(),
         json_encoding: value(&ENCODINGS, spec.encoding).into(),
         json_digits: value(&DIGITS, spec.digits).into(),

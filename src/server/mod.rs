@@ -1,5 +1,6 @@
 //! A running server: binds configuration, jobs and API together.
 //!
+//! - [`local`]: the same without a port, for programs that answer themselves;
 //! - [`listen`]: the addresses of the server;
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
@@ -14,13 +15,14 @@ mod arriving;
 mod connection;
 pub(crate) mod limits;
 pub mod listen;
+pub mod local;
 mod rarely;
 mod stalled;
 mod watched;
 
 use std::io;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use http_body_util::Empty;
@@ -28,7 +30,8 @@ use hyper_util::client::legacy::Client;
 use hyper_util::rt::TokioExecutor;
 use tokio::net::TcpListener;
 use tokio::sync::watch;
-use tracing::{info, warn};
+use tokio::time::sleep;
+use tracing::{debug, info, warn};
 
 use crate::api::app::App;
 use crate::api::http::host::Hosts;
@@ -38,12 +41,16 @@ use crate::job::counters::Counters;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Scheduler;
 use crate::job::service::{JobLimits, Jobs};
-use crate::job::store::embedded::EmbeddedStore;
+use crate::job::store::embedded::{EmbeddedStore, OpenError};
 use crate::job::store::{Retention, Store};
 use accept::Doors;
 use activity::Times;
 use limits::{ConnectionLimits, Connections};
 use listen::Listen;
+
+/// How long a server waits for the one before it to let go of the data directory: its last reads may go on
+/// for a moment after it has stopped.
+const HANDOVER: Duration = Duration::from_secs(3);
 
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
 /// finish within the grace period and returns.
@@ -52,13 +59,9 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
-    let resources = Arc::new(Resources::new(
-        Scheduler::new(config.worker_count())?,
-        bytes(config.memory_bytes()),
-        bytes(config.ring.as_u64()),
-    ));
+    let resources = resources(&config)?;
     let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
-    let store = open(&config, &resources.counters)?;
+    let store = open(&config, &resources.counters).await?;
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
     jobs.resume().await.map_err(io::Error::other)?;
     let (stop, stopping) = watch::channel(false);
@@ -69,13 +72,14 @@ pub async fn serve(
         );
     }
     let grace = config.grace;
+    let base_path = config.base_path.as_str().to_owned();
     let (times, most) = (times(&config), ConnectionLimits::of(&config));
     let counters = jobs.resources().counters.clone();
     let hosts = Hosts::new(&config.allowed_host, is_loopback(&listeners)?);
     let router = router::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
 
     for listener in &listeners {
-        info!("listening on http://{}", listener.local_addr()?);
+        info!("listening on http://{}{base_path}", listener.local_addr()?);
     }
     let doors = Doors {
         router,
@@ -90,13 +94,21 @@ pub async fn serve(
             shutdown.await;
             info!("stopping: no new requests, event streams end");
             stop.send_replace(true);
-            tokio::time::sleep(grace).await;
+            sleep(grace).await;
         } => warn!("requests were still open after the grace period of {grace:?}"),
     }
     if tokio::time::timeout(grace, jobs.suspend()).await.is_err() {
         warn!("jobs were still running after the grace period of {grace:?}");
     }
     Ok(())
+}
+
+/// What the jobs of a server with these settings share.
+fn resources(config: &Config) -> io::Result<Arc<Resources>> {
+    let scheduler = Scheduler::new(config.worker_count())?;
+    let (memory, ring) = (bytes(config.memory_bytes()), bytes(config.ring.as_u64()));
+    let resources = Resources::new(scheduler, memory, ring);
+    Ok(Arc::new(resources.below(config.base_path.as_str())))
 }
 
 /// Whether only programs of this machine reach the server.
@@ -117,10 +129,20 @@ fn times(config: &Config) -> Times {
     }
 }
 
-fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
-    let store = match &config.data_dir {
-        DataDir::Memory => EmbeddedStore::in_memory(counters.clone()),
-        DataDir::Directory(directory) => EmbeddedStore::open(directory, counters.clone()),
+async fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
+    let begin = Instant::now();
+    let store = loop {
+        let store = match &config.data_dir {
+            DataDir::Memory => EmbeddedStore::in_memory(counters.clone()),
+            DataDir::Directory(directory) => EmbeddedStore::open(directory, counters.clone()),
+        };
+        match store {
+            Err(reason @ OpenError::InUse(_)) if begin.elapsed() < HANDOVER => {
+                debug!("waiting: {reason}");
+                sleep(HANDOVER / 100).await;
+            }
+            store => break store,
+        }
     };
     Ok(Arc::new(store.map_err(io::Error::other)?))
 }

@@ -6,7 +6,7 @@ use crate::data;
 use crate::support::{Server, Story, assert_query_refused, base, thinned};
 
 /// Overwrites the control points, and weights, that an event says have moved.
-fn apply(net: &mut Value, event: &Value) {
+pub fn apply(net: &mut Value, event: &Value) {
     let homogeneous = net.get("weights").is_some();
     for change in event["changed"].as_array().unwrap() {
         let change = change.as_array().unwrap();

@@ -4,11 +4,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use futures_util::StreamExt;
+use piad::config::DataDir;
 use serde_json::{Value, json};
+use tokio::time::sleep;
 
 use crate::data;
+use crate::data::small_job;
 use crate::program::Program;
-use crate::support::{Server, Story, events, problem};
+use crate::support::{Server, Story, base, events, problem};
 
 fn path(job: &Value) -> &str {
     job["links"]["self"].as_str().unwrap()
@@ -54,6 +57,13 @@ fn mixed_jobs() -> Vec<Value> {
         ),
         json!({"surface": {"points": grid}, "method": {"kind": "least_squares", "control_points": {"u": 5, "v": 4},
             "constraints": [{"at": {"boundary": "v_end"}, "control_points": [[0, 5, 0], [1, 5, 1], [3, 5, 1], [4, 5, 1], [6, 5, 0]]}]}}),
+        json!({"surface": {"scattered": points, "parameters": {"project": "xy"}},
+            "method": {"kind": "least_squares", "control_points": 4, "variant": "cg"}}),
+        json!({"surface": {"scattered": planar, "parameters": weights.iter().enumerate().map(|(i, w)| [i as f64, *w]).collect::<Vec<_>>(), "degree": 1},
+            "method": {"kind": "least_squares", "control_points": {"u": 4, "v": 2}, "data_weights": weights}}),
+        json!({"curve": {"points": points}, "method": {"kind": "least_squares", "control_points": "auto"}}),
+        json!({"curve": {"points": planar, "closed": true}, "method": {"kind": "least_squares", "control_points": "auto", "max_control_points": 30, "correct_parameters": true}, "stop": {"tolerance": 1e-2}}),
+        json!({"surface": {"points": grid}, "method": {"kind": "least_squares", "control_points": "auto"}, "stop": {"tolerance": 1e-2}}),
         json!({"curve": {"points": planar}, "method": {"kind": "convex"}}),
         json!({"curve": {"points": planar}, "stream": {"view": "samples", "samples": 9, "encoding": "base64"}}),
         json!({"curve": {"points": points, "closed": true}}),
@@ -250,6 +260,25 @@ async fn only_one_server_uses_a_data_directory() {
     assert_eq!(second.status.code(), Some(1));
     let message = String::from_utf8(second.stderr).unwrap();
     assert!(message.contains("in use by another process"), "{message}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_waits_for_the_one_before_it() {
+    let data = tempfile::tempdir().unwrap();
+    let start = || {
+        let directory = data.path().to_owned();
+        Server::with(|config| config.data_dir = DataDir::Directory(directory))
+    };
+    let first = start().await;
+    let job = first.fit(&small_job()).await;
+    let second = start().await;
+    let path = base(&job);
+    let (found, ()) = tokio::join!(second.json(path), async {
+        sleep(Duration::from_millis(200)).await;
+        first.stop().await;
+    });
+    assert_eq!(found["id"], job["id"]);
+    second.stop().await;
 }
 
 /// Says of a store that it has this version of the format; gives the one that it had.

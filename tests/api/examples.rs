@@ -35,7 +35,10 @@ async fn all_of_them_converge() {
         let tolerance = story.job["stop"]["tolerance"].as_f64().unwrap();
         let last = story.iterations.len() - 1;
         assert!(story.error(last) <= tolerance, "{name}");
-        assert!(story.error(last - 1) > tolerance, "{name} stops at once");
+        // Where the number of control points is found, the last iteration is the best of all.
+        let found = job["method"]["control_points"] == "auto";
+        let before = if found { 0 } else { last - 1 };
+        assert!(story.error(before) > tolerance, "{name} stops at once");
         assert_eq!(story.end["iterations"], last, "{name}");
         assert_eq!(story.job["name"], job["name"]);
     }

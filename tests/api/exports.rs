@@ -41,12 +41,17 @@ async fn every_format_of_curves_and_surfaces() {
         let job = server.fit(&job).await;
         let result = format!("{}/result", path(&job));
         for format in Format::ALL {
+            if format == Format::Stl && job["kind"] == "curve" {
+                continue;
+            }
             let file = fetch(&server, &result, format).await;
             let begins = match format {
                 Format::Step => "ISO-10303-21;",
                 Format::Iges => "",
                 Format::Obj => "#",
                 Format::Gltf => "glTF",
+                Format::Stl => "piad",
+                Format::Dxf => "999\n",
                 Format::Svg => "<?xml",
                 Format::Csv => "",
             };
@@ -141,8 +146,7 @@ async fn drawings_have_as_many_samples_as_asked_for() {
         let path = svg.split("<path class=\"curve\" d=\"").nth(1).unwrap();
         path.split('"').next().unwrap().matches('C').count()
     };
-    // Besides faces only the background has a colour of its own.
-    let faces = |svg: &str| svg.matches(" fill=\"#").count() - 1;
+    let faces = |svg: &str| svg.matches(" stroke-width=\".5\"").count();
     for (job, samples, expected) in [
         (&curve, "2", 1),
         (&curve, "17", 16),
@@ -160,6 +164,214 @@ async fn drawings_have_as_many_samples_as_asked_for() {
                 faces(&text)
             };
             assert_eq!(drawn, expected, "{part} {samples}");
+        }
+    }
+}
+
+fn dots(svg: &str) -> usize {
+    let inside = svg.split("<svg width").nth(1).unwrap();
+    let inside = inside.split("</svg>").next().unwrap();
+    match inside.split_once("<g class=\"data\">") {
+        Some((_, group)) => group
+            .split("</g>")
+            .next()
+            .unwrap()
+            .matches("<circle")
+            .count(),
+        None => inside.matches("<circle class=\"data\"").count(),
+    }
+}
+
+/// Dots of dense data would hide the drawing: they are there on request, or where there is room.
+#[tokio::test]
+async fn drawings_show_data_points_where_there_is_room() {
+    let server = Server::start().await;
+    let few = json!({"surface": {"points": data::peaks(9)}});
+    let many = json!({"surface": {"points": data::peaks(45)},
+        "method": {"kind": "least_squares", "control_points": {"u": 9, "v": 9}}});
+    let curve = json!({"curve": {"points": data::helix()}});
+    for (job, count, auto) in [(few, 81, 81), (many, 45 * 45, 0), (curve, 30, 30)] {
+        let job = server.fit(&job).await;
+        for (choice, expected) in [
+            ("", auto),
+            ("&dots=auto", auto),
+            ("&dots=on", count),
+            ("&dots=off", 0),
+        ] {
+            let url = format!("{}/result?format=svg{choice}", path(&job));
+            let svg = server.get(&url).send().await.unwrap().text().await.unwrap();
+            assert_eq!(dots(&svg), expected, "{count}{choice}");
+            assert_eq!(svg.contains(">data points</text>"), expected > 0);
+        }
+        for (query, parameter) in [
+            ("format=svg&dots=yes", "dots"),
+            ("format=svg&dots=", "dots"),
+            ("format=step&dots=on", "dots"),
+            ("dots=on", "dots"),
+            ("format=svg&samples=1001x1000", "samples"),
+        ] {
+            let url = format!("{}/result?{query}", path(&job));
+            let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
+            assert_eq!(status, 400, "{query}");
+            assert_eq!(problem["errors"][0]["parameter"], parameter, "{query}");
+        }
+    }
+}
+
+/// Colours show the distance at each data point; the legend goes up to the largest, which is the error.
+#[tokio::test]
+async fn drawings_show_how_far_the_data_are() {
+    let server = Server::start().await;
+    let rows = |count: usize| -> Vec<Value> {
+        let place =
+            |i: usize, j: usize| [i as f64, j as f64, f64::from(u8::from(i == 5 && j == 2))];
+        (0..count)
+            .map(|i| json!((0..9).map(|j| place(i, j)).collect::<Vec<_>>()))
+            .collect()
+    };
+    let sparse = json!({"kind": "least_squares", "control_points": {"u": 4, "v": 4}});
+    let mut gaps = rows(9);
+    gaps[3][3] = Value::Null;
+    let scattered: Vec<[f64; 3]> = (0..400)
+        .map(|k| [f64::from(k % 20), f64::from(k / 20), f64::from(k % 7)])
+        .collect();
+    for job in [
+        json!({"surface": {"points": rows(9)}, "method": sparse}),
+        json!({"surface": {"points": gaps}, "method": sparse}),
+        json!({"surface": {"scattered": scattered, "parameters": {"project": "xy"}}, "method": sparse}),
+        json!({"curve": {"points": data::lemniscate()}, "stop": {"max_iterations": 2}}),
+        json!({"curve": {"points": data::helix(), "basis": {"kind": "bernstein"}}, "stop": {"max_iterations": 2}}),
+        json!({"curve": {"points": [[0, 0], [1, 1], [2, 0], [3, 5]], "basis": {"kind": "bspline", "degree": 1}}}),
+    ] {
+        let job = server.fit(&job).await;
+        let result = server.json(&format!("{}/result", path(&job))).await;
+        let error = result["error"]["max"].as_f64().unwrap();
+        let url = format!("{}/result?format=svg", path(&job));
+        let svg = server.get(&url).send().await.unwrap().text().await.unwrap();
+        if error == 0.0 {
+            assert!(!svg.contains("class=\"legend\""));
+            continue;
+        }
+        let legend = svg.split("class=\"legend\"").nth(1).unwrap();
+        let last = legend.split("text-anchor=\"middle\">").nth(5).unwrap();
+        let text = last.split('<').next().unwrap();
+        let (mantissa, power) = text.split_once("·10").unwrap_or((text, ""));
+        let power = power.replace('⁻', "-");
+        let digits = power.chars().map(|c| match c {
+            '-' => '-',
+            '¹' => '1',
+            '²' => '2',
+            '³' => '3',
+            c => char::from_digit(u32::from(c) - 0x2070, 10).unwrap(),
+        });
+        let power: i32 = digits.collect::<String>().parse().unwrap_or(0);
+        let most = mantissa.parse::<f64>().unwrap() * 10_f64.powi(power);
+        assert!((most - error).abs() < 0.06 * error, "{most} {error}");
+        assert!(svg.contains("@media (prefers-color-scheme:dark)"));
+    }
+}
+
+/// Triangles and vertices of meshes are as many as the samples give, down to the least there can be.
+#[tokio::test]
+async fn meshes_have_as_many_samples_as_asked_for() {
+    let server = Server::start().await;
+    let peaks = server
+        .fit(&json!({"surface": {"points": data::peaks(9)}}))
+        .await;
+    let line = server
+        .fit(&json!({"curve": {"points": [[0, 0], [3, 4]], "basis": {"kind": "bernstein"}}}))
+        .await;
+    let helix = server
+        .fit(&json!({"curve": {"points": data::helix()}}))
+        .await;
+    let get = async |job: &Value, query: &str| {
+        let url = format!("{}/result?{query}", path(job));
+        server.get(&url).send().await.unwrap()
+    };
+    for (samples, rows, columns) in [("2x2", 2, 2), ("4x7", 4, 7), ("256x2", 256, 2)] {
+        let stl = get(&peaks, &format!("format=stl&samples={samples}"))
+            .await
+            .bytes()
+            .await
+            .unwrap();
+        let count = u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize;
+        assert_eq!(count, 2 * (rows - 1) * (columns - 1), "{samples}");
+        assert_eq!(stl.len(), 84 + 50 * count);
+        let dxf = get(&peaks, &format!("format=dxf&samples={samples}"))
+            .await
+            .text()
+            .await
+            .unwrap();
+        let vertices = dxf.matches("\nVERTEX\n").count();
+        assert!(
+            vertices >= rows * columns && dxf.contains("\n 71\n"),
+            "{samples}"
+        );
+    }
+    for (job, query, vertices, spatial) in [
+        (&line, "format=dxf&samples=2", 2, false),
+        (&helix, "format=dxf&samples=1500", 1500, true),
+    ] {
+        let dxf = get(job, query).await.text().await.unwrap();
+        assert_eq!(dxf.matches("\nVERTEX\n").count(), vertices);
+        assert_eq!(dxf.contains("\n 70\n8\n"), spatial);
+    }
+    let (status, problem) = problem(get(&peaks, "format=dxf&samples=257x3").await).await;
+    assert_eq!(status, 409);
+    assert!(
+        problem["detail"].as_str().unwrap().contains("at most 256"),
+        "{problem}"
+    );
+}
+
+/// Files declare the unit that is asked for; their coordinates are the same in any.
+#[tokio::test]
+async fn units_are_declared() {
+    let server = Server::start().await;
+    for job in [
+        json!({"curve": {"points": data::helix()}}),
+        json!({"surface": {"points": data::peaks(9)}}),
+    ] {
+        let job = server.fit(&job).await;
+        let file = async |query: &str| {
+            let url = format!("{}/result?{query}", path(&job));
+            server.get(&url).send().await.unwrap().text().await.unwrap()
+        };
+        let millimetres = file("format=step").await;
+        assert!(millimetres.contains("#10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));"));
+        assert_eq!(file("format=step&units=mm").await, millimetres);
+        let points = |text: &str| text.split_once("#22=").unwrap().1.to_owned();
+        for (unit, declared) in [
+            ("m", "#10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));"),
+            (
+                "in",
+                "#10=(CONVERSION_BASED_UNIT('INCH',#20)LENGTH_UNIT()NAMED_UNIT(#21));",
+            ),
+        ] {
+            let step = file(&format!("format=step&units={unit}")).await;
+            assert!(step.contains(declared), "{unit}");
+            assert_eq!(points(&step), points(&millimetres), "{unit}");
+        }
+        for (unit, declared) in [("mm", ",2,2HMM,"), ("m", ",6,1HM,"), ("in", ",1,2HIN,")] {
+            let iges = file(&format!("format=iges&units={unit}")).await;
+            let global = iges.lines().filter(|line| &line[72..73] == "G");
+            let global: String = global.map(|line| line[..72].trim_end()).collect();
+            assert!(global.contains(declared), "{global}");
+        }
+        for query in [
+            "format=step&units=cm",
+            "format=obj&units=mm",
+            "format=gltf&units=m",
+            "format=svg&units=in",
+            "format=csv&units=mm",
+            "format=stl&units=mm",
+            "format=dxf&units=mm",
+            "units=mm",
+        ] {
+            let url = format!("{}/result?{query}", path(&job));
+            let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
+            assert_eq!(status, 400, "{query}");
+            assert_eq!(problem["errors"][0]["parameter"], "units", "{query}");
         }
     }
 }
@@ -191,6 +403,8 @@ async fn what_cannot_be_written_is_said() {
         (&values, "svg", "one coordinate"),
         (&steep, "step", "degree is 29"),
         (&steep, "igs", "degree is 29"),
+        (&steep, "stl", "a curve has none"),
+        (&values, "dxf", "one coordinate"),
     ] {
         let url = format!("{}/result?format={format}", path(job));
         let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
@@ -261,7 +475,7 @@ async fn downloads_are_named_after_the_job() {
         ("wing.obj", "wing.obj", "wing.obj"),
     ] {
         let job = named(Some(name)).await;
-        for format in Format::ALL {
+        for format in Format::ALL.into_iter().filter(|it| *it != Format::Stl) {
             let ending = format.extension();
             let exact = exact.trim_end_matches(&format!(".{ending}")).to_owned();
             let ascii = ascii.trim_end_matches(&format!(".{ending}")).to_owned();
@@ -274,12 +488,26 @@ async fn downloads_are_named_after_the_job() {
             }
         }
     }
+    // JSON and messages are kept in files, too.
+    let job = named(Some("Flügel")).await;
+    for (part, file) in [
+        ("result", "Fl%C3%BCgel.json"),
+        ("result?format=protobuf", "Fl%C3%BCgel.binpb"),
+        ("iterations/3?encoding=base64", "Fl%C3%BCgel-3.json"),
+        ("input", "Fl%C3%BCgel-input.json"),
+    ] {
+        let found = disposition(format!("{}/{part}", path(&job))).await;
+        assert!(
+            found.ends_with(&format!("filename*=UTF-8''{file}")),
+            "{found}"
+        );
+    }
     for name in [None, Some("…/…"), Some(".."), Some("")] {
         let job = named(name).await;
         let found = disposition(format!("{}/result?format=step", path(&job))).await;
         let file = match name {
             Some("…/…") => "___".to_owned(),
-            _ => format!("curve-{}", job["id"].as_str().unwrap()),
+            _ => format!("piad-{}", job["id"].as_str().unwrap()),
         };
         assert!(
             found.contains(&format!("filename=\"{file}.step\"")),

@@ -115,3 +115,62 @@ async fn a_wrong_method_is_told_the_right_ones() {
         assert_eq!(sorted(told), allowed, "{path}");
     }
 }
+
+/// JSON ends with a newline, and says how long it is with it; so does HEAD.
+#[tokio::test]
+async fn json_ends_with_a_newline() {
+    let server = Server::start().await;
+    let curve = json!({"points": crate::data::helix()});
+    let small = server.fit(&crate::data::small_job()).await;
+    let large = server
+        .fit(&json!({"curve": curve, "method": "direct"}))
+        .await;
+    let mut paths: Vec<String> = [
+        "/",
+        "/livez",
+        "/openapi.json",
+        "/v1/capabilities",
+        "/v1/jobs",
+        "/problems",
+    ]
+    .map(str::to_owned)
+    .into();
+    for job in [small, large] {
+        let parts = [
+            "",
+            "/input",
+            "/result",
+            "/iterations/0?encoding=base64",
+            "/iterations/last?view=samples&samples=20000",
+            "/nothing",
+        ];
+        paths.extend(parts.map(|part| format!("{}{part}", crate::support::base(&job))));
+    }
+    for path in paths {
+        let response = server.get(&path).send().await.unwrap();
+        let length = response.content_length();
+        let text = response.text().await.unwrap();
+        assert!(text.ends_with("}\n") || text.ends_with("]\n"), "{path}");
+        assert!(!text.trim_end_matches('\n').contains('\n'), "{path}");
+        assert!(
+            length.is_none_or(|length| length == text.len() as u64),
+            "{path}"
+        );
+        let head = server.client.head(format!("{}{path}", server.url));
+        let head = head.send().await.unwrap();
+        let told = head.headers().get("content-length");
+        let told = told.map(|value| value.to_str().unwrap().parse::<u64>().unwrap());
+        assert_eq!(told, length, "{path}");
+    }
+    // Lines of streams have theirs already; messages are no text.
+    let request = server
+        .post("/v1/jobs")
+        .header("accept", "application/x-ndjson");
+    let lines = request
+        .json(&crate::data::small_job())
+        .send()
+        .await
+        .unwrap();
+    let lines = lines.text().await.unwrap();
+    assert!(lines.ends_with("}\n") && !lines.contains("\n\n"));
+}

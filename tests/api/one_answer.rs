@@ -66,7 +66,7 @@ async fn files_have_routes_of_their_own() {
     let job = server.fit(&data::small_job()).await;
     for level in ["result", "iterations/2", "iterations/last"] {
         let path = format!("{}/{level}", base(&job));
-        for format in ["step", "iges", "obj", "gltf", "svg", "csv"] {
+        for format in ["step", "iges", "obj", "gltf", "dxf", "svg", "csv"] {
             let named = server
                 .get(&format!("{path}/{format}"))
                 .send()

@@ -183,7 +183,8 @@ async fn examples_of_requests_are_accepted() {
         let path = path
             .replace("{slug}", "invalid-fit")
             .replace("{format}", "csv")
-            .replace("{file}", "start.js");
+            .replace("{file}", "start.js")
+            .replace("{part}", "app.js");
         if method != "get" {
             continue;
         }
@@ -231,6 +232,13 @@ async fn try_parameter(server: &Server, path: &str, parameter: &Value) {
     };
     let request = match parameter["in"].as_str().unwrap() {
         "header" => server.get(path).header(name, &text),
+        // Dots are for drawings.
+        "query" if name == "dots" => {
+            server.get(&format!("{}?dots={text}", path.replace("/csv", "/svg")))
+        }
+        "query" if name == "units" => {
+            server.get(&format!("{}?units={text}", path.replace("/csv", "/step")))
+        }
         // Samples are for those who ask for samples.
         "query" if name == "samples" && !path.ends_with("/csv") => {
             server.get(&format!("{path}?view=samples&samples={text}"))

@@ -119,10 +119,16 @@ fn the_version_is_told() {
     let version = String::from_utf8(version.stdout).unwrap();
     // With the commit, if the build knew it.
     let expected = match option_env!("PIAD_BUILD_COMMIT") {
-        None | Some("") => concat!("piad ", env!("CARGO_PKG_VERSION"), "\n").to_owned(),
-        Some(commit) => format!("piad {} ({commit})\n", env!("CARGO_PKG_VERSION")),
+        None | Some("") => concat!("piad ", env!("CARGO_PKG_VERSION")).to_owned(),
+        Some(commit) => format!("piad {} ({commit})", env!("CARGO_PKG_VERSION")),
     };
-    assert_eq!(version, expected);
+    let lines: Vec<&str> = version.lines().collect();
+    assert_eq!(lines[0], expected);
+    assert!(
+        lines[1].starts_with("features: http, grpc, fit, tls; "),
+        "{version}"
+    );
+    assert_eq!(lines.len(), 2, "{version}");
 }
 
 #[tokio::test]

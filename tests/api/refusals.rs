@@ -117,7 +117,7 @@ async fn resources_methods_and_media_types() {
             415,
             "unsupported-media-type",
         ),
-        (typed("text/csv"), 415, "unsupported-media-type"),
+        (typed("text/html"), 415, "unsupported-media-type"),
         (typed("application/yaml"), 415, "unsupported-media-type"),
         (
             typed(json).header("accept", "image/png"),

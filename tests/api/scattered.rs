@@ -451,7 +451,7 @@ async fn views_and_files_show_scattered_fits() {
             .json(&format!("{this}/iterations/1?view={view}"))
             .await;
     }
-    for format in ["step", "iges", "obj", "glb", "svg", "csv"] {
+    for format in ["step", "iges", "obj", "glb", "stl", "dxf", "svg", "csv"] {
         let path = format!("{this}/result?format={format}");
         let response = server.get(&path).send().await.unwrap();
         assert_eq!(response.status(), 200, "{format}");

@@ -15,6 +15,7 @@ use piad::fit::points::Points;
 use piad::fit::problem::Problem;
 use piad::fit::samples::Uniform;
 use piad::fit::system::System;
+use piad::model::scattered::no_base;
 use serde_json::{Value, json};
 
 /// The end of a fit.
@@ -27,8 +28,11 @@ pub struct Fit {
 
 impl Fit {
     pub fn new(job: &Value) -> Self {
-        let valid = job::read(job.to_string().into(), &Config::standard());
-        let job = valid.unwrap_or_else(|problem| panic!("{job}: {problem:?}"));
+        let config = Config::standard();
+        let read = job::read(job.to_string().into(), &config);
+        let (spec, _) = read.unwrap_or_else(|problem| panic!("{job}: {problem:?}"));
+        let valid = spec.validate(config.limits(), Err(no_base()));
+        let job = valid.unwrap_or_else(|mistakes| panic!("{job}: {mistakes:?}"));
         let problem = Arc::new(job.problem);
         let mut iteration = Iteration::start(Arc::new(System::new(Arc::clone(&problem))));
         let mut errors = vec![iteration.level().error.max];

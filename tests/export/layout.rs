@@ -9,6 +9,8 @@ pub fn check(format: Format, file: &[u8]) {
         Format::Iges => iges(std::str::from_utf8(file).unwrap()),
         Format::Obj => obj(std::str::from_utf8(file).unwrap()),
         Format::Gltf => glb(file),
+        Format::Stl => stl(file),
+        Format::Dxf => dxf(std::str::from_utf8(file).unwrap()),
         Format::Svg => svg(std::str::from_utf8(file).unwrap()),
         Format::Csv => csv(std::str::from_utf8(file).unwrap()),
     }
@@ -96,6 +98,28 @@ fn glb(file: &[u8]) {
     assert_eq!(28 + json + binary, file.len());
     assert!(json.is_multiple_of(4) && binary.is_multiple_of(4));
     assert!(document["buffers"][0]["byteLength"].as_u64().unwrap() as usize <= binary);
+}
+
+/// A count, and as many triangles.
+fn stl(file: &[u8]) {
+    assert!(!file.starts_with(b"solid"));
+    let count = u32::from_le_bytes(file[80..84].try_into().unwrap()) as usize;
+    assert!(count > 0);
+    assert_eq!(file.len(), 84 + 50 * count);
+}
+
+/// Groups: a code and a value, up to the end of the file.
+fn dxf(text: &str) {
+    assert!(text.is_ascii() && text.ends_with("  0\nEOF\n"));
+    let lines: Vec<&str> = text.lines().collect();
+    for group in lines.chunks(2) {
+        let code: u32 = group[0].trim().parse().unwrap();
+        match code {
+            10..=59 => assert!(group[1].parse::<f64>().unwrap().is_finite()),
+            60..=79 => assert!(group[1].parse::<u32>().is_ok()),
+            _ => {}
+        }
+    }
 }
 
 /// Every number is one.

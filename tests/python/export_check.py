@@ -17,6 +17,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 import cairosvg
+import ezdxf
 import numpy as np
 import pygltflib
 import rhino3dm
@@ -223,14 +224,72 @@ def check_glb(path: str, spline: Spline, _job: dict | None) -> None:
         assert primitive.mode == pygltflib.LINES
         ends = np.arange(len(places))
         equal(indices.reshape(-1, 2), np.stack([ends[:-1], ends[1:]], axis=1), SAME, "glTF lines")
-        # trimesh merges vertices that are equal.
-        drawn = np.linalg.norm(np.diff(positions, axis=0), axis=1).sum()
-        equal(shape.length, drawn, 1e-6, "glTF length by trimesh")
+        check_path(scene, shape, places, spline)
     # glTF has y upwards: (x, y, z) is shown at (x, z, −y).
     shown = scene.bounds
     turned = np.stack([places[:, 0], places[:, 2], -places[:, 1]], axis=1)
     offset = np.abs(shown - np.stack([turned.min(axis=0), turned.max(axis=0)])).max() / spline.magnitude
     assert offset < 1e-6, f"glTF: the scene is off by {offset:.3g}"
+
+
+def check_path(scene: trimesh.Scene, shape: trimesh.path.Path3D, places, spline: Spline) -> None:
+    """trimesh loads the curve as a path: one polyline through the samples, about as long as the curve."""
+    assert not scene.is_empty and isinstance(shape, trimesh.path.Path3D), "glTF: no path in the scene"
+    (line,) = shape.entities
+    assert len(line.points) == len(places), f"glTF: {len(line.points)} of {len(places)} vertices"
+    drawn = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
+    equal(shape.length, drawn, 1e-6, "glTF length by trimesh")
+    # Chords are shorter than their arcs, by a part that is quadratic in the angle they turn by.
+    corners = np.clip(spline.knots[0], *spline.domain(0))
+    fine = spline.evaluate(np.union1d(spline.parameters(0, 20_001), corners))
+    length = np.linalg.norm(np.diff(fine, axis=0), axis=1).sum()
+    assert 0.99 * length <= shape.length <= (1 + 1e-6) * length, f"glTF: {shape.length} long, not {length}"
+
+
+def check_stl(path: str, spline: Spline, _job: dict | None) -> None:
+    """trimesh reads triangles whose corners are on the surface, and which close what is closed."""
+    mesh = trimesh.load(path, process=False)
+    with open(path, "rb") as file:
+        count = int.from_bytes(file.read(84)[80:], "little")
+    assert len(mesh.faces) == count > 0, f"STL: {len(mesh.faces)} of {count} triangles"
+    size = spline.extent + 1e-7 * spline.magnitude / 2e-6
+    rng = np.random.default_rng(2)
+    for index in rng.choice(len(mesh.vertices), 20):
+        distance = nearest(spline, np.array(mesh.vertices[index], dtype=float))[0]
+        assert distance < 2e-6 * size, f"STL: a corner is {distance:.3g} off the surface"
+    merged = mesh.copy()
+    merged.merge_vertices()
+    if all(spline.closed):
+        assert merged.is_watertight, "STL: a closed surface has gaps"
+
+
+def check_dxf(path: str, spline: Spline, job: dict | None) -> None:
+    """ezdxf reads one polyline through points of the curve, or one mesh of points of the surface."""
+    document = ezdxf.readfile(path)
+    assert not document.audit().has_errors, "DXF: the audit finds errors"
+    (entity,) = document.modelspace()
+    assert entity.dxftype() == "POLYLINE"
+    if spline.is_surface:
+        assert entity.is_polygon_mesh
+        assert [entity.is_m_closed, entity.is_n_closed] == spline.closed
+        counts = (entity.dxf.m_count, entity.dxf.n_count)
+        assert len(entity.vertices) == counts[0] * counts[1]
+        places = np.array([tuple(vertex.dxf.location) for vertex in entity.vertices])
+        corners = [places[0]] if any(spline.closed) else [places[0], places[-1]]
+    else:
+        assert entity.is_closed == spline.closed[0]
+        assert not job or entity.is_2d_polyline == (len(job["curve"]["points"][0]) == 2)
+        places = np.array([tuple(vertex.dxf.location) for vertex in entity.vertices])
+        corners = [places[0]] if spline.closed[0] else [places[0], places[-1]]
+        lines = np.vstack([places, places[:1]]) if spline.closed[0] else places
+        drawn = np.linalg.norm(np.diff(lines, axis=0), axis=1).sum()
+        knots = np.clip(spline.knots[0], *spline.domain(0))
+        fine = spline.evaluate(np.union1d(spline.parameters(0, 20_001), knots))
+        length = np.linalg.norm(np.diff(fine, axis=0), axis=1).sum()
+        assert 0.99 * length <= drawn <= (1 + 1e-6) * length, f"DXF: {drawn} long, not {length}"
+    ends = [np.array(spline.domain(axis)) for axis in range(len(spline.degrees))]
+    expected = spline.evaluate(*ends).reshape(-1, 3)[[0, -1][: len(corners)]]
+    equal(corners, expected, EVALUATED, "DXF corners")
 
 
 def check_mesh(places, normals, indices, spline: Spline) -> None:
@@ -312,8 +371,10 @@ def check_svg(path: str, spline: Spline, job: dict | None) -> None:
     for circle in circles:
         x, y = float(circle.get("cx")), float(circle.get("cy"))
         assert 0 <= x <= width and 0 <= y <= height, "SVG: a data point is off the page"
-    if job:
+    if job and (circles or count(job) <= 100):
         assert len(circles) == 1 + count(job), "SVG: not all data points"
+    legend = root.find(f"{space}g[@class='legend']")
+    assert legend is not None or not spline.error, "SVG: no legend of distances"
     curve = root.find(f"{space}svg/{space}path[@class='curve']")
     assert (curve is not None) or spline.is_surface
     if job and job.get("name"):
@@ -352,6 +413,8 @@ CHECKS = {
     ".iges": check_iges,
     ".obj": check_obj,
     ".glb": check_glb,
+    ".stl": check_stl,
+    ".dxf": check_dxf,
     ".svg": check_svg,
     ".csv": check_csv,
 }

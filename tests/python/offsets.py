@@ -44,6 +44,13 @@ def grid(count: int, height) -> list:
     return np.stack([x, y, height(x, y)], axis=2).tolist()
 
 
+def scattered(count: int, height) -> list:
+    """Places that look random: multiples of the inverses of the plastic number and of its square."""
+    i = np.arange(1, count + 1)
+    x, y = (6 * ((i * step) % 1) - 3 for step in (0.754877666246693, 0.569840290998053))
+    return np.c_[x, y, height(x, y)].tolist()
+
+
 def peaks(x, y):
     return (
         3 * (1 - x) ** 2 * np.exp(-(x**2) - (y + 1) ** 2)
@@ -106,6 +113,12 @@ def thicken(file: cad.CadFile, thickness: float) -> None:
             assert abs(there - thickness) < 1e-6, f"the offset at {u}, {v} is {there}"
 
 
+def automatic(geometry: dict, tolerance: float) -> dict:
+    """As few control points as the tolerance needs: knots that are not at the data."""
+    method = {"kind": "least_squares", "control_points": "auto"}
+    return geometry | {"method": method, "stop": {"tolerance": tolerance}}
+
+
 def fails(check, *arguments) -> bool:
     try:
         check(*arguments)
@@ -123,6 +136,11 @@ def main() -> int:
         ("saddle, 11 x 11", {"surface": {"points": grid(11, saddle)}}, thicken, 0.1),
         ("saddle, 12 x 7, weights", {"surface": {"points": [row[:7] for row in grid(12, saddle)], "weights": [[1 + 0.02 * (i + j) for j in range(7)] for i in range(12)]}}, thicken, 0.05),
     ]
+    within = [
+        ("NACA 2412 within 1e-4", automatic({"curve": {"points": naca2412(401)}}, 1e-4), offset_curve, 0.01),
+        ("peaks within 0.01", automatic({"surface": {"points": grid(41, peaks)}}, 0.01), thicken, 0.02),
+        ("scattered peaks within 0.01", automatic({"surface": {"scattered": scattered(1500, peaks), "parameters": {"project": "xy"}}}, 0.01), thicken, 0.02),
+    ]
     wrong = []
     with tempfile.TemporaryDirectory() as folder, server(sys.argv[1]) as base:
         for name, job, check, distance in cases:
@@ -135,7 +153,12 @@ def main() -> int:
             # What these checks are for: a check that repeated ends pass would see nothing.
             if not fails(check, shape(base, job, folder), distance):
                 wrong.append(f"{name}: repeated ends pass, too")
-    print("\n".join(wrong) or f"ok: {len(cases)} fits are offset and thickened by OpenCASCADE")
+        for name, job, check, distance in within:
+            try:
+                check(shape(base, job, folder), distance)
+            except (AssertionError, Standard_Failure, RuntimeError) as error:
+                wrong.append(f"{name}: {error}")
+    print("\n".join(wrong) or f"ok: {len(cases) + len(within)} fits are offset and thickened by OpenCASCADE")
     return 1 if wrong else 0
 
 

@@ -17,7 +17,7 @@ import threading
 import urllib.request
 
 ROOT = os.path.join(os.path.dirname(__file__), "..", "..")
-FORMATS = {"step": "step", "iges": "igs", "obj": "obj", "gltf": "glb", "svg": "svg", "csv": "csv"}
+FORMATS = {"step": "step", "iges": "igs", "obj": "obj", "gltf": "glb", "stl": "stl", "dxf": "dxf", "svg": "svg", "csv": "csv"}
 
 
 @contextlib.contextmanager
@@ -55,7 +55,8 @@ def write_all(base: str, folder: str) -> None:
         resource = json.loads(fetch(f"{base}/v1/jobs", job))
         result = base + resource["links"]["result"]
         files = {"job.json": job, "result.json": fetch(result)}
-        files |= {ending: fetch(f"{result}?format={format}") for format, ending in FORMATS.items()}
+        formats = {format: ending for format, ending in FORMATS.items() if format != "stl" or resource["kind"] == "surface"}
+        files |= {ending: fetch(f"{result}?format={format}") for format, ending in formats.items()}
         for ending, content in files.items():
             with open(os.path.join(folder, f"{name}.{ending}"), "wb") as file:
                 file.write(content)

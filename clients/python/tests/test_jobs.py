@@ -27,6 +27,44 @@ def test_fits_go_through_the_points(client: piad.Client) -> None:
         _ = result.surface
 
 
+def test_fits_choose_their_knots(client: piad.Client) -> None:
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 500)
+    points = np.column_stack([np.cos(angles), np.sin(angles) * np.cos(angles)])
+    job = client.create(points, method={"kind": "least_squares", "control_points": "auto"}, tolerance=1e-4)
+    parameters = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    counts = []
+    for iteration in job.iterations():
+        curve = iteration.geometry
+        distances = np.linalg.norm(curve.evaluate(parameters) - points, axis=1)
+        # Parameters differ by rounding of sums of 500 chords.
+        assert abs(distances.max() - iteration.error.max) < 1e-12
+        counts.append(len(curve.control_points))
+    assert counts[0] == 4 and counts[-1] <= 19
+    assert job.iteration(10).geometry.knots != job.iteration("last").geometry.knots
+    result = job.result()
+    assert result.curve.knots == iteration.geometry.knots
+    resumed = list(job.iterations(after=12))
+    assert resumed[0].geometry.knots == job.iteration(13).geometry.knots
+
+
+def test_scattered_points_are_fitted(client: piad.Client) -> None:
+    random = np.random.default_rng(7)
+    uv = random.random((400, 2))
+    points = np.column_stack([uv, 0.2 * np.sin(3 * uv[:, 0]) * uv[:, 1]])
+    method = {"kind": "least_squares", "control_points": 7, "variant": "direct"}
+    for parameters in (uv, "project", {"project": "xy"}):
+        result = client.fit(points, scattered=True, parameters=parameters, method=method)
+        assert result.surface.degrees == (3, 3)
+        assert result.error.max < 0.002
+        assert isinstance(result.error.at, int)
+    base = {"foot_points": {"job": client.create(points, scattered=True, parameters=uv, method=method).id}}
+    assert client.fit(points, scattered=True, parameters=base, method=method).error.max < 0.002
+    job = client.create(points, scattered=True, parameters=uv, method=method)
+    assert np.array_equal(job.input()["surface"]["scattered"], points)
+    with pytest.raises(ValueError):
+        client.create(points.reshape(20, 20, 3), scattered=True, parameters=uv, method=method)
+
+
 def test_jobs_are_found_waited_for_and_deleted(client: piad.Client) -> None:
     job = client.create(CURVE, name="one")
     assert job.wait(30).ended
@@ -79,7 +117,7 @@ def test_edits_start_from_the_job(client: piad.Client) -> None:
 
 @pytest.mark.parametrize(
     ("format", "start"),
-    [("step", b"ISO-10303-21"), ("gltf", b"glTF"), ("svg", b"<"), ("csv", b""), ("iges", b""), ("obj", b"")],
+    [("step", b"ISO-10303-21"), ("gltf", b"glTF"), ("svg", b"<"), ("csv", b""), ("iges", b""), ("obj", b""), ("dxf", b"999")],
 )
 def test_downloads(client: piad.Client, tmp_path: Path, format: str, start: bytes) -> None:
     job = client.create(CURVE)

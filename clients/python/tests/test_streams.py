@@ -58,7 +58,7 @@ def test_changes_are_applied(client: piad.Client, name: str) -> None:
 
 
 def test_streams_of_the_job_itself(client: piad.Client) -> None:
-    job = client.create(CURVE, stream={"view": "errors", "every": 2, "on_disconnect": "cancel"})
+    job = client.create(CURVE, stream={"view": "errors", "every": 2, "describe": "none", "on_disconnect": "cancel"})
     assert job.shape().bases[0].degree == 3
     assert job.wait().state == "converged"
     assert all(level.control_points is None for level in job.iterations())

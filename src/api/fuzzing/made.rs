@@ -104,18 +104,22 @@ impl<'a> Choices<'a> {
             dimension: 1 + self.below(3),
         };
         let method = self.method(&shape);
-        let holes = surface && method["kind"] == "least_squares" && self.often();
+        let automatic = method["control_points"] == "auto";
+        let holes = surface && method["kind"] == "least_squares" && !automatic && self.often();
         let mut geometry = Map::new();
         geometry.insert("points".to_owned(), self.points(&shape, holes));
         let mut job = Map::new();
-        if self.often() {
+        if !automatic && self.often() {
             let (weights, fixed) = self.weights(&shape);
             geometry.insert("weights".to_owned(), weights);
             let rational = if fixed { "fixed" } else { "homogeneous" };
             job.insert("rational".to_owned(), rational.into());
         }
         for (name, value) in self.directions(&shape) {
-            geometry.insert(name.to_owned(), value);
+            // They choose their knots, and have ends of their own.
+            if !automatic || ["parameters", "closed"].contains(&name) {
+                geometry.insert(name.to_owned(), value);
+            }
         }
         let kind = if surface { "surface" } else { "curve" };
         job.insert(kind.to_owned(), geometry.into());

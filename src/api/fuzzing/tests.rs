@@ -57,7 +57,7 @@ fn seeds_are_jobs_and_pass_through_every_decoder() {
         };
         let records = [
             store::kept_record(&record_of(outline, Some(&iteration))),
-            store::kept_points(iteration.control_points()),
+            kept_level(&iteration),
             store::kept_entry(&entry),
             store::kept(&job.problem),
         ];
@@ -89,13 +89,7 @@ fn seeds_are_edits_of_a_parent() {
 fn what_is_made_up_is_often_accepted() {
     let (mut jobs, mut edits) = (0, 0);
     for seed in 0..300_u64 {
-        let bytes = (0..16_u64).flat_map(|k| {
-            let mixed = (16 * seed + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            (mixed ^ (mixed >> 29))
-                .wrapping_mul(0xbf58_476d_1ce4_e5b9)
-                .to_be_bytes()
-        });
-        let bytes: Vec<u8> = bytes.collect();
+        let bytes = by_chance(seed);
         sow("made", &seed.to_string(), &bytes);
         let mut choices = Choices::of(&bytes);
         let asked = choices.job();
@@ -107,6 +101,43 @@ fn what_is_made_up_is_often_accepted() {
         }
     }
     assert!(jobs > 100 && edits > 50, "{jobs} jobs, {edits} edits");
+}
+
+/// Fits that choose their knots, whatever they obey and weigh, end, and with finite numbers.
+#[test]
+fn automatic_fits_that_are_made_up_end() {
+    let mut count = 0;
+    for seed in 0..60_000_u64 {
+        let asked = Choices::of(&by_chance(seed)).job();
+        if asked["method"]["control_points"] != "auto" {
+            continue;
+        }
+        let Ok(job) = job_of_json(&view::to_bytes(&asked)) else {
+            continue;
+        };
+        count += 1;
+        let mut iteration = Iteration::start(Arc::new(System::new(Arc::new(job.problem))));
+        for _ in 0..500 {
+            if iteration.outcome().is_none() {
+                iteration.step();
+            }
+        }
+        let lanes = iteration.control_points().lanes().iter();
+        let finite = lanes.flat_map(|lane| lane.iter()).all(|x| x.is_finite());
+        assert!(iteration.outcome().is_some() && finite, "{asked}");
+    }
+    assert!(count > 500, "{count} fits");
+}
+
+/// Bytes that look random.
+fn by_chance(seed: u64) -> Vec<u8> {
+    let bytes = (0..16_u64).flat_map(|k| {
+        let mixed = (16 * seed + k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (mixed ^ (mixed >> 29))
+            .wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            .to_be_bytes()
+    });
+    bytes.collect()
 }
 
 /// Edits as messages.

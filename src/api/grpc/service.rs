@@ -11,7 +11,7 @@ use uuid::Uuid;
 
 use crate::api::app::App;
 use crate::api::language::{Framing, Language};
-use crate::api::order::{self, Order};
+use crate::api::order::{self, EditOrder, Order};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::{edit, fields, names, request, view};
 use crate::api::rates::{self, RatesRequest, WrongPart};
@@ -59,7 +59,7 @@ impl Service {
             return Ok(known);
         }
         let order = Order::new(app, input.encoded_len(), move |config| {
-            request::validate(input, config)
+            Ok(request::spec(input, config))
         })
         .await
         .map_err(|problem| problem.within("input"))?;
@@ -89,8 +89,12 @@ impl Service {
         let (length, owner) = (edit.encoded_len(), Arc::clone(parent));
         let read = order::read(app, length, move || edit::edit(edit, owner.outline()));
         let (spec, layout) = read.await.map_err(within)?;
-        let order = Order::edit(app, parent, spec, &layout).await;
-        order.map_err(within)?.make(app, key).await
+        // The call has no stream.
+        if spec.ephemeral {
+            return Err(within(order::no_stream(&layout)));
+        }
+        let edit = EditOrder::new(app, parent, spec, &layout).await;
+        edit.map_err(within)?.order.make(app, key).await
     }
 
     /// The idempotency key of a request: the same as that of a REST request with the same message.

@@ -1,43 +1,97 @@
 //! A request body and its media type.
 
 use axum::extract::Request;
-use axum::http::header;
+use axum::http::{HeaderMap, HeaderValue, header};
 
-use super::intake;
 use super::intake::ReceivedBody;
+use super::{coding, intake};
+use crate::api::app::App;
 use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
-use crate::api::{app::App, text};
 use crate::model::short::quoted;
 
 /// Reads the body of a request, which is JSON or a protobuf message.
 pub(super) async fn read(app: &App, request: Request) -> Result<(Language, ReceivedBody), Problem> {
     let language = language(&request)?;
-    text::check_coding(request.headers())?;
-    let (parts, body) = request.into_parts();
-    let taken = intake::take_in(app, &parts.headers, body).await?;
-    Ok((language, taken))
+    Ok((language, take_in(app, request).await?))
 }
 
-/// The language of a body by its media type.
-fn language(request: &Request) -> Result<Language, Problem> {
-    let given = request.headers().get(header::CONTENT_TYPE);
-    let given = given.and_then(|value| value.to_str().ok()).unwrap_or("");
+/// Reads the body of a request, which is a file of points.
+pub(super) async fn read_points(app: &App, request: Request) -> Result<ReceivedBody, Problem> {
+    if !is_points(request.headers()) {
+        let given = content_type(request.headers());
+        let detail = format!(
+            "Content-Type is {}; points are sent as text/csv or text/plain in UTF-8",
+            quoted(given)
+        );
+        return Err(Problem::new(Kind::UnsupportedMediaType, detail));
+    }
+    take_in(app, request).await
+}
+
+async fn take_in(app: &App, request: Request) -> Result<ReceivedBody, Problem> {
+    let coding = coding::of_body(request.headers())?;
+    let (parts, body) = request.into_parts();
+    match coding {
+        None => intake::take_in(app, &parts.headers, body).await,
+        Some(coding) => intake::unpack(app, &parts.headers, body, coding).await,
+    }
+}
+
+/// Whether a body is a file of points by its media type.
+pub(super) fn is_points(headers: &HeaderMap) -> bool {
+    let (essence, utf8) = media_type(content_type(headers));
+    let is = |name: &str| essence.eq_ignore_ascii_case(name);
+    utf8 && (is("text/csv") || is("text/plain"))
+}
+
+/// Whether a page of another origin has sent a text, which browsers let every page do without asking:
+/// so such a request makes no job.
+pub(super) fn is_unasked(headers: &HeaderMap) -> bool {
+    let (essence, _) = media_type(content_type(headers));
+    let text = |name| {
+        headers
+            .get(name)
+            .and_then(|value: &HeaderValue| value.to_str().ok())
+    };
+    let host = text(header::HOST).unwrap_or("");
+    let foreign = text(header::ORIGIN).is_some_and(|origin| {
+        origin
+            .split_once("://")
+            .is_none_or(|(_, authority)| !authority.eq_ignore_ascii_case(host))
+    });
+    foreign && !essence.eq_ignore_ascii_case("text/csv")
+}
+
+fn content_type(headers: &HeaderMap) -> &str {
+    let given = headers.get(header::CONTENT_TYPE);
+    given.and_then(|value| value.to_str().ok()).unwrap_or("")
+}
+
+/// A media type without its parameters, and whether it is in UTF-8 by them.
+fn media_type(given: &str) -> (&str, bool) {
     let mut parts = given.split(';').map(str::trim);
     let essence = parts.next().unwrap_or("");
-    // JSON is UTF-8: any other charset is refused.
     let utf8 = parts.all(|parameter| {
         let (name, value) = parameter.split_once('=').unwrap_or((parameter, ""));
         !name.trim().eq_ignore_ascii_case("charset")
             || value.trim().trim_matches('"').eq_ignore_ascii_case("utf-8")
     });
+    (essence, utf8)
+}
+
+/// The language of a body by its media type.
+fn language(request: &Request) -> Result<Language, Problem> {
+    let given = content_type(request.headers());
+    // JSON is UTF-8: any other charset is refused.
+    let (essence, utf8) = media_type(given);
     if essence.eq_ignore_ascii_case("application/json") && utf8 {
         return Ok(Language::Json);
     }
     if essence.eq_ignore_ascii_case(PROTOBUF) {
         return Ok(Language::Protobuf);
     }
-    const SENT: &str = "jobs are sent as application/json in UTF-8, or as application/x-protobuf";
+    const SENT: &str = "jobs are sent as application/json in UTF-8, or as application/x-protobuf; the points of new ones also as text/csv";
     let detail = match given {
         "" => format!("the Content-Type header is missing; {SENT}"),
         _ => format!("Content-Type is {}; {SENT}", quoted(given)),

@@ -13,8 +13,9 @@ use super::request_id::REQUEST_ID;
 const MAX_AGE: Duration = Duration::from_secs(7200);
 
 /// The request headers that pages may send.
-const READ: [HeaderName; 7] = [
+const READ: [HeaderName; 8] = [
     header::ACCEPT,
+    header::CONTENT_ENCODING,
     header::CONTENT_TYPE,
     HeaderName::from_static("idempotency-key"),
     HeaderName::from_static("last-event-id"),

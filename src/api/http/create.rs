@@ -11,20 +11,24 @@ use tokio::time::Duration;
 use super::intake::ReceivedBody;
 use super::negotiate::{self, Answer};
 use super::path::InPath;
+use super::points::Fields;
 use super::query::StreamQuery;
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::json;
 use crate::api::json::view::job::path;
-use crate::api::language::Language;
+use crate::api::language::{Framing, Language};
 use crate::api::order;
-use crate::api::order::Order;
-use crate::api::problem::Problem;
+use crate::api::order::{EditOrder, Order};
+use crate::api::problem::{Problem, Words};
 use crate::api::proto;
+use crate::api::stream::feed::Feed;
+use crate::config::Config;
 use crate::job::memory::Permit;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
+use crate::model::edit::EditSpec;
 use crate::model::stream::form::Encoding;
 use crate::model::stream::options::{self, StreamOptions};
 
@@ -52,16 +56,30 @@ fn events_only(headers: &HeaderMap) -> Result<Answer, Problem> {
 }
 
 async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response, Problem> {
-    let mut posted = Posted::read(&app, request, choice).await?;
+    // Points in a text, with the other fields of the job in the query.
+    let points = body::is_points(request.headers()) && !body::is_unasked(request.headers());
+    let fields = points.then(|| Fields::split(request.uri())).transpose()?;
+    let mut posted = Posted::read(&app, request, choice, fields.as_ref()).await?;
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
     let (language, body, _room) = posted.take_body();
-    let order = Order::new(&app, body.len(), move |config| match language {
-        Language::Json => json::request::job::read(body, config),
-        Language::Protobuf => proto::request::read(body, config),
-    })
-    .await?;
+    let length = body.len();
+    let fields = fields.map(|(_, fields)| fields);
+    let order = match (language, fields) {
+        (_, Some(fields)) => {
+            let read = move |config: &Config| fields.job(&body, config);
+            Order::new(&app, length, read).await?
+        }
+        (Language::Json, None) => {
+            let read = move |config: &Config| json::request::job::read(body, config);
+            Order::new(&app, length, read).await?
+        }
+        (Language::Protobuf, None) => {
+            let read = move |config: &Config| proto::request::read(body, config);
+            Order::new(&app, length, read).await?
+        }
+    };
     posted.create(&app, order).await
 }
 
@@ -89,7 +107,7 @@ async fn post_edit(
     request: Request,
     choice: Choice,
 ) -> Result<Response, Problem> {
-    let mut posted = Posted::read(&app, request, choice).await?;
+    let mut posted = Posted::read(&app, request, choice, None).await?;
     // Before the parent is looked for, which may have been deleted.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
@@ -97,11 +115,12 @@ async fn post_edit(
     let parent = jobs::find(&app, &id).await?;
     let (language, body, _room) = posted.take_body();
     let (length, owner) = (body.len(), Arc::clone(&parent));
-    let order = match language {
+    let (framing, edit) = match language {
         Language::Json => {
             let read = move || json::request::edit::read(body, owner.outline());
             let (spec, places) = order::read(&app, length, read).await?;
-            Order::edit(&app, &parent, spec, &places).await?
+            let framing = posted.ephemeral(&spec, &places)?;
+            (framing, EditOrder::new(&app, &parent, spec, &places).await?)
         }
         Language::Protobuf => {
             let read = move || {
@@ -110,10 +129,14 @@ async fn post_edit(
                 proto::edit::edit(message, outline)
             };
             let (spec, layout) = order::read(&app, length, read).await?;
-            Order::edit(&app, &parent, spec, &layout).await?
+            let framing = posted.ephemeral(&spec, &layout)?;
+            (framing, EditOrder::new(&app, &parent, spec, &layout).await?)
         }
     };
-    posted.create(&app, order).await
+    match framing {
+        None => posted.create(&app, edit.order).await,
+        Some(framing) => posted.stream(&app, edit, framing).await,
+    }
 }
 
 /// A request for a new job.
@@ -127,9 +150,18 @@ struct Posted {
 }
 
 impl Posted {
-    async fn read(app: &App, request: Request, choice: Choice) -> Result<Self, Problem> {
+    /// Reads a request; the points of a job may be its body, and these its fields.
+    async fn read(
+        app: &App,
+        request: Request,
+        choice: Choice,
+        fields: Option<&(StreamQuery, Fields)>,
+    ) -> Result<Self, Problem> {
         order::check_open(app)?;
-        let query: StreamQuery = negotiate::query(request.uri())?;
+        let query: StreamQuery = match fields {
+            None => negotiate::query(request.uri())?,
+            Some((query, _)) => query.clone(),
+        };
         let headers = request.headers();
         let answer = choice(headers)?;
         let wait = negotiate::wait(headers)?;
@@ -138,7 +170,13 @@ impl Posted {
         // A job and its events have the same idempotency key.
         let path = request.uri().path();
         let path = path.strip_suffix("/stream").unwrap_or(path).to_owned();
-        let (language, body) = body::read(app, request).await?;
+        let path = fields.map_or(path.clone(), |(_, fields)| {
+            format!("{path}?{}", fields.text())
+        });
+        let (language, body) = match fields {
+            None => body::read(app, request).await?,
+            Some(_) => (Language::Json, body::read_points(app, request).await?),
+        };
         let key = match name {
             None => None,
             Some(name) => Some(order::key(app, name, path, body.bytes.clone()).await?),
@@ -159,6 +197,21 @@ impl Posted {
         (self.language, bytes, std::mem::take(&mut self.body.room))
     }
 
+    /// How the stream of an ephemeral edit is written; nothing for an edit that makes a job.
+    fn ephemeral(&self, edit: &EditSpec, words: &impl Words) -> Result<Option<Framing>, Problem> {
+        if !edit.ephemeral {
+            return Ok(None);
+        }
+        let Answer::Events(framing) = self.answer else {
+            return Err(order::no_stream(words));
+        };
+        if self.key.is_some() {
+            let detail = "an ephemeral edit is not kept, so that there is nothing to find by a key";
+            return Err(Problem::at_header("Idempotency-Key", detail));
+        }
+        Ok(Some(framing))
+    }
+
     async fn create(self, app: &App, order: Order) -> Result<Response, Problem> {
         let spec = self.query.spec(order.is_surface())?;
         if let Answer::Events(framing) = self.answer {
@@ -166,6 +219,26 @@ impl Posted {
         }
         let accepted = order.make(app, self.key.clone()).await?;
         self.answer(app, accepted).await
+    }
+
+    /// The events of an ephemeral edit, which is nowhere else.
+    async fn stream(
+        self,
+        app: &App,
+        edit: EditOrder,
+        framing: Framing,
+    ) -> Result<Response, Problem> {
+        let surface = edit.order.is_surface();
+        let spec = self.query.spec(surface)?;
+        edit.order.check_stream(&spec, framing)?;
+        let begun = edit.begin(app).await?;
+        let defaults = begun.job.outline().label.stream.clone();
+        let options =
+            StreamOptions::new(&spec, defaults.as_deref(), framing.is_protobuf(), surface)?;
+        Ok(events::stream(
+            framing,
+            Feed::of_ephemeral(app, begun, options),
+        ))
     }
 
     async fn answer(self, app: &App, accepted: Accepted) -> Result<Response, Problem> {
@@ -185,7 +258,8 @@ impl Posted {
                     options::check_range(&spec, defaults, &problem)?;
                 }
                 let held = job.held().await?;
-                events::stream(app, Arc::clone(&job), framing, options, None, held)
+                let feed = Feed::new(app, Arc::clone(&job), options, None, held);
+                events::stream(framing, feed)
             }
             Answer::Job(language) => {
                 if let Some(wait) = self.wait {

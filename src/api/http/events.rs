@@ -31,7 +31,6 @@ use crate::api::stream::feed::{Event, Feed};
 use crate::api::stream::sending::Outgoing;
 use crate::api::whole::plain_number;
 use crate::job::content::Content;
-use crate::job::{Held, Job};
 use crate::model::short::quoted;
 use crate::model::stream::form::Encoding;
 use crate::model::stream::options::{self, StreamOptions};
@@ -60,10 +59,15 @@ pub(super) async fn get(
     }
     let held = job.held().await?;
     match last_event_id(&headers, query.last_event_id)? {
-        None => Ok(stream(&app, job, framing, options, None, held)),
+        None => Ok(stream(framing, Feed::new(&app, job, options, None, held))),
         // 204 is the only status that keeps an EventSource from reconnecting.
         Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
-        Some(LastEvent::Iteration(k)) => Ok(stream(&app, job, framing, options, Some(k), held)),
+        Some(LastEvent::Iteration(k)) => {
+            let mut response = stream(framing, Feed::new(&app, job, options, Some(k), held));
+            let headers = response.headers_mut();
+            headers.insert(RESUMED_AFTER, HeaderValue::from(k));
+            Ok(response)
+        }
     }
 }
 
@@ -103,21 +107,14 @@ fn event_of(id: Option<&str>) -> Result<Option<LastEvent>, String> {
     }
 }
 
-/// The events of a job after iteration `seen`.
-pub fn stream(
-    app: &App,
-    job: Arc<Job>,
-    framing: Framing,
-    options: StreamOptions,
-    seen: Option<usize>,
-    held: Held,
-) -> Response {
-    let mut outgoing = Outgoing::new(Arc::clone(&job));
+/// The events of a job as the body of an answer.
+pub fn stream(framing: Framing, feed: Feed) -> Response {
+    let mut outgoing = Outgoing::new(Arc::clone(feed.job()));
     // Some proxies pass on the head only with the first bytes of the body.
     if framing == Framing::Sse {
         outgoing.text().put_slice(b": piad\nretry: 2000\n\n");
     }
-    let events = stream::unfold(Feed::new(app, job, options, seen, held), |mut feed| async {
+    let events = stream::unfold(feed, |mut feed| async {
         let event = feed.next().await?;
         Some((event, feed))
     });
@@ -137,9 +134,6 @@ pub fn stream(
         (HeaderName::from_static("x-accel-buffering"), "no"),
     ] {
         headers.insert(name, HeaderValue::from_static(value));
-    }
-    if let Some(k) = seen {
-        headers.insert(RESUMED_AFTER, HeaderValue::from(k));
     }
     response
 }

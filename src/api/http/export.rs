@@ -10,14 +10,16 @@ use super::answer::answer;
 use super::negotiate;
 use crate::api::language::{JSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
+use crate::export::MOST_MEASURED;
 use crate::export::csv::Table;
-use crate::export::{ExportError, Fitted, Format, UnknownFormat, write};
+use crate::export::{ExportError, Fitted, Format, Options, UnknownFormat, write};
 use crate::fit::iteration::Iteration;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::Grid;
 use crate::fit::problem as fit;
 use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};
+use crate::job::frame::Frame;
 use crate::job::scheduler::WorkLane;
 
 /// The most multiplications for computing the earlier levels again, whose errors drawings show.
@@ -70,12 +72,12 @@ pub(super) fn representation(
 /// A level of a job as a file.
 pub async fn file(
     job: &Arc<Job>,
-    level: usize,
-    control_points: Arc<Points>,
+    frame: Arc<Frame>,
     format: Format,
-    samples: Option<Grid>,
+    options: Options,
 ) -> Result<Response, Problem> {
-    let count = control_points.len() + samples.map_or(0, Grid::count);
+    let (level, control_points) = (frame.level.iteration, Arc::clone(&frame.control_points));
+    let count = control_points.len() + options.samples.map_or(0, Grid::count);
     let bytes = match format {
         Format::Csv => 0,
         _ => count * BYTES_PER_POINT,
@@ -83,20 +85,26 @@ pub async fn file(
     let permit = job.resources().memory.files.take(bytes).await;
     let system = job.system().await?;
     let owner = Arc::clone(job);
-    let numbers = control_points.len() * control_points.dimension();
+    let measured = if format == Format::Svg {
+        frame.problem.grid().count()
+    } else {
+        0
+    };
+    let points = control_points.len() + measured.min(MOST_MEASURED);
+    let numbers = points * control_points.dimension();
     let lane = WorkLane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
     let write = move || {
-        let problem = Arc::clone(system.problem());
+        let problem = &frame.problem;
         let errors = match format {
-            Format::Svg => history(&problem, level, || system.get()),
+            Format::Svg => history(problem, level, || system.get()),
             _ => Vec::new(),
         };
         let outline = owner.outline();
         let fitted = Fitted {
             name: outline.label.name.as_deref(),
             errors: &errors,
-            samples,
-            ..Fitted::new(&problem, &control_points, outline.created)
+            options,
+            ..Fitted::new(problem, &control_points, outline.created)
         };
         match format {
             Format::Csv => Table::new(&fitted).map(table),

@@ -5,7 +5,6 @@ use axum::http::{HeaderValue, header};
 use axum::response::Response;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
-use crate::export::Format;
 use crate::job::outline::Outline;
 
 /// The most bytes that are used of a job's name: file systems allow 255 for the whole file name.
@@ -18,14 +17,25 @@ const ATTR_CHAR: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'_')
     .remove(b'~');
 
-/// The answer with a file name: that of an iteration if there is a number, else that of the result.
+/// What an answer has of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// The job as it was accepted.
+    Input,
+    /// The curve or surface of an iteration.
+    Iteration(usize),
+    /// That of the last one.
+    Result,
+}
+
+/// The answer with a name for the file that it is kept in.
 pub(super) fn named(
     mut response: Response,
     outline: &Outline,
-    iteration: Option<usize>,
-    format: Format,
+    part: Part,
+    extension: &str,
 ) -> Response {
-    let name = file_name(outline, iteration, format.extension());
+    let name = file_name(outline, part, extension);
     // The value consists of visible ASCII characters, so that this never fails.
     if let Ok(value) = HeaderValue::try_from(disposition(&name)) {
         let headers = response.headers_mut();
@@ -46,17 +56,15 @@ fn disposition(name: &str) -> String {
     format!("inline; filename=\"{ascii}\"; filename*=UTF-8''{exact}")
 }
 
-/// The name of a file, such as `naca2412.step`, or `naca2412-7.step` of iteration 7. For jobs without a
-/// name it consists of kind and id.
-fn file_name(outline: &Outline, iteration: Option<usize>, extension: &str) -> String {
+/// The name of a file, such as `naca2412.step`, `naca2412-7.step` of iteration 7, or `naca2412-input.json`.
+/// For jobs without a name it has their id.
+fn file_name(outline: &Outline, part: Part, extension: &str) -> String {
     let name = outline.label.name.as_deref().unwrap_or_default();
-    let stem = stem(name, extension).unwrap_or_else(|| {
-        let kind = if outline.surface { "surface" } else { "curve" };
-        format!("{kind}-{}", outline.id)
-    });
-    match iteration {
-        None => format!("{stem}.{extension}"),
-        Some(k) => format!("{stem}-{k}.{extension}"),
+    let stem = stem(name, extension).unwrap_or_else(|| format!("piad-{}", outline.id));
+    match part {
+        Part::Input => format!("{stem}-input.{extension}"),
+        Part::Iteration(k) => format!("{stem}-{k}.{extension}"),
+        Part::Result => format!("{stem}.{extension}"),
     }
 }
 

@@ -8,7 +8,7 @@ use axum::response::Response;
 
 use super::answer::{answer, whole};
 use super::export::{self, Representation};
-use super::file_name::named;
+use super::file_name::{Part, named};
 use super::negotiate;
 use super::path::InPath;
 use super::query::IterationQuery;
@@ -21,10 +21,9 @@ use crate::api::levels;
 use crate::api::problem::{Kind, Problem};
 use crate::api::stream::encode;
 use crate::api::whole::plain_number;
-use crate::export::{Format, UnknownFormat};
+use crate::export::{Format, Options, UnknownFormat};
 use crate::fit::iteration::Iteration;
 use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
-use crate::fit::points::Grid;
 use crate::job::Job;
 use crate::job::scheduler::WorkLane;
 use crate::model::short::quoted;
@@ -58,15 +57,17 @@ async fn show_iteration(job: &Arc<Job>, k: &str, wanted: Wanted) -> Result<Respo
         k => Some(level_number(k)?),
     };
     let frame = levels::frame(job, k).await?;
+    let part = Part::Iteration(frame.level.iteration);
     match wanted {
         Wanted::Form(form) => {
-            let content = encode::frame(job, &frame, &form).await?;
-            Ok(answer(job, content, media_type(&form)))
+            let content = encode::frame(job, &frame, &form.with_knots()).await?;
+            let language = language(&form);
+            let answer = answer(job, content, language.media_type());
+            Ok(named(answer, job.outline(), part, language.extension()))
         }
-        Wanted::File(format, samples) => {
-            let (level, points) = (frame.level.iteration, Arc::clone(&frame.control_points));
-            let file = export::file(job, level, points, format, samples).await?;
-            Ok(named(file, job.outline(), Some(level), format))
+        Wanted::File(format, options) => {
+            let file = export::file(job, frame, format, options).await?;
+            Ok(named(file, job.outline(), part, format.extension()))
         }
     }
 }
@@ -80,7 +81,13 @@ pub(super) async fn input(
     let language = negotiate::language(&headers)?;
     let job = jobs::find(&app, &id).await?;
     let content = levels::input_content(&job, language).await?;
-    Ok(answer(&job, content, language.media_type()))
+    let answer = answer(&job, content, language.media_type());
+    Ok(named(
+        answer,
+        job.outline(),
+        Part::Input,
+        language.extension(),
+    ))
 }
 
 /// `GET /v1/jobs/{id}/result`
@@ -112,12 +119,19 @@ async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Response, Problem
         }
         Wanted::Form(form) => {
             let content = levels::result_content(job, form.clone()).await?;
-            Ok(answer(job, content, media_type(&form)))
+            let language = language(&form);
+            let answer = answer(job, content, language.media_type());
+            Ok(named(
+                answer,
+                job.outline(),
+                Part::Result,
+                language.extension(),
+            ))
         }
-        Wanted::File(format, samples) => {
-            let (_, level, points) = levels::end(job).await?;
-            let file = export::file(job, level.iteration, points, format, samples).await?;
-            Ok(named(file, job.outline(), None, format))
+        Wanted::File(format, options) => {
+            let (_, frame) = levels::end(job).await?;
+            let file = export::file(job, frame, format, options).await?;
+            Ok(named(file, job.outline(), Part::Result, format.extension()))
         }
     }
 }
@@ -157,7 +171,7 @@ pub(super) async fn limit(
 /// How a level is wanted: as JSON or a message, or as a file.
 enum Wanted {
     Form(Form),
-    File(Format, Option<Grid>),
+    File(Format, Options),
 }
 
 async fn job_and_wanted(
@@ -171,8 +185,8 @@ async fn job_and_wanted(
     let job = jobs::find(app, id).await?;
     let surface = job.outline().surface;
     if let Representation::File(format) = representation {
-        let samples = query.samples_of_file(surface)?;
-        return Ok((job, Wanted::File(format, samples)));
+        let options = query.file_options(format, surface)?;
+        return Ok((job, Wanted::File(format, options)));
     }
     let spec = query.spec(surface)?;
     let form = match representation {
@@ -203,8 +217,8 @@ async fn job_and_file(
         return Err(Problem::at_parameter("format", detail));
     }
     let job = jobs::find(app, id).await?;
-    let samples = query.samples_of_file(job.outline().surface)?;
-    Ok((job, Wanted::File(format, samples)))
+    let options = query.file_options(format, job.outline().surface)?;
+    Ok((job, Wanted::File(format, options)))
 }
 
 fn level_number(text: &str) -> Result<usize, Problem> {
@@ -217,9 +231,9 @@ fn level_number(text: &str) -> Result<usize, Problem> {
     })
 }
 
-fn media_type(form: &Form) -> &'static str {
+fn language(form: &Form) -> Language {
     match form.is_protobuf() {
-        false => Language::Json.media_type(),
-        true => Language::Protobuf.media_type(),
+        false => Language::Json,
+        true => Language::Protobuf,
     }
 }

@@ -35,21 +35,22 @@ pub struct ServiceIndex {
     links: Value,
 }
 
-/// `GET /`
-pub(super) async fn index() -> Json<ServiceIndex> {
+/// `GET /`, for programs.
+pub(super) fn index(base: &str) -> Json<ServiceIndex> {
+    let link = |path: &str| format!("{base}{path}");
     Json(ServiceIndex {
         name: "piad",
         version: env!("CARGO_PKG_VERSION"),
         description: env!("CARGO_PKG_DESCRIPTION"),
         links: json!({
-            "jobs": "/v1/jobs",
-            "capabilities": "/v1/capabilities",
-            "problems": "/problems",
-            "docs": "/docs",
-            "openapi": "/openapi.json",
-            "metrics": "/metrics",
-            "livez": "/livez",
-            "readyz": "/readyz",
+            "jobs": link("/v1/jobs"),
+            "capabilities": link("/v1/capabilities"),
+            "problems": link("/problems"),
+            "docs": link("/docs"),
+            "openapi": link("/openapi.json"),
+            "metrics": link("/metrics"),
+            "livez": link("/livez"),
+            "readyz": link("/readyz"),
         }),
     })
 }

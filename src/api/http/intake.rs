@@ -1,5 +1,6 @@
 //! Receives the bodies of requests: within the limits of size, from a share of the memory, and with
-//! limits on pauses and rate.
+//! limits on pauses and rate. Compressed ones are unpacked as they come, and the limits are those of
+//! what is in them.
 
 use std::time::{Duration, Instant};
 
@@ -9,15 +10,21 @@ use bytes::Bytes;
 use http_body_util::BodyExt;
 use tokio::time::timeout;
 
+use super::coding::Coding;
+use super::unpacking::Unpacker;
 use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
 use crate::job::memory::Permit;
+use crate::job::scheduler::WorkLane;
 
 /// Bodies up to this size take nothing from the share: the number of connections limits their memory.
 const SMALL: usize = 64 * 1024;
 
 /// A body takes memory twice: as bytes, and as the numbers that are read from them.
 const COPIES: usize = 2;
+
+/// How many bytes are unpacked at a time, once there are some.
+const STEP: usize = 1024 * 1024;
 
 /// How long a body may wait for memory.
 const WAIT: Duration = Duration::from_secs(10);
@@ -30,8 +37,27 @@ pub struct ReceivedBody {
     pub room: Vec<Permit>,
 }
 
-/// Collects a body.
+/// Collects a body, as it is.
 pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<ReceivedBody, Problem> {
+    collect(app, headers, body, None).await
+}
+
+/// Collects a body, which is compressed like that, and unpacks it.
+pub async fn unpack(
+    app: &App,
+    headers: &HeaderMap,
+    body: Body,
+    coding: Coding,
+) -> Result<ReceivedBody, Problem> {
+    collect(app, headers, body, Some(coding)).await
+}
+
+async fn collect(
+    app: &App,
+    headers: &HeaderMap,
+    body: Body,
+    coding: Option<Coding>,
+) -> Result<ReceivedBody, Problem> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let announced = headers
         .get(header::CONTENT_LENGTH)
@@ -42,12 +68,16 @@ pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<Recei
     let mut intake = Intake {
         app,
         limit,
-        announced: announced.unwrap_or(usize::MAX),
+        announced: announced.filter(|_| coding.is_none()).unwrap_or(usize::MAX),
         begun: Instant::now(),
+        received: 0,
         bytes: Vec::new(),
         room: Vec::new(),
     };
-    intake.collect(body).await?;
+    match coding {
+        None => intake.collect(body).await?,
+        Some(coding) => intake.collect_packed(body, coding).await?,
+    }
     Ok(ReceivedBody {
         bytes: intake.bytes.into(),
         room: intake.room,
@@ -57,38 +87,88 @@ pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<Recei
 struct Intake<'a> {
     app: &'a App,
     limit: usize,
-    /// The Content-Length; the largest number if there is none.
+    /// How many bytes there will be by the Content-Length; the largest number if nobody knows.
     announced: usize,
     begun: Instant,
+    /// The number of bytes that have come.
+    received: usize,
     bytes: Vec<u8>,
     room: Vec<Permit>,
 }
 
 impl Intake<'_> {
     async fn collect(&mut self, mut body: Body) -> Result<(), Problem> {
-        let pause = self.app.config.body_timeout;
-        loop {
-            let frame = timeout(pause, body.frame()).await.map_err(|_| {
-                let seconds = pause.as_secs_f64();
-                let detail = format!("no byte of the body came for {seconds} seconds");
-                Problem::new(Kind::BodyTimeout, detail)
-            })?;
-            let Some(frame) = frame else {
-                return Ok(());
-            };
-            let frame = frame.map_err(|reason| {
-                let detail = format!("the body could not be read: {reason}");
-                Problem::new(Kind::InvalidRequest, detail)
-            })?;
-            // Trailers are ignored.
-            if let Ok(data) = frame.into_data() {
-                if data.len() > self.limit - self.bytes.len() {
+        while let Some(data) = self.receive(&mut body).await? {
+            self.grow(data.len()).await?;
+            self.bytes.extend_from_slice(&data);
+        }
+        Ok(())
+    }
+
+    async fn collect_packed(&mut self, mut body: Body, coding: Coding) -> Result<(), Problem> {
+        let damaged = |reason: String| {
+            let detail = format!("the body cannot be unpacked as {}: {reason}", coding.name());
+            Problem::new(Kind::InvalidRequest, detail)
+        };
+        let mut unpacker = Unpacker::new(coding).map_err(damaged)?;
+        if unpacker.memory() > 0 {
+            self.take(unpacker.memory()).await?;
+        }
+        while let Some(mut data) = self.receive(&mut body).await? {
+            let mut more = !data.is_empty();
+            while more {
+                // One byte too many tells that there are too many.
+                let left = self.limit.saturating_add(1) - self.bytes.len();
+                let most = left.min(if self.bytes.is_empty() { SMALL } else { STEP });
+                self.grow(most).await?;
+                let mut bytes = std::mem::take(&mut self.bytes);
+                let small = bytes.is_empty();
+                let work = move || {
+                    let more = unpacker.add(&mut data, &mut bytes, most);
+                    (unpacker, data, bytes, more)
+                };
+                let done;
+                (unpacker, data, self.bytes, done) = match small {
+                    true => work(),
+                    false => {
+                        let scheduler = &self.app.jobs.resources().scheduler;
+                        scheduler.compute(WorkLane::Wire, work).await?
+                    }
+                };
+                more = done.map_err(damaged)?;
+                if self.bytes.len() > self.limit {
                     return Err(too_large(self.limit));
                 }
-                self.grow(data.len()).await?;
-                self.bytes.extend_from_slice(&data);
             }
         }
+        match unpacker.has_ended() {
+            true => Ok(()),
+            false => Err(damaged("its end is missing".to_owned())),
+        }
+    }
+
+    /// The next bytes of the body as they come; none at its end.
+    async fn receive(&mut self, body: &mut Body) -> Result<Option<Bytes>, Problem> {
+        let pause = self.app.config.body_timeout;
+        let frame = timeout(pause, body.frame()).await.map_err(|_| {
+            let seconds = pause.as_secs_f64();
+            let detail = format!("no byte of the body came for {seconds} seconds");
+            Problem::new(Kind::BodyTimeout, detail)
+        })?;
+        let Some(frame) = frame else {
+            return Ok(None);
+        };
+        let frame = frame.map_err(|reason| {
+            let detail = format!("the body could not be read: {reason}");
+            Problem::new(Kind::InvalidRequest, detail)
+        })?;
+        // Trailers are ignored.
+        let data = frame.into_data().unwrap_or_default();
+        if data.len() > self.limit - self.received {
+            return Err(too_large(self.limit));
+        }
+        self.received += data.len();
+        Ok(Some(data))
     }
 
     /// Makes room for so many more bytes. The capacity at least doubles, so that little is copied.
@@ -106,7 +186,7 @@ impl Intake<'_> {
             true => self.announced,
             false => 2 * capacity,
         };
-        let wanted = wanted.max(needed);
+        let wanted = wanted.min(self.limit).max(needed);
         if wanted > SMALL {
             let before = if capacity > SMALL { capacity } else { 0 };
             self.take(COPIES * (wanted - before)).await?;

@@ -63,7 +63,8 @@ pub(super) async fn list(
     }
     let next = jobs.last().filter(|_| more).map(|job| {
         let state = state.map_or(String::new(), |state| format!("&state={state}"));
-        format!("/v1/jobs?cursor={}&limit={limit}{state}", job.id())
+        let base = app.config.base_path.as_str();
+        format!("{base}/v1/jobs?cursor={}&limit={limit}{state}", job.id())
     });
     let jobs = jobs.iter().map(|job| JobView::new(job)).collect();
     Ok(no_store(Json(JobPage { jobs, next }).into_response()))

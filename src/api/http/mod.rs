@@ -3,16 +3,21 @@
 //! - [`router`]: the resources and their addresses;
 //! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
+//! - [`points`]: files of points as bodies;
 //! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
+//! - [`page`]: the page for people; [`assets`]: files for browsers that are part of the program;
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
-//! - [`body`]: a request body by its media type; [`intake`]: how it arrives, with limits of size, memory and time;
-//! - [`answer`]: answers, small and large; [`render`]: problems as answers;
+//! - [`body`]: a request body by its media type; [`intake`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
+//! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: how JSON ends; [`packing`]: what goes compressed; [`coding`]: how;
 //! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
 //!   [`request_id`]: what it is called; [`crowd`]: what is answered on connections beyond the limits.
 
 mod answer;
+pub mod assets;
+mod base_path;
 mod body;
 pub mod capabilities;
+pub mod coding;
 pub mod cors;
 mod create;
 mod crowd;
@@ -26,9 +31,14 @@ pub mod intake;
 pub mod jobs;
 pub mod measure;
 pub mod negotiate;
+mod newline;
+mod packing;
+mod page;
 pub mod path;
+mod points;
 mod query;
 mod rates;
 mod render;
 mod request_id;
 pub mod router;
+mod unpacking;

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::api::problem::Problem;
 use crate::api::whole::plain_number;
-use crate::fit::points::Grid;
+use crate::export::{ExportError, Format, Options};
 use crate::model::named::Named;
 use crate::model::short::quoted;
 use crate::model::stream::choices::ChoiceMistake;
@@ -22,7 +22,24 @@ pub struct IterationQuery {
     samples: Option<String>,
     encoding: Option<String>,
     digits: Option<String>,
+    dots: Option<String>,
+    units: Option<String>,
 }
+
+/// The parameters of an event stream.
+pub(super) const OF_STREAMS: [&str; 11] = [
+    "last_event_id",
+    "view",
+    "samples",
+    "every",
+    "milestones",
+    "pace",
+    "changed",
+    "describe",
+    "encoding",
+    "digits",
+    "on_disconnect",
+];
 
 /// The query of an event stream.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -36,6 +53,7 @@ pub struct StreamQuery {
     milestones: Option<String>,
     pace: Option<String>,
     changed: Option<String>,
+    describe: Option<String>,
     encoding: Option<String>,
     digits: Option<String>,
     on_disconnect: Option<String>,
@@ -44,6 +62,11 @@ pub struct StreamQuery {
 impl IterationQuery {
     /// The choices of the query, checked for a curve or a surface.
     pub(super) fn spec(self, surface: bool) -> Result<StreamSpec, Problem> {
+        let files = [("dots", &self.dots), ("units", &self.units)];
+        if let Some((name, _)) = files.iter().find(|(_, value)| value.is_some()) {
+            let detail = "it is about files, not about JSON";
+            return Err(Problem::at_parameter(*name, detail));
+        }
         let query = StreamQuery {
             view: self.view,
             samples: self.samples,
@@ -54,8 +77,8 @@ impl IterationQuery {
         query.spec(surface)
     }
 
-    /// How many samples a file should have; parameters that only JSON has are refused.
-    pub fn samples_of_file(&self, surface: bool) -> Result<Option<Grid>, Problem> {
+    /// What a file of this format should be like; parameters that it does not have are refused.
+    pub fn file_options(&self, format: Format, surface: bool) -> Result<Options, Problem> {
         let json = [
             (Choice::View, &self.view),
             (Choice::Encoding, &self.encoding),
@@ -65,11 +88,23 @@ impl IterationQuery {
             let detail = "it is about JSON, not about files";
             return Err(Problem::at_parameter(choice.name(), detail));
         }
+        if self.dots.is_some() && !format.has_dots() {
+            let detail = format!("it is about drawings (svg), and {format} files have no dots");
+            return Err(Problem::at_parameter("dots", detail));
+        }
+        if self.units.is_some() && !format.has_unit() {
+            let error = ExportError::NoUnit { format };
+            return Err(Problem::at_parameter("units", error.to_string()));
+        }
         let grid = |text: &String| {
             let grid = Samples::of_text(text).and_then(|samples| samples.grid(surface));
             grid.ok_or_else(|| wrong(Choice::Samples, not_samples(text, surface)))
         };
-        self.samples.as_ref().map(grid).transpose()
+        Ok(Options {
+            samples: self.samples.as_ref().map(grid).transpose()?,
+            dots: named("dots", &self.dots)?.unwrap_or_default(),
+            unit: named("units", &self.units)?,
+        })
     }
 }
 
@@ -84,6 +119,7 @@ impl StreamQuery {
             ("milestones", &self.milestones),
             ("pace", &self.pace),
             ("changed", &self.changed),
+            ("describe", &self.describe),
             ("encoding", &self.encoding),
             ("digits", &self.digits),
             ("on_disconnect", &self.on_disconnect),
@@ -115,6 +151,7 @@ impl StreamQuery {
             milestones: self.milestones.as_deref().map(milestones).transpose()?,
             pace: one_of(Choice::Pace, &self.pace)?,
             changed: self.changed.as_deref().map(changed).transpose()?,
+            describe: one_of(Choice::Describe, &self.describe)?,
             encoding: one_of(Choice::Encoding, &self.encoding)?,
             digits: one_of(Choice::Digits, &self.digits)?,
             on_disconnect: one_of(Choice::OnDisconnect, &self.on_disconnect)?,
@@ -138,6 +175,18 @@ fn one_of<T: Named>(choice: Choice, text: &Option<String>) -> Result<Option<T>, 
     let value = |text: &String| {
         let value = T::of_name(text);
         value.ok_or_else(|| no_choice(choice, text, &T::names()))
+    };
+    text.as_ref().map(value).transpose()
+}
+
+/// The value that a parameter of files names.
+fn named<T: Named>(parameter: &str, text: &Option<String>) -> Result<Option<T>, Problem> {
+    let value = |text: &String| {
+        T::of_name(text).ok_or_else(|| {
+            let names = T::names().join(", ");
+            let detail = format!("{} is no choice; there are {names}", quoted(text));
+            Problem::at_parameter(parameter, detail)
+        })
     };
     text.as_ref().map(value).transpose()
 }

@@ -6,6 +6,8 @@ use axum::http::{HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
+use super::coding::UNDERSTOOD;
+use super::newline;
 use super::request_id::REQUEST_ID;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::{Kind, Problem};
@@ -19,7 +21,7 @@ impl IntoResponse for Problem {
             // The codings that are accepted (RFC 9110, 15.5.16).
             headers.insert(
                 header::ACCEPT_ENCODING,
-                HeaderValue::from_static("identity"),
+                HeaderValue::from_static(UNDERSTOOD),
             );
         }
         if let Some(seconds) = self.retry() {
@@ -30,7 +32,7 @@ impl IntoResponse for Problem {
     }
 }
 
-/// Writes problems as JSON and names the request in every answer.
+/// Writes problems as JSON, ends JSON with a newline, and names the request in every answer.
 pub(super) async fn render(request: Request, next: Next) -> Response {
     let id = request.headers().get(REQUEST_ID).cloned();
     let mut response = next.run(request).await;
@@ -44,6 +46,7 @@ pub(super) async fn render(request: Request, next: Next) -> Response {
         );
         headers.remove(header::CONTENT_LENGTH);
     }
+    let mut response = newline::ended(response);
     if let Some(id) = id {
         response.headers_mut().insert(REQUEST_ID, id);
     }

@@ -19,8 +19,8 @@ use tracing::{Span, error, info};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
-    capabilities, cors, create, crowd, events, geometry, host, info as about, jobs, measure, rates,
-    render, request_id,
+    base_path, capabilities, cors, create, crowd, events, geometry, host, info as about, jobs,
+    measure, packing, page as viewer, points, rates, render, request_id,
 };
 use crate::api::app::App;
 use crate::api::grpc;
@@ -41,6 +41,7 @@ pub fn router(app: App, hosts: Hosts) -> Router {
             measure::measure,
         ))
         .option_layer(cors::layer(&app.config.cors_origin))
+        .layer(middleware::from_fn_with_state(app.clone(), packing::pack))
         .layer(middleware::from_fn(render::render))
         .layer(middleware::from_fn(crowd::hold_back))
         .layer(middleware::from_fn_with_state(hosts, host::check))
@@ -55,15 +56,17 @@ pub fn router(app: App, hosts: Hosts) -> Router {
     let resources = resources();
     let methods = Arc::new(resources.methods());
     let (routes, paths) = resources.parts();
-    routes
-        .layer(Extension(Description::new(paths)))
+    let base_path = app.config.base_path.clone();
+    let router = routes
+        .layer(Extension(Description::new(paths, &base_path)))
         .fallback(not_found)
         .method_not_allowed_fallback(move |request: Request| {
             ready(method_not_allowed(&methods, &request))
         })
         .merge(grpc::mount::routes(&app))
         .layer(layers)
-        .with_state(app)
+        .with_state(app);
+    base_path::below(router, &base_path)
 }
 
 /// Every resource, with its description.
@@ -73,7 +76,8 @@ fn resources() -> DescribedRoutes {
     };
     use crate::api::openapi::page;
     DescribedRoutes::default()
-        .get("/", about::index, of_server::index())
+        .get("/", viewer::root, of_server::index())
+        .get("/viewer/{part}", viewer::part, of_server::page_part())
         .get("/livez", about::livez, of_server::livez())
         .get("/readyz", about::readyz, of_server::readyz())
         .get("/metrics", about::metrics, of_server::metrics())
@@ -88,6 +92,7 @@ fn resources() -> DescribedRoutes {
             of_server::capabilities(),
         )
         .get("/v1/rates", rates::get, of_server::rates())
+        .post("/v1/points", points::show, of_jobs::points())
         .post("/v1/jobs", create::job, of_jobs::create())
         .post(
             "/v1/jobs/stream",

@@ -11,7 +11,8 @@ use crate::model::named::Named;
 use crate::model::short::{cut, quoted};
 use crate::model::stream::form::not_samples;
 use crate::model::stream::{
-    Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, OnDisconnect, Pace, Samples, StreamSpec, View,
+    Describe, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, OnDisconnect, Pace, Samples,
+    StreamSpec, View,
 };
 
 /// How a number of samples of a surface is written.
@@ -27,12 +28,13 @@ object!(
         milestones,
         pace,
         changed,
+        describe,
         encoding,
         digits,
         on_disconnect,
     ]
 );
-choices!(View, Encoding, Digits, Pace, OnDisconnect);
+choices!(View, Encoding, Digits, Pace, Describe, OnDisconnect);
 
 impl Reader for Of<Samples> {
     type Value = Samples;
@@ -104,6 +106,7 @@ schema_of!(StreamSpec, "StreamDefaults", generator => json_schema!({
             "type": ["boolean", "null"],
             "default": false,
         },
+        "describe": optional::<Describe>(generator, "What the `job` event says of the job."),
         "encoding": optional::<Encoding>(generator, "How arrays of numbers are written."),
         "digits": optional::<Digits>(generator, "How many digits coordinates have."),
         "on_disconnect": optional::<OnDisconnect>(generator, "What becomes of the job when its client goes away."),
@@ -166,6 +169,15 @@ schema_of!(
         "What a client gets that is slower than the fit: all iterations, or the latest.",
         "all",
         &Pace::names(),
+    )
+);
+schema_of!(
+    Describe,
+    "Describe",
+    names(
+        "What the `job` event says of the job: all, or nothing that is as long as the data: no knots, parameters or fixed weights.",
+        "full",
+        &Describe::names(),
     )
 );
 schema_of!(

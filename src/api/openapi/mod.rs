@@ -31,10 +31,12 @@ use crate::api::json::schema::plain::simplify;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
 use crate::api::json::view::limit::LimitView;
+use crate::api::json::view::points::PointsView;
 use crate::api::json::view::rates::RatesView;
 use crate::api::json::view::result::FitResult;
 use crate::api::json::view::{examples, to_bytes};
 use crate::api::problem::{Kind, Problem, ProblemBody};
+use crate::config::BasePath;
 use crate::model::stream::StreamSpec;
 use operation::Tag;
 
@@ -48,21 +50,22 @@ What a request does not say has defaults; what it says and is not understood is 
 
 Each operation is described with one kind of answer. Its `Accept` header may choose others: event streams instead \
 of new jobs, files instead of JSON, and the messages of `proto/piad/v1/fitting.proto` (`application/x-protobuf`), \
-in which jobs and edits may also be sent.";
+in which jobs and edits may also be sent. Bodies may be compressed (`Content-Encoding: gzip` or `zstd`), and \
+answers are for those who ask for it (`Accept-Encoding`), event streams excepted.";
 
 /// The paths of the document, and its bytes once it has been requested.
 #[derive(Clone, Debug)]
-pub struct Description(Arc<(Map<String, Value>, OnceLock<Bytes>)>);
+pub struct Description(Arc<(Map<String, Value>, String, OnceLock<Bytes>)>);
 
 impl Description {
-    /// The description of these paths.
-    pub fn new(paths: Map<String, Value>) -> Self {
-        Self(Arc::new((paths, OnceLock::new())))
+    /// The description of these paths, below one that clients see.
+    pub fn new(paths: Map<String, Value>, base_path: &BasePath) -> Self {
+        Self(Arc::new((paths, base_path.to_string(), OnceLock::new())))
     }
 
     fn bytes(&self) -> Bytes {
-        let (paths, bytes) = self.0.as_ref();
-        let make = || to_bytes(&document(paths.clone()));
+        let (paths, base_path, bytes) = self.0.as_ref();
+        let make = || to_bytes(&document(paths.clone(), base_path));
         bytes.get_or_init(make).clone()
     }
 }
@@ -74,7 +77,7 @@ pub async fn get(Extension(description): Extension<Description>) -> Response {
 }
 
 /// The document, of which `paths` are the resources.
-fn document(paths: Map<String, Value>) -> Value {
+fn document(paths: Map<String, Value>, base_path: &str) -> Value {
     let mut paths = Value::Object(paths);
     let mut components = json!({
         "schemas": schemas(),
@@ -98,7 +101,7 @@ fn document(paths: Map<String, Value>) -> Value {
                 "identifier": env!("CARGO_PKG_LICENSE"),
             },
         },
-        "servers": [{"url": "/", "description": "This server."}],
+        "servers": [{"url": base_path, "description": "This server."}],
         "tags": tags,
         "paths": paths,
         "components": components,
@@ -116,6 +119,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<ServerSentEvent>();
     answers.subschema_for::<EventLine>();
     answers.subschema_for::<FitResult<'_>>();
+    answers.subschema_for::<PointsView>();
     answers.subschema_for::<LimitView>();
     answers.subschema_for::<RatesView>();
     answers.subschema_for::<ProblemBody>();

@@ -85,6 +85,15 @@ impl Operation {
         self
     }
 
+    /// The body: a text, as CSV or plain.
+    pub fn text_body(mut self, description: &str, example: &str) -> Self {
+        let text = json!({"schema": {"type": "string"}, "example": example});
+        let content = json!({"text/csv": text, "text/plain": text});
+        let body = json!({"description": description, "required": true, "content": content});
+        self.object.insert("requestBody".to_owned(), body);
+        self
+    }
+
     /// An answer with content of these media types, and these headers besides the id of the request.
     pub fn answer(
         mut self,

@@ -10,10 +10,11 @@ use crate::api::json::view::examples;
 use crate::api::order::LONGEST_KEY;
 use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS, USUAL_TOLERANCE};
 use crate::api::whole::LARGEST;
-use crate::export::Format;
+use crate::export::{Dots, Format, Unit};
 use crate::fit::rates::{MOST_DEGREE, MOST_POINTS};
 use crate::job::state::State;
-use crate::model::stream::{Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, View};
+use crate::model::named::Named;
+use crate::model::stream::{Describe, Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, View};
 
 /// The parameters, by the names of their components.
 pub(super) fn parameters() -> Map<String, Value> {
@@ -94,14 +95,32 @@ fn paths() -> Vec<Value> {
         path(
             "file",
             "The name of the file.",
-            json!({"type": "string", "enum": page::FILES.map(|(name, ..)| name)}),
+            json!({"type": "string", "enum": reference_files()}),
             json!("start.js"),
+        ),
+        path(
+            "part",
+            "The name of the file.",
+            json!({"type": "string", "pattern": "^[a-z0-9._-]+$"}),
+            json!("app.js"),
         ),
     ]
 }
 
+/// The parts of the reference, without what stands at `/docs`.
+fn reference_files() -> Vec<&'static str> {
+    let names = page::REFERENCE.files.iter().map(|file| file.name);
+    names.filter(|name| *name != page::REFERENCE.root).collect()
+}
+
 fn lists() -> Vec<Value> {
     vec![
+        query(
+            "surface.size",
+            "How many rows and columns of a surface the points of the file are.",
+            json!({"type": "string", "pattern": "^[1-9][0-9]{0,6}x[1-9][0-9]{0,6}$"}),
+            json!("40x60"),
+        ),
         query(
             "state",
             "Only jobs in this state.",
@@ -164,7 +183,7 @@ fn views() -> Vec<Value> {
         ),
         query(
             "samples",
-            "How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, svg and csv files.",
+            "How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.",
             json!({"type": "string", "pattern": "^[1-9][0-9]{0,6}(x[1-9][0-9]{0,5})?$"}),
             json!("200"),
         ),
@@ -179,6 +198,18 @@ fn views() -> Vec<Value> {
             "How many digits coordinates have in JSON.",
             schema_of::<Digits>(),
             json!("auto"),
+        ),
+        query(
+            "dots",
+            "Whether svg files show data points as dots: by default where these do not hide each other.",
+            json!({"type": "string", "enum": Dots::names(), "default": Dots::default().name()}),
+            json!("off"),
+        ),
+        query(
+            "units",
+            "The unit of length that step and iges files declare. Coordinates are those of the data in any unit.",
+            json!({"type": "string", "enum": Unit::names(), "default": Unit::default().name()}),
+            json!("m"),
         ),
     ]
 }
@@ -211,6 +242,12 @@ fn streams() -> Vec<Value> {
             "After a first complete event only control points that moved.",
             json!({"type": "boolean", "default": false}),
             json!(true),
+        ),
+        query(
+            "describe",
+            "What the `job` event says of the job: `none` leaves out knots, parameters and fixed weights, for clients that have them.",
+            schema_of::<Describe>(),
+            json!("none"),
         ),
         query(
             "on_disconnect",

@@ -2,6 +2,7 @@
 
 use super::{Kind, Problem};
 use crate::api::json::request::places::Places;
+use crate::import;
 use crate::job::scheduler::Broken;
 use crate::job::service::refused::Refused;
 use crate::job::state::Failure;
@@ -18,6 +19,17 @@ impl From<ChoiceMistake> for Problem {
             Some((choice, detail)) => Self::at_parameter(choice.name(), detail),
             None => Self::of_mistakes(Mistake::from(mistake).into(), &Places::default()),
         }
+    }
+}
+
+impl From<Vec<import::Mistake>> for Problem {
+    fn from(mistakes: Vec<import::Mistake>) -> Self {
+        let problems = mistakes.into_iter().map(|mistake| match mistake.line {
+            Some(line) => Self::at_line(line, &mistake.detail),
+            None => Self::new(Kind::InvalidFit, mistake.detail),
+        });
+        let unsaid = || Self::new(Kind::InvalidFit, "the file is not understood");
+        Self::of_all(problems).unwrap_or_else(unsaid)
     }
 }
 

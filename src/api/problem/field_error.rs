@@ -33,6 +33,8 @@ pub enum Location {
     Parameter(String),
     /// In a header.
     Header(&'static str),
+    /// In a line of a file, counted from 1.
+    Line(usize),
     /// In a field of a protobuf message, such as `curve.points[34]`; the empty one is the message.
     Field(String),
 }
@@ -59,6 +61,7 @@ impl FieldError {
             Location::Pointer(pointer) => format!("{pointer}: {detail}"),
             Location::Parameter(name) => format!("query parameter {name}: {detail}"),
             Location::Header(name) => format!("header {name}: {detail}"),
+            Location::Line(line) => format!("line {line}: {detail}"),
             Location::Field(field) if field.is_empty() => detail.clone(),
             Location::Field(field) => format!("{field}: {detail}"),
         }
@@ -84,6 +87,11 @@ schema_of!(
             "header": {
                 "type": "string",
                 "description": "The header.",
+            },
+            "line": {
+                "type": "integer",
+                "minimum": 1,
+                "description": "The line of a file of points, counted from 1.",
             },
             "field": {
                 "type": "string",

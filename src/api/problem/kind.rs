@@ -133,8 +133,8 @@ kinds! {
     }
     UnsupportedEncoding {
         "unsupported-encoding", UNSUPPORTED_MEDIA_TYPE, InvalidArgument,
-        "The body is compressed",
-        "Bodies are sent as they are, without Content-Encoding."
+        "The body is compressed in a way that is not understood",
+        "Bodies are sent as they are, or with Content-Encoding gzip or zstd."
     }
     KeyTaken {
         "key-taken", UNPROCESSABLE_ENTITY, InvalidArgument,

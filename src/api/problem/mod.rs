@@ -98,6 +98,11 @@ impl Problem {
         Some(all)
     }
 
+    /// A problem with a line of a file of points.
+    pub fn at_line(line: usize, detail: &str) -> Self {
+        Self::at(Kind::InvalidFit, Location::Line(line), detail)
+    }
+
     /// A problem with a query parameter.
     pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
         let place = Location::Parameter(name.into());
@@ -137,11 +142,27 @@ impl Problem {
             }
         }
         if named {
-            let told = self.errors.iter().map(FieldError::told);
-            let told = told.collect::<Vec<_>>().join("; ");
-            self.detail = short::cut(&told, LONGEST_DETAIL).into_owned();
+            self.detail = self.told();
         }
         self
+    }
+
+    /// The same with other words for the places.
+    pub fn relocated(mut self, place: impl Fn(Location) -> Location) -> Self {
+        for error in &mut self.errors {
+            error.place = place(error.place.clone());
+        }
+        if !self.errors.is_empty() {
+            self.detail = self.told();
+        }
+        self
+    }
+
+    /// All that is wrong, with its places.
+    fn told(&self) -> String {
+        let told = self.errors.iter().map(FieldError::told);
+        let told = told.collect::<Vec<_>>().join("; ");
+        short::cut(&told, LONGEST_DETAIL).into_owned()
     }
 
     /// The kind.

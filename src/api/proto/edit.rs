@@ -41,6 +41,8 @@ fn spec(edit: pb::Edit, parent: &Outline, layout: &mut MessageLayout) -> Result<
         iteration: edit
             .iteration
             .map(|k| usize::try_from(k).unwrap_or(usize::MAX)),
+        ephemeral: edit.ephemeral,
+        session: edit.session,
         points: changes,
         weights: weights(edit.weights, parent).map_err(Into::into),
         rational: rational(edit.rational).map_err(Into::into),

@@ -151,7 +151,11 @@ impl Words for MessageLayout {
             SpecPart::Stream(choice, Some(index)) => {
                 format!("stream.{}[{index}]", stream::field(choice))
             }
+            SpecPart::FootPoints => "surface.scattered.foot_points.job".to_owned(),
+            SpecPart::FootPointsIteration => "surface.scattered.foot_points.iteration".to_owned(),
             SpecPart::Iteration => "iteration".to_owned(),
+            SpecPart::Ephemeral => "ephemeral".to_owned(),
+            SpecPart::Session => "session".to_owned(),
             SpecPart::Change(k, part) => self.change(k, part),
         }
     }

@@ -7,7 +7,7 @@ use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
 
 use super::names;
-use super::view::{directions, distances};
+use super::view::{Arrays, directions, distances};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::fit::geometry::Geometry;
@@ -41,8 +41,8 @@ enum Large<'a> {
 }
 
 /// A level, as the bytes of an `Iteration`.
-pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
-    let level = &frame.level;
+pub fn iteration(frame: &Frame, form: &Form) -> Content {
+    let (level, problem) = (&frame.level, &frame.problem);
     let points = &frame.control_points;
     let (shown, large) = match form.view {
         View::Errors => (None, None),
@@ -57,6 +57,9 @@ pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content 
             (Some(iteration::Geometry::Changes(changes)), None)
         }
     };
+    let tells = form.knots && problem.is_automatic();
+    let told = problem.directions().filter(|_| tells);
+    let mut knots = told.map(|it| it.basis.knots().unwrap_or_default().into_owned());
     let message = pb::Iteration {
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
@@ -64,20 +67,17 @@ pub fn iteration(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content 
         moved: level.moved as u64,
         bad_weight: bad_weight(level),
         predicted: level.predicted.map(|level| level as u64),
+        knots_u: knots.next().unwrap_or_default(),
+        knots_v: knots.next().unwrap_or_default(),
         geometry: shown,
     };
     written(&message, large)
 }
 
 /// The final geometry, as the bytes of a `FitResult`.
-pub fn result(
-    job: &Job,
-    problem: &Arc<Problem>,
-    status: &Status,
-    level: &Level,
-    points: &Arc<Points>,
-    view: View,
-) -> Content {
+pub fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content {
+    let (level, problem) = (&frame.level, &frame.problem);
+    let points = &frame.control_points;
     let outline = job.outline();
     let large = match view {
         View::Errors => None,
@@ -87,7 +87,7 @@ pub fn result(
         }
         View::ControlPoints | View::Changed => Some((NET_OF_RESULT, Large::Net(problem, points))),
     };
-    let (u, v) = directions(problem, false);
+    let (u, v) = directions(problem, Arrays::OfBasis);
     let message = pb::FitResult {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
@@ -255,6 +255,7 @@ mod tests {
                 false => Weights::None,
             };
             let problem = Problem::new(Request {
+                start_breaks: None,
                 points: Arc::new(points),
                 grid: Grid {
                     rows: count,

@@ -8,7 +8,7 @@ use super::fields::MessageLayout;
 use crate::api::problem::{Kind, Problem};
 use crate::api::text;
 use crate::config::Config;
-use crate::model::job::ValidJob;
+use crate::model::job::JobSpec;
 use crate::proto::job;
 use crate::proto::messages as pb;
 
@@ -51,15 +51,14 @@ fn unreadable(error: &DecodeError) -> String {
     }
 }
 
-/// The job that a body asks for, if it can be computed.
-pub fn read(body: Bytes, config: &Config) -> Result<ValidJob, Problem> {
-    validate(decode(body, config.max_points)?, config)
+/// The job that a body asks for, and where its parts stand.
+pub fn read(body: Bytes, config: &Config) -> Result<(JobSpec, MessageLayout), Problem> {
+    let input = decode(body, config.max_points)?;
+    Ok(spec(input, config))
 }
 
-/// The job, if it can be computed. Fields of errors are relative to the message.
-pub fn validate(input: pb::JobInput, config: &Config) -> Result<ValidJob, Problem> {
+/// The job that a message asks for, and where its parts stand, relative to the message.
+pub fn spec(input: pb::JobInput, config: &Config) -> (JobSpec, MessageLayout) {
     let layout = MessageLayout::of(&input);
-    let limits = config.limits();
-    let valid = job::spec(input, limits.points).validate(limits);
-    valid.map_err(|mistakes| Problem::of_mistakes(mistakes, &layout))
+    (job::spec(input, config.limits().points), layout)
 }

@@ -179,12 +179,18 @@ pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
     }
 }
 
-/// A direction of what was fitted; the parameters of the data are a part of descriptions only.
-fn direction(
-    direction: &Direction,
-    ends: Option<&Ends>,
-    with_parameters: bool,
-) -> pb::FittedDirection {
+/// Which arrays of a direction are told.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Arrays {
+    /// Knots, weights and the parameters of the data.
+    All,
+    /// Knots and weights.
+    OfBasis,
+    None,
+}
+
+/// A direction of what was fitted.
+fn direction(direction: &Direction, ends: Option<&Ends>, arrays: Arrays) -> pb::FittedDirection {
     let basis = &direction.basis;
     let rule = |end: fn(&Ends) -> &End| ends.map_or(pb::EndRule::Unspecified, |it| rule(end(it)));
     pb::FittedDirection {
@@ -192,12 +198,18 @@ fn direction(
         degree: count(basis.degree()),
         closed: direction.is_closed(),
         control_points: count(basis.functions()),
-        knots: basis.knots().unwrap_or_default().into_owned(),
-        parameters: match with_parameters {
-            true => direction.parameters.to_vec(),
-            false => Vec::new(),
+        knots: match arrays {
+            Arrays::None => Vec::new(),
+            _ => basis.knots().unwrap_or_default().into_owned(),
         },
-        weights: direction.weights().unwrap_or_default().to_vec(),
+        parameters: match arrays {
+            Arrays::All => direction.parameters.to_vec(),
+            _ => Vec::new(),
+        },
+        weights: match arrays {
+            Arrays::None => Vec::new(),
+            _ => direction.weights().unwrap_or_default().to_vec(),
+        },
         start: rule(|it| &it.start).into(),
         end: rule(|it| &it.end).into(),
     }
@@ -206,21 +218,32 @@ fn direction(
 /// Both directions of a problem, or the one of a curve.
 pub fn directions(
     problem: &Problem,
-    with_parameters: bool,
+    arrays: Arrays,
 ) -> (pb::FittedDirection, Option<pb::FittedDirection>) {
     let request = problem.request();
-    let u = direction(problem.u(), request.u.ends.as_ref(), with_parameters);
+    let u = direction(problem.u(), request.u.ends.as_ref(), arrays);
     let v = problem.v().zip(request.v.as_ref());
-    let v = v.map(|(v, choice)| direction(v, choice.ends.as_ref(), with_parameters));
+    let v = v.map(|(v, choice)| direction(v, choice.ends.as_ref(), arrays));
     (u, v)
 }
 
-/// All that does not change from iteration to iteration, as the bytes of a `JobDescription`.
-pub fn description(job: &Job, problem: &Problem, levels: Option<Levels>) -> Content {
+/// All that does not change from iteration to iteration, with its arrays or without them, as the bytes of
+/// a `JobDescription`.
+pub fn description(
+    job: &Job,
+    problem: &Problem,
+    levels: Option<Levels>,
+    with_arrays: bool,
+) -> Content {
     let outline = job.outline();
     let forecast = levels.map(|levels| levels.forecast);
     let first = levels.map(|levels| levels.first);
-    let (u, v) = directions(problem, true);
+    let arrays = if with_arrays {
+        Arrays::All
+    } else {
+        Arrays::None
+    };
+    let (u, v) = directions(problem, arrays);
     let message = pb::JobDescription {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),

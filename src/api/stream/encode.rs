@@ -3,10 +3,9 @@
 
 use std::sync::Arc;
 
-use crate::api::json::view;
+use crate::api::json::view::{self, writer::Digits as ArrayDigits};
 use crate::api::proto;
 use crate::fit::direction::Direction;
-use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
@@ -14,6 +13,7 @@ use crate::job::scheduler::WorkLane;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
+use crate::model::stream::options::StreamOptions;
 
 /// Up to so many numbers are encoded at once, more of them on the compute pool.
 const SMALL: usize = 2000;
@@ -22,24 +22,29 @@ const SMALL: usize = 2000;
 const OPERATIONS_PER_NUMBER: usize = 50;
 
 /// The data of the `job` event, made once for each job and encoding.
-pub(super) async fn description(job: &Arc<Job>, form: &Form) -> Result<Content, StoreError> {
+pub(super) async fn description(
+    job: &Arc<Job>,
+    options: &StreamOptions,
+) -> Result<Content, StoreError> {
     // Always with 64 bits: knots that lie close together would coincide in 32 bits.
-    let (name, encoding) = match form.encoding {
-        Encoding::Json => ("json", Encoding::Json),
-        Encoding::Base64 | Encoding::Base64F32 => ("base64", Encoding::Base64),
-        Encoding::Protobuf => ("protobuf", Encoding::Protobuf),
+    let (name, digits) = match (options.form.encoding, options.describes) {
+        (Encoding::Protobuf, true) => ("protobuf", None),
+        (Encoding::Protobuf, false) => ("protobuf alone", None),
+        (Encoding::Json, true) => ("json", Some(ArrayDigits::Decimal(None))),
+        (_, true) => ("base64", Some(ArrayDigits::Base64)),
+        (_, false) => ("json alone", Some(ArrayDigits::Decimal(None))),
     };
+    let describes = options.describes;
     let problem = job.problem().await?;
     let owner = Arc::clone(job);
     job.description(name, || async move {
-        let numbers = problem.grid().count();
+        let numbers = if describes { problem.grid().count() } else { 0 };
         let described = Arc::clone(&owner);
         let levels = owner.status().levels;
-        let describe = move || match encoding {
-            Encoding::Protobuf => proto::view::description(&described, &problem, levels),
-            _ => {
-                let in_base64 = encoding == Encoding::Base64;
-                view::events::description(&described, &problem, levels, in_base64)
+        let describe = move || match digits {
+            None => proto::view::description(&described, &problem, levels, describes),
+            Some(digits) => {
+                view::events::description(&described, &problem, levels, digits, describes)
             }
         };
         off_network(&owner, numbers, describe).await
@@ -64,16 +69,15 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Co
     } else {
         form.clone()
     };
-    let problem = job.problem().await?;
     let key = Arc::clone(form.key());
     let (owner, shown) = (Arc::clone(job), Arc::clone(frame));
     let encode = || async move {
         owner.resources().counters.encodings.inc();
-        let numbers = numbers(&problem, &shown, form.view);
+        let numbers = numbers(&shown, form.view);
         let frame = shown;
         let encode = move || match form.is_protobuf() {
-            false => view::level::level(&problem, &frame, &form),
-            true => proto::geometry::iteration(&problem, &frame, &form),
+            false => view::level::level(&frame, &form),
+            true => proto::geometry::iteration(&frame, &form),
         };
         off_network(&owner, numbers, encode).await
     };
@@ -82,7 +86,7 @@ pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Co
 }
 
 /// About how many numbers are encoded, or multiplied for samples.
-fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
+fn numbers(frame: &Frame, view: View) -> usize {
     let dimension = frame.control_points.dimension();
     match view {
         View::Errors => 0,
@@ -90,7 +94,7 @@ fn numbers(problem: &Problem, frame: &Frame, view: View) -> usize {
         View::Changed => frame.moved.as_ref().map_or(0, |moved| moved.len()) * dimension,
         View::Samples(grid) => {
             let functions = |direction: &Direction| direction.basis.support_width();
-            let each: usize = problem.directions().map(functions).product();
+            let each: usize = frame.problem.directions().map(functions).product();
             grid.count().saturating_mul(each)
         }
     }

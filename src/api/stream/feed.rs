@@ -19,6 +19,8 @@ use crate::job::content::Content;
 use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
+use crate::job::memory::Permit;
+use crate::job::service::ephemeral::Ephemeral;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::job::{Held, Job};
@@ -69,6 +71,8 @@ pub struct Feed {
     milestones: Option<Milestones>,
     /// The last iteration that the client has.
     seen: Option<usize>,
+    /// The last iteration that this stream has told, with its knots if they were new.
+    told: Option<usize>,
     /// The client has received complete control points, to which changes can be applied.
     complete: bool,
     stage: Stage,
@@ -81,6 +85,10 @@ pub struct Feed {
     _open: Open,
     /// Held so that the feed can end properly even if the job is deleted.
     held: Held,
+    /// Ephemeral edits: the level of the parent that they start from.
+    before: Option<Arc<Frame>>,
+    /// Ephemeral edits: their memory, held until the stream has ended.
+    room: Option<Permit>,
 }
 
 impl Feed {
@@ -92,7 +100,36 @@ impl Feed {
         seen: Option<usize>,
         held: Held,
     ) -> Self {
-        let mut cursor = Cursor::new(Arc::clone(&job), 0);
+        let cursor = Cursor::new(Arc::clone(&job), 0);
+        Self::reading(app, job, cursor, options, seen, held)
+    }
+
+    /// The events of an ephemeral edit, which ends with them.
+    pub fn of_ephemeral(app: &App, edit: Ephemeral, options: StreamOptions) -> Self {
+        let Ephemeral { job, run, .. } = edit;
+        let cursor = Cursor::attached(Arc::clone(&job), run);
+        let held = Some(edit.system);
+        let (every, selects) = (options.every, !options.milestones.is_empty());
+        let mut feed = Self::reading(app, job, cursor, options, None, held);
+        // Iteration 0 is the level of the parent: who leaves out iterations does not need it.
+        if every > 1 && !selects {
+            feed.cursor.seek(every);
+        }
+        // The client has the control points of the parent.
+        feed.complete = true;
+        feed.before = Some(edit.before);
+        feed.room = edit.room;
+        feed
+    }
+
+    fn reading(
+        app: &App,
+        job: Arc<Job>,
+        mut cursor: Cursor,
+        options: StreamOptions,
+        seen: Option<usize>,
+        held: Held,
+    ) -> Self {
         if options.latest {
             cursor.only_latest(options.every);
         }
@@ -111,6 +148,7 @@ impl Feed {
             milestones: Some(milestones).filter(|milestones| !milestones.all_reached()),
             options,
             seen,
+            told: None,
             complete: false,
             stage: Stage::Waiting,
             pending: VecDeque::new(),
@@ -119,7 +157,14 @@ impl Feed {
             stopping: app.stopping.clone(),
             _open: open,
             held,
+            before: None,
+            room: None,
         }
+    }
+
+    /// What it tells the events of.
+    pub fn job(&self) -> &Arc<Job> {
+        &self.job
     }
 
     /// The next event. A feed that ends without `End` or `Stopping` has failed.
@@ -185,7 +230,7 @@ impl Feed {
             if self.held.is_none() {
                 self.held = self.job.held().await?;
             }
-            let data = encode::description(&self.job, &self.options.form).await?;
+            let data = encode::description(&self.job, &self.options).await?;
             self.push(Event::Job(data));
         }
         match next {
@@ -219,10 +264,20 @@ impl Feed {
     ) -> Result<(), StoreError> {
         let k = frame.level.iteration;
         let changes = self.options.changes.as_ref();
+        let frame = &match &self.before {
+            Some(before) if k == 0 && changes.is_some() => Arc::new(frame.since(before)),
+            _ => Arc::clone(frame),
+        };
         let form = changes
             .filter(|_| self.complete && frame.moved.is_some())
             .unwrap_or(&self.options.form);
-        let data = encode::frame(&self.job, frame, form).await?;
+        // Whoever resumes a stream has the knots of level 0, from the `job` event.
+        let known = self.told.unwrap_or(0);
+        let data = match frame.knots_since > known {
+            true => encode::frame(&self.job, frame, &form.with_knots()).await?,
+            false => encode::frame(&self.job, frame, form).await?,
+        };
+        self.told = Some(k);
         self.push(Event::Iteration { k, milestone, data });
         self.seen = Some(k);
         self.complete = true;
@@ -262,7 +317,7 @@ impl Feed {
 impl Drop for Feed {
     fn drop(&mut self) {
         let gone = !matches!(self.stage, Stage::Over);
-        if gone && self.options.cancels {
+        if (gone && self.options.cancels) || !self.job.is_kept() {
             self.job.request_cancel();
         }
     }

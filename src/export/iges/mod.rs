@@ -5,6 +5,7 @@ mod sections;
 use super::error::ExportError;
 use super::fitted::{Fitted, GENERATOR};
 use super::nurbs::{KnotVector, Nurbs};
+use super::options::Unit;
 use super::text::Text;
 use sections::{MOST_LINES, ParameterData, directory_entry, fixed_lines};
 
@@ -61,10 +62,15 @@ fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> ParameterData {
         global.integer(number);
     }
     global.text(&title);
-    // Model space is as large as the model; unit 2 is the millimetre.
+    // Model space is as large as the model; units have a number and a name.
     global.real(1.0);
-    global.integer(2);
-    global.text("MM");
+    let (flag, unit) = match fitted.options.unit.unwrap_or_default() {
+        Unit::Millimetre => (2, "MM"),
+        Unit::Metre => (6, "M"),
+        Unit::Inch => (1, "IN"),
+    };
+    global.integer(flag);
+    global.text(unit);
     // Gradations of line weight, and the width of the widest line.
     global.integer(1);
     global.real(1.0);

@@ -1,19 +1,29 @@
 //! Drawing a curve.
 
-use super::layout::{DrawnData, dot_radius, draw_polygon, shows_net};
+use super::Measured;
+use super::heat;
+use super::layout::{DrawnData, draw_polygon, shows_net};
+use super::scale::{Heat, hexadecimal};
 use super::scene::{Cubic, Scene};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::sampling::steps_between;
 use crate::export::text::Text;
 use crate::fit::points::Grid;
+use crate::fit::problem::Problem;
 
 /// The most pieces of which a curve is drawn.
 const MOST_PIECES: usize = 4096;
 
 /// The curve as chords between the requested samples, or as cubic pieces with its end points and tangents:
 /// these are so many that they look like the curve at any reasonable magnification.
-pub(super) fn scene(nurbs: &Nurbs, view: &Projection, samples: Option<Grid>) -> Scene {
+pub(super) fn scene(
+    problem: &Problem,
+    nurbs: &Nurbs,
+    view: &Projection,
+    samples: Option<Grid>,
+    measured: Option<&Measured>,
+) -> Scene {
     let spans = nurbs.u.spans();
     let steps = nurbs.u.steps(MOST_PIECES);
     let pieces = match (samples, steps / spans.len()) {
@@ -21,7 +31,11 @@ pub(super) fn scene(nurbs: &Nurbs, view: &Projection, samples: Option<Grid>) -> 
         (None, 0) => chords(nurbs, view, steps),
         (None, parts) => tangent_pieces(nurbs, view, &nurbs.u, &spans, parts),
     };
-    Scene::Curve(pieces)
+    let heat = measured.map(|it| {
+        let sites = nurbs.u.sites(pieces.len());
+        heat::of_pieces(problem, &it.deviations, it.most, &sites)
+    });
+    Scene::Curve(pieces, heat.unwrap_or_default())
 }
 
 /// Straight pieces: between samples, or where there are more spans than can be drawn.
@@ -65,10 +79,11 @@ fn tangent_pieces(
     pieces.collect()
 }
 
-/// The control polygon, on it the curve, on it control points and data points.
+/// The control polygon, on it the curve in the colours of its distance from the data, on it control points
+/// and data points.
 pub(super) fn draw(
     text: &mut Text,
-    pieces: &[Cubic],
+    (pieces, heat): (&[Cubic], &[Heat]),
     nurbs: &Nurbs,
     data: &DrawnData,
     view: &Projection,
@@ -79,15 +94,36 @@ pub(super) fn draw(
     if shows_net(nurbs) {
         polygon.extend((0..nurbs.points.len()).map(|index| pixel(nurbs.place(index))));
     }
+    draw_heat(text, pieces, heat, canvas);
     draw_polygon(text, "net", polygon.iter().copied());
     draw_pieces(text, pieces, canvas);
     draw_circles(text, "control", &polygon, 2.5);
-    let dots: Vec<(f64, f64)> = data.places.iter().map(|&place| pixel(place)).collect();
-    draw_circles(text, "data", &dots, dot_radius(dots.len()));
+    if data.dots {
+        let dots: Vec<(f64, f64)> = data.places.iter().map(|&it| canvas.pixel(it)).collect();
+        draw_circles(text, "data", &dots, data.radius());
+    }
+}
+
+/// A broad band along the curve; pieces of the same colour are one path.
+fn draw_heat(text: &mut Text, pieces: &[Cubic], heat: &[Heat], canvas: &Canvas) {
+    let mut rest = pieces;
+    for run in heat.chunk_by(|a, b| a == b) {
+        let (some, others) = rest.split_at(run.len().min(rest.len()));
+        rest = others;
+        let colour = hexadecimal(run[0].colour());
+        text.put(format_args!(
+            "<path class=\"heat\" stroke=\"{colour}\" d=\""
+        ));
+        put_pieces(text, some, canvas);
+    }
 }
 
 fn draw_pieces(text: &mut Text, pieces: &[Cubic], canvas: &Canvas) {
     text.push("<path class=\"curve\" d=\"");
+    put_pieces(text, pieces, canvas);
+}
+
+fn put_pieces(text: &mut Text, pieces: &[Cubic], canvas: &Canvas) {
     for (i, piece) in pieces.iter().enumerate() {
         let [start, one, two, end] = piece.map(|place| canvas.pixel(place));
         if i == 0 {

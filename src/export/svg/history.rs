@@ -1,6 +1,7 @@
 //! How the distance from the data has fallen, level by level, on a logarithmic scale.
 
 use super::layout::{MARGIN, WIDTH, draw_polygon};
+use super::numbers::{power, short};
 use crate::export::text::Text;
 
 /// The height of the plot with its labels.
@@ -46,9 +47,10 @@ pub(super) fn draw(text: &mut Text, errors: &[f64], top: f64) {
         let line = y(decade as f64);
         text.put(format_args!(
             "<path class=\"grid\" d=\"M{LEFT} {line:.1}H{right}\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">1e{decade}</text>\n",
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>\n",
             LEFT - 8.0,
-            line + 4.0
+            line + 4.0,
+            power(decade),
         ));
     }
     for level in (0..=last).step_by(label_step(last)) {
@@ -57,8 +59,20 @@ pub(super) fn draw(text: &mut Text, errors: &[f64], top: f64) {
             "<text x=\"{x:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">{level}</text>\n"
         ));
     }
-    let places = shown.into_iter().map(|(level, log)| (x(level), y(log)));
-    draw_polygon(text, "curve", places);
+    let places: Vec<(f64, f64)> = shown
+        .iter()
+        .map(|(level, log)| (x(*level), y(*log)))
+        .collect();
+    draw_polygon(text, "curve", places.iter().copied());
+    if let (Some((x, y)), Some((level, _))) = (places.last(), shown.last()) {
+        text.put(format_args!(
+            "<circle class=\"end\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>\
+             <text class=\"end\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>\n",
+            x - 2.0,
+            y - 9.0,
+            short(errors[*level]),
+        ));
+    }
 }
 
 /// The levels that are drawn, the last one among them.

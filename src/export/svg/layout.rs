@@ -1,6 +1,10 @@
 //! The size of drawings, and how much of the data and of the control net they show.
 
+use std::collections::HashMap;
+
+use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{Nurbs, in_space};
+use crate::export::options::Dots;
 use crate::export::text::Text;
 use crate::fit::problem::Problem;
 
@@ -10,17 +14,10 @@ pub(super) const WIDTH: f64 = 800.0;
 pub(super) const MARGIN: f64 = 24.0;
 /// The most data points that are drawn, and the most control points of nets that are.
 const MOST_POINTS: usize = 2500;
+
+/// Whether the control polygon or net is drawn.
 pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
     nurbs.points.len() <= MOST_POINTS
-}
-
-/// The radius of data points: the more there are, the smaller.
-pub(super) fn dot_radius(count: usize) -> f64 {
-    match count {
-        0..=80 => 3.0,
-        81..=300 => 2.0,
-        _ => 1.5,
-    }
 }
 
 /// Draws a polygon through these places, in pixels.
@@ -33,24 +30,95 @@ pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<I
     text.push("\"/>\n");
 }
 
-/// The data points that are drawn.
+/// So few dots hide little.
+const FEW: usize = 100;
+
+/// The part of more dots that may cover each other where nobody asks for dots.
+const MOST_COVERED: f64 = 1.0 / 3.0;
+
+/// The data points of the drawing.
 pub(super) struct DrawnData {
-    pub(super) places: Vec<[f64; 3]>,
-    /// One in `stride` points is drawn.
-    pub(super) stride: usize,
+    pub(super) places: Vec<Projected>,
+    /// One in `stride` points is among them.
+    stride: usize,
+    /// They are drawn as dots.
+    pub(super) dots: bool,
 }
 
 impl DrawnData {
-    pub(super) fn new(problem: &Problem) -> Self {
+    pub(super) fn new(problem: &Problem, view: &Projection) -> Self {
         let points = &problem.request().points;
         let count = problem.grid().count();
         let stride = count.div_ceil(MOST_POINTS);
         let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
-        let place = |index| in_space(points.point(index));
+        let place = |index| view.project(in_space(points.point(index)));
         let indices = (0..count).step_by(stride).filter(known);
         Self {
             places: indices.map(place).collect(),
             stride,
+            dots: true,
         }
+    }
+
+    /// Whether dots are drawn: if nobody asks for them or against them, where they do not hide each
+    /// other and what is below them.
+    pub(super) fn choose(&mut self, dots: Dots, canvas: &Canvas) {
+        self.dots = match dots {
+            Dots::On => true,
+            Dots::Off => false,
+            Dots::Auto if self.places.len() <= FEW => true,
+            Dots::Auto => {
+                let pixels: Vec<_> = self.places.iter().map(|it| canvas.pixel(*it)).collect();
+                covered(&pixels, 2.0 * self.radius()) <= MOST_COVERED
+            }
+        };
+    }
+
+    /// The radius of the dots: the more there are, the smaller.
+    pub(super) fn radius(&self) -> f64 {
+        match self.places.len() {
+            0..=80 => 3.0,
+            81..=300 => 2.0,
+            _ => 1.5,
+        }
+    }
+
+    /// What the dots are.
+    pub(super) fn legend(&self) -> Option<String> {
+        let text = match self.stride {
+            1 => "data points".to_owned(),
+            stride => format!("data points, one in {stride}"),
+        };
+        self.dots.then_some(text)
+    }
+}
+
+/// Which part of the dots has another one nearer than this.
+fn covered(pixels: &[(f64, f64)], near: f64) -> f64 {
+    let cell = |(x, y): (f64, f64)| ((x / near).floor() as i64, (y / near).floor() as i64);
+    let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
+    for (index, &pixel) in pixels.iter().enumerate() {
+        cells.entry(cell(pixel)).or_default().push(index);
+    }
+    let is_covered = |index: usize| {
+        let ((x, y), (i, j)) = (pixels[index], cell(pixels[index]));
+        let around = (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (i + di, j + dj)));
+        let mut others = around.filter_map(|it| cells.get(&it)).flatten();
+        others.any(|&it| it != index && (pixels[it].0 - x).hypot(pixels[it].1 - y) < near)
+    };
+    let count = (0..pixels.len()).filter(|&it| is_covered(it)).count();
+    count as f64 / pixels.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dots_that_are_near_each_other_are_counted() {
+        assert_eq!(covered(&[(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)], 4.0), 0.0);
+        let half = covered(&[(0.0, 0.0), (3.9, 0.0), (50.0, 0.0), (0.0, -50.0)], 4.0);
+        assert_eq!(half, 0.5);
+        assert_eq!(covered(&[], 4.0), 0.0);
     }
 }

@@ -1,12 +1,16 @@
 //! Drawing a surface: its faces, its control net and the data, the far ones first.
 
-use super::layout::{DrawnData, dot_radius, shows_net};
+use super::Measured;
+use super::heat;
+use super::layout::{DrawnData, shows_net};
+use super::scale::{Heat, hexadecimal};
 use super::scene::{Scene, SurfacePart};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::{cross, minus, steps_between, unit};
+use crate::export::sampling::{SpanParameter, cross, minus, steps_between, unit};
 use crate::export::text::Text;
 use crate::fit::points::Grid;
+use crate::fit::problem::Problem;
 
 /// The most faces in each direction, unless a number of samples is asked for.
 const MOST_FACES: usize = 64;
@@ -14,15 +18,12 @@ const MOST_FACES: usize = 64;
 /// Faces whose diagonal is shorter than so many pixels have no outlines, which would cover them.
 const LEAST_LINED: f64 = 5.0;
 
-/// The colour of a face in full light.
+/// The colour of a face in full light where the data are on the surface.
 const COLOUR: [f64; 3] = [140.0, 186.0, 230.0];
 
 /// Draws the parts, each over those before it.
-pub(super) fn draw(text: &mut Text, parts: &[SurfacePart], canvas: &Canvas) {
-    let dots = parts
-        .iter()
-        .filter(|part| matches!(part, SurfacePart::Dot(_)));
-    let radius = dot_radius(dots.count());
+pub(super) fn draw(text: &mut Text, parts: &[SurfacePart], data: &DrawnData, canvas: &Canvas) {
+    let radius = data.radius();
     let lined = mean_size(parts, canvas) >= LEAST_LINED;
     for part in parts {
         part.draw(text, canvas, lined, radius);
@@ -32,7 +33,7 @@ pub(super) fn draw(text: &mut Text, parts: &[SurfacePart], canvas: &Canvas) {
 /// How many pixels there are between opposite corners of a face, on average.
 fn mean_size(parts: &[SurfacePart], canvas: &Canvas) -> f64 {
     let diagonals = parts.iter().filter_map(|part| match part {
-        SurfacePart::Face([a, _, c, _], _) => {
+        SurfacePart::Face([a, _, c, _], ..) => {
             let (a, c) = (canvas.pixel(*a), canvas.pixel(*c));
             Some((a.0 - c.0).hypot(a.1 - c.1))
         }
@@ -42,42 +43,37 @@ fn mean_size(parts: &[SurfacePart], canvas: &Canvas) -> f64 {
     sum / f64::from(count)
 }
 
-/// Sorts faces, edges and dots by distance (the painter's algorithm). Edges and dots are taken a little
-/// nearer than they are, so that those on the surface are visible.
+/// The faces, and the edges of the control net.
 pub(super) fn scene(
-    nurbs: &Nurbs,
-    v: &KnotVector,
+    problem: &Problem,
+    (nurbs, v): (&Nurbs, &KnotVector),
     samples: Option<Grid>,
-    data: &DrawnData,
     view: &Projection,
+    measured: Option<&Measured>,
 ) -> Scene {
-    let mut parts = faces(nurbs, v, samples, view);
-    if shows_net(nurbs) {
-        parts.extend(edges(nurbs, view));
-    }
-    let dots = data
-        .places
-        .iter()
-        .map(|&place| SurfacePart::Dot(view.project(place)));
-    parts.extend(dots);
-    let lift = nurbs.points.bounding_diagonal() / 100.0;
-    parts.sort_by(|a, b| a.depth(lift).total_cmp(&b.depth(lift)));
-    Scene::Surface(parts)
-}
-
-fn faces(
-    nurbs: &Nurbs,
-    v: &KnotVector,
-    samples: Option<Grid>,
-    view: &Projection,
-) -> Vec<SurfacePart> {
     let along = |knots: &KnotVector, asked: Option<usize>| {
         let suits = || knots.steps(MOST_FACES).max(MOST_FACES / 2);
         knots.sites(asked.map_or_else(suits, steps_between))
     };
     let rows = along(&nurbs.u, samples.map(|grid| grid.rows));
     let columns = along(v, samples.map(|grid| grid.columns));
-    let jets = nurbs.evaluate(&rows, &columns);
+    let heat =
+        measured.map(|it| heat::of_faces(problem, &it.deviations, it.most, (&rows, &columns)));
+    let mut parts = faces(nurbs, (&rows, &columns), view, &heat.unwrap_or_default());
+    if shows_net(nurbs) {
+        parts.extend(edges(nurbs, view));
+    }
+    Scene::Surface(parts)
+}
+
+/// The faces between these sites, row by row.
+fn faces(
+    nurbs: &Nurbs,
+    (rows, columns): (&[SpanParameter], &[SpanParameter]),
+    view: &Projection,
+    heat: &[Heat],
+) -> Vec<SurfacePart> {
+    let jets = nurbs.evaluate(rows, columns);
     let mut faces = Vec::with_capacity(jets.len());
     for i in 1..rows.len() {
         for j in 1..columns.len() {
@@ -90,7 +86,12 @@ fn faces(
             ];
             let normal = cross(minus(corners[2], corners[0]), minus(corners[3], corners[1]));
             let light = unit(normal).map_or(1.0, |normal| view.light(normal));
-            faces.push(SurfacePart::Face(corners.map(|it| view.project(it)), light));
+            let heat = heat.get(faces.len()).copied();
+            faces.push(SurfacePart::Face(
+                corners.map(|it| view.project(it)),
+                light,
+                heat,
+            ));
         }
     }
     faces
@@ -115,9 +116,10 @@ fn edges(nurbs: &Nurbs, view: &Projection) -> Vec<SurfacePart> {
 }
 
 impl SurfacePart {
-    fn depth(&self, lift: f64) -> f64 {
+    /// How near a part is for the order of drawing.
+    pub(super) fn depth(&self, lift: f64) -> f64 {
         match self {
-            Self::Face(corners, _) => mean(corners),
+            Self::Face(corners, ..) => mean(corners),
             Self::Edge(ends) => mean(ends) + lift,
             Self::Dot(place) => place.depth + 2.0 * lift,
         }
@@ -125,18 +127,21 @@ impl SurfacePart {
 
     fn draw(&self, text: &mut Text, canvas: &Canvas, lined: bool, radius: f64) {
         match self {
-            Self::Face(corners, light) => {
+            Self::Face(corners, light, heat) => {
                 let [a, b, c, d] = corners.map(|corner| canvas.pixel(corner));
-                let shade = |dark: f64, bright: f64| {
-                    let [red, green, blue] = COLOUR.map(|x| (x * (dark + bright * light)) as u32);
-                    red << 16 | green << 8 | blue
+                let colour = heat.map_or(COLOUR, Heat::colour);
+                // Where colours say something, shades leave them apart.
+                let dark = if heat.is_some() { 0.6 } else { 0.42 };
+                let shade = |most: f64| {
+                    let light = most * (dark + (1.0 - dark) * light);
+                    hexadecimal(colour.map(|x| x * light))
                 };
-                let fill = shade(0.42, 0.58);
+                let fill = shade(1.0);
                 // A line of its own colour covers the gaps that renderers leave between faces.
-                let stroke = if lined { shade(0.32, 0.48) } else { fill };
+                let stroke = if lined { shade(0.8) } else { fill.clone() };
                 text.put(format_args!(
                     "<path d=\"M{:.1} {:.1}L{:.1} {:.1} {:.1} {:.1} {:.1} {:.1}Z\" \
-                     fill=\"#{fill:06x}\" stroke=\"#{stroke:06x}\" stroke-width=\".5\"/>\n",
+                     fill=\"{fill}\" stroke=\"{stroke}\" stroke-width=\".5\"/>\n",
                     a.0, a.1, b.0, b.1, c.0, c.1, d.0, d.1
                 ));
             }

@@ -14,7 +14,9 @@
 
 pub(crate) mod ball;
 pub(crate) mod bernstein;
+pub(in crate::fit) mod bezier;
 pub mod bspline;
+pub(in crate::fit) mod given_knots;
 pub mod knots;
 
 use std::borrow::Cow;

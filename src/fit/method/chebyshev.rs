@@ -19,6 +19,7 @@ use super::relaxation::Relaxation;
 use super::scheme::{Demand, Progress, Scheme};
 use super::update::{Change, State, Update};
 use crate::fit::about::About;
+use crate::fit::divergence;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
@@ -51,7 +52,7 @@ impl Scheme for Chebyshev {
 
     /// Steps are chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
-        spectrum::check_real(setup, ABOUT.name)
+        divergence::check_real(setup, ABOUT.name)
     }
 
     /// The last step, in the plain loop and in sweeps.

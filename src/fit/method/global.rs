@@ -16,11 +16,11 @@ use super::relaxation::Relaxation;
 use super::scheme::{Demand, Scheme};
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::divergence;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
 use crate::fit::setup::Setup;
-use crate::fit::spectrum;
 use crate::fit::tensor::Tensor;
 use crate::fit::warning::Warning;
 
@@ -43,7 +43,7 @@ impl Scheme for Global {
 
     /// With the Wang–Ball basis eigenvalues can be complex or larger than 2.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
-        spectrum::check_relaxation(setup, ABOUT.name, 1.0)
+        divergence::check_relaxation(setup, ABOUT.name, 1.0)
     }
 
     /// The residual is the step: it needs no other vector, and nothing is factorized.

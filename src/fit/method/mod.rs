@@ -66,9 +66,12 @@ pub use adaptive::Adaptive;
 pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
+pub(super) use least_squares::automatic;
+pub(super) use least_squares::obeying::Obeying;
+pub(super) use least_squares::obeying_surface::ObeyingSurface;
 pub use least_squares::{
-    At, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness, LeastSquares,
-    LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness,
+    LeastSquares, LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
@@ -157,7 +160,20 @@ impl Method {
         }
     }
 
-    /// Whether it chooses the number of control points, which can be less than that of data points.
+    /// The settings of a fit that chooses its knots by itself.
+    pub(in crate::fit) fn automatic(&self) -> Option<(&LeastSquares, &Automatic)> {
+        match self {
+            Self::LeastSquares(settings) => Some((settings, settings.automatic.as_ref()?)),
+            _ => None,
+        }
+    }
+
+    /// Whether it chooses its knots by itself.
+    pub fn is_automatic(&self) -> bool {
+        self.automatic().is_some()
+    }
+
+    /// Whether there are fewer control points than data points.
     pub fn has_fewer_control_points(&self) -> bool {
         self.scheme().control_points().is_some()
     }

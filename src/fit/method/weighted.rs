@@ -14,11 +14,11 @@ use super::relaxation::Relaxation;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::divergence;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
 use crate::fit::setup::Setup;
-use crate::fit::spectrum;
 use crate::fit::tensor::Tensor;
 use crate::fit::transform::Transform;
 use crate::fit::warning::Warning;
@@ -54,8 +54,8 @@ impl Scheme for Weighted {
     /// The best ω is chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         match self.omega {
-            Some(omega) => spectrum::check_relaxation(setup, ABOUT.name, omega),
-            None => spectrum::check_real(setup, ABOUT.name),
+            Some(omega) => divergence::check_relaxation(setup, ABOUT.name, omega),
+            None => divergence::check_real(setup, ABOUT.name),
         }
     }
 

@@ -87,6 +87,7 @@ prop_compose! {
             method,
             selected: None,
             start: None,
+            start_breaks: None,
             lambda_min: None,
             scattered: None,
             tolerance: Tolerance::Relative(10f64.powi(-exponent)),

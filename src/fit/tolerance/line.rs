@@ -41,6 +41,15 @@ impl KnotLine {
         Self::new(degree, closed, breaks)
     }
 
+    /// The same with a knot in the middle of each span, unless spans are too short for that.
+    pub fn halved(&self) -> Option<Self> {
+        let middles = self.breaks.windows(2);
+        let middles = middles.map(|pair| pair[0] + (pair[1] - pair[0]) / 2.0);
+        let mut breaks: Vec<f64> = self.breaks.iter().copied().chain(middles).collect();
+        breaks.sort_by(f64::total_cmp);
+        Self::new(self.degree, self.closed, breaks)
+    }
+
     /// The degree p.
     pub fn degree(&self) -> usize {
         self.degree

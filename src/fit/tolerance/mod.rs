@@ -15,6 +15,9 @@
 //! 3. **The last control point.** Least squares make the sum of squares small and not the largest
 //!    distance. Where one control point less comes close to the tolerance, weights that grow with
 //!    the distances (Lawson) often bring it there ([`minimax`]).
+//! 4. **Single knots.** Where there are hardly more data than control points, distances do not say
+//!    where knots are needed. There knots whose removal changes the curve least leave it one by one,
+//!    as long as the fit without them is within the tolerance ([`pruning`]).
 //!
 //! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
 //! [`correction`]).
@@ -38,7 +41,8 @@
 //! *Progressive and iterative approximation for least squares B-spline curve and surface fitting*,
 //! CAD 47 (2014), section 4; Hoschek, *Intrinsic parametrization for approximation*, CAGD 5 (1988);
 //! Lawson, *Contributions to the theory of linear least maximum approximation* (1961); Cohen, Lyche,
-//! Riesenfeld, *Discrete B-splines and subdivision techniques* (1980).
+//! Riesenfeld, *Discrete B-splines and subdivision techniques* (1980); Lyche, Mørken, *Knot removal for
+//! parametric B-spline curves and surfaces*, CAGD 4 (1987).
 
 mod attempt;
 pub mod correction;
@@ -49,7 +53,9 @@ pub mod insertion;
 pub mod line;
 pub mod minimax;
 pub mod monitor;
+pub(super) mod placed;
 pub mod placement;
+mod pruning;
 pub mod schedule;
 pub mod steps;
 pub mod surface;
@@ -76,6 +82,11 @@ pub struct Options {
     pub max_control_points: usize,
     /// Whether parameters move to the foot points of their data.
     pub correct_parameters: bool,
+    /// The curve to begin with; without it one of p + 1 control points.
+    pub first: Option<(KnotLine, Points)>,
+    /// Whether levels are minima alone, without steps of plain least squares between them: where
+    /// more is to be obeyed or weighed than these do.
+    pub minima_alone: bool,
 }
 
 /// What a level has done.

@@ -59,7 +59,7 @@ impl Run {
         permit: Option<Permit>,
     ) -> Arc<Self> {
         let problem = &system.problem;
-        let weight = Frame::weight(problem.data().dimension(), problem.control_grid().count());
+        let weight = Frame::weight(problem.data().dimension(), problem.most_control_points());
         let capacity = (resources.ring_bytes / weight).max(1);
         Arc::new(Self {
             lanes: [
@@ -252,7 +252,8 @@ impl Run {
 /// The level at which a run was stopped.
 fn last_frame(iteration: &Iteration) -> Arc<Frame> {
     let points = iteration.shared_control_points();
-    Arc::new(Frame::last(iteration.level(), points))
+    let problem = Arc::clone(iteration.problem());
+    Arc::new(Frame::last(iteration.level(), problem, points))
 }
 
 impl Revocable for Run {

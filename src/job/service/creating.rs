@@ -11,6 +11,7 @@ use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
+use crate::job::run::SharedSystem;
 use crate::job::state::Status;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
 
@@ -83,7 +84,8 @@ impl Jobs {
         // points and reads them from the store again.
         let waiting = match memory {
             Some(memory) => {
-                let run = job.begin(problem, similar, memory);
+                let system = SharedSystem::new(problem, similar);
+                let run = job.begin(Arc::new(system), Some(memory));
                 tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(run), slot));
                 None
             }
@@ -130,7 +132,7 @@ impl Jobs {
     }
 
     /// Refuses jobs that need more memory than they can ever get.
-    fn admit(&self, outline: &Outline) -> Result<(), Refused> {
+    pub(super) fn admit(&self, outline: &Outline) -> Result<(), Refused> {
         let share = self.share(outline);
         if !share.holds(outline.memory) {
             return Err(Refused::TooLarge {

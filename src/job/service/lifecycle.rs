@@ -12,7 +12,8 @@ use super::Jobs;
 use crate::fit::iteration::Outcome;
 use crate::job::Job;
 use crate::job::frame::Frame;
-use crate::job::run::{Ending, Run};
+use crate::job::result::LastGeometry;
+use crate::job::run::{Ending, Run, SharedSystem};
 use crate::job::slots::Slot;
 use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
@@ -65,7 +66,7 @@ impl Jobs {
             (Ending::Broken, None)
         });
         if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
-            let queued = self.store.requeue(job.id()).await;
+            let queued = job.store.requeue(job.id()).await;
             if let Err(error) = queued {
                 warn!(job = %job.id(), %error, "a job could not be put back into the queue");
             }
@@ -84,14 +85,16 @@ impl Jobs {
             failure,
             ..job.status()
         };
-        let result = last.map(|frame| Arc::clone(&frame.control_points));
+        let result = last.map(|frame| LastGeometry::of(&frame));
         let finish = || {
             let (status, result) = (status.clone(), result.clone());
-            self.store.finish(job.id(), status, result)
+            job.store.finish(job.id(), status, result)
         };
         let mut finished = finish().await;
-        info!(job = %job.id(), %state, "job ended");
-        self.resources.counters.count_end(state);
+        if job.is_kept() {
+            info!(job = %job.id(), %state, "job ended");
+            self.resources.counters.count_end(state);
+        }
         drop(slot);
         let _ = job.result.set(result.clone());
         // From here on clients know that the job has ended.
@@ -103,7 +106,9 @@ impl Jobs {
             sleep(STORE_AGAIN).await;
             finished = finish().await;
         }
-        self.ended.notify_one();
+        if job.is_kept() {
+            self.ended.notify_one();
+        }
     }
 
     /// Waits for the turn of a queued job and starts its run; `None` if it is cancelled before.
@@ -123,10 +128,11 @@ impl Jobs {
         };
         let status = Status::running();
         // After a crash the store must tell which jobs were running.
-        let started = self.store.start(job.id(), status.clone(), watch.is_some());
+        let started = job.store.start(job.id(), status.clone(), watch.is_some());
         started.await?;
         let problem = job.problem().await?;
-        let run = job.begin(problem, None, memory);
+        let system = SharedSystem::new(problem, None);
+        let run = job.begin(Arc::new(system), Some(memory));
         job.status.send_replace(status);
         Ok(Some(StartedRun { watch, run }))
     }
@@ -146,7 +152,9 @@ impl Jobs {
             status.levels = run.levels();
             false
         });
-        self.recent.keep(job, run);
+        if job.is_kept() {
+            self.recent.keep(job, run);
+        }
         end
     }
 
@@ -161,7 +169,7 @@ impl Jobs {
         if let Ok(end) = timeout(WATCH, run.complete()).await {
             return end;
         }
-        if let Err(error) = self.store.end_watch(job.id()).await {
+        if let Err(error) = job.store.end_watch(job.id()).await {
             warn!(job = %job.id(), %error, "a job could not be cleared of suspicion");
         }
         drop(watch);

@@ -4,8 +4,10 @@
 //! - `lifecycle`: takes a job from the queue to its end.
 
 pub mod creating;
+pub mod ephemeral;
 mod lifecycle;
 pub mod refused;
+pub mod sessions;
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -27,6 +29,7 @@ use super::scheduler::WorkLane;
 use super::slots::Slots;
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
+use sessions::Sessions;
 
 /// The longest time between two searches for jobs that have become too old.
 const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
@@ -65,6 +68,8 @@ pub struct Jobs {
     deletions: AtomicUsize,
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
+    /// Drags that go on.
+    sessions: Arc<Sessions>,
 }
 
 impl Jobs {
@@ -82,6 +87,7 @@ impl Jobs {
             ended: Arc::default(),
             deletions: AtomicUsize::new(0),
             live: Mutex::default(),
+            sessions: Arc::default(),
         }
     }
 
@@ -224,7 +230,7 @@ impl Jobs {
 
     fn job(&self, record: Record) -> Arc<Job> {
         let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
-        Arc::new(Job::new(record, store, resources))
+        Arc::new(Job::new(record, store, true, resources))
     }
 
     /// The share of the memory that a job is run in.

@@ -2,6 +2,7 @@
 //!
 //! - [`embedded`]: in a file, or in memory;
 //! - [`blame`]: which jobs may have crashed the process;
+//! - `nowhere`: for ephemeral edits, of which nothing is kept;
 //! - `ended`: which jobs that have ended to forget.
 //!
 //! What every store promises is described at [`Store`], and tested for each store by the same tests.
@@ -9,6 +10,7 @@
 pub mod blame;
 pub mod embedded;
 pub(crate) mod ended;
+pub(crate) mod nowhere;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,8 +24,8 @@ use uuid::Uuid;
 use super::outline::Outline;
 use super::scheduler::Broken;
 use super::state::{State, Status};
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::result::LastGeometry;
 
 /// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
 /// frees some: where the disk is nearly full, many jobs could not be forgotten together.
@@ -152,7 +154,8 @@ pub trait Store: Send + Sync {
     fn requeue(&self, id: Uuid) -> Acknowledgement<()>;
 
     /// Keeps the final state and control points of a job.
-    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Acknowledgement<()>;
+    fn finish(&self, id: Uuid, status: Status, result: Option<LastGeometry>)
+    -> Acknowledgement<()>;
 
     /// Forgets a job and its key; says whether there was one.
     fn remove(&self, id: Uuid) -> Acknowledgement<bool>;
@@ -167,8 +170,8 @@ pub trait Store: Send + Sync {
     /// The problem of the job of this id.
     async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError>;
 
-    /// The free control points of the last level of a job that has ended.
-    async fn result(&self, id: Uuid) -> Result<Option<Arc<Points>>, StoreError>;
+    /// The geometry of the last level of a job that has ended.
+    async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError>;
 
     /// Jobs, the newest first.
     async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError>;

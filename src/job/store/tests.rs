@@ -7,8 +7,10 @@ use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
 use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Record, Retention, Selection, Store};
+use crate::fit::bases::Bases;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::result::LastGeometry;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
 
@@ -46,6 +48,7 @@ macro_rules! for_each_store {
 for_each_store!(
     a_job_is_kept_as_it_was_inserted,
     every_kind_of_problem_is_kept_to_the_bit,
+    chosen_knots_are_kept,
     writes_take_effect_in_the_order_of_their_calls,
     a_job_that_has_ended_has_its_state_and_result,
     a_job_that_is_gone_stays_gone,
@@ -117,7 +120,7 @@ fn control_points() -> Arc<Points> {
 /// Inserts a job that has ended so many seconds ago.
 async fn ended(store: &impl Store, seconds_ago: i64) -> Uuid {
     let id = insert(store).await.outline.id;
-    let finished = store.finish(id, converged(seconds_ago), Some(control_points()));
+    let finished = store.finish(id, converged(seconds_ago), Some(control_points().into()));
     finished.await.unwrap();
     id
 }
@@ -163,6 +166,27 @@ async fn every_kind_of_problem_is_kept_to_the_bit(store: &impl Store) {
     }
 }
 
+/// Knots that a fit has chosen are kept with its control points.
+async fn chosen_knots_are_kept(store: &impl Store) {
+    let id = insert(store).await.outline.id;
+    let bases = Bases {
+        breaks: vec![
+            Arc::new(vec![0.0, 0.1 + 0.2, 1.0]),
+            Arc::new(vec![-1e-300, 1.0]),
+        ],
+        parameters: Some(Arc::new(vec![0.0, 0.7, 1.0])),
+    };
+    let geometry = LastGeometry {
+        control_points: control_points(),
+        bases: Some(Arc::new(bases.clone())),
+    };
+    let finished = store.finish(id, converged(0), Some(geometry));
+    finished.await.unwrap();
+    let kept = store.result(id).await.unwrap().unwrap();
+    assert_eq!(kept.control_points.lanes(), control_points().lanes());
+    assert_eq!(kept.bases.as_deref(), Some(&bases));
+}
+
 async fn writes_take_effect_in_the_order_of_their_calls(store: &impl Store) {
     let record = queued();
     let id = record.outline.id;
@@ -185,13 +209,13 @@ async fn writes_take_effect_in_the_order_of_their_calls(store: &impl Store) {
 async fn a_job_that_has_ended_has_its_state_and_result(store: &impl Store) {
     let record = insert(store).await;
     let (id, end) = (record.outline.id, converged(0));
-    let finished = store.finish(id, end.clone(), Some(control_points()));
+    let finished = store.finish(id, end.clone(), Some(control_points().into()));
     finished.await.unwrap();
     let kept = store.get(id).await.unwrap().unwrap();
     assert_eq!(kept.status, end);
     assert_eq!(kept.outline, record.outline);
     let result = store.result(id).await.unwrap().unwrap();
-    assert_eq!(result.lanes(), control_points().lanes());
+    assert_eq!(result.control_points.lanes(), control_points().lanes());
 }
 
 async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
@@ -201,7 +225,7 @@ async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
     store.start(id, Status::running(), true).await.unwrap();
     store.end_watch(id).await.unwrap();
     store.requeue(id).await.unwrap();
-    let finished = store.finish(id, converged(0), Some(control_points()));
+    let finished = store.finish(id, converged(0), Some(control_points().into()));
     finished.await.unwrap();
     assert_eq!(store.get(id).await.unwrap(), None);
     assert!(store.problem(id).await.unwrap().is_none());

@@ -139,6 +139,7 @@ fn usual(choice: Choice) -> &'static str {
         Choice::Every => "1",
         Choice::Pace => "all",
         Choice::Changed => "false",
+        Choice::Describe => "full",
         Choice::Encoding => "json",
         Choice::Digits => "full",
         Choice::OnDisconnect => "continue",

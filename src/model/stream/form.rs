@@ -59,6 +59,8 @@ pub struct Form {
     pub encoding: Encoding,
     /// How many digits coordinates have.
     pub digits: Digits,
+    /// Whether fits that choose their knots by themselves tell them.
+    pub knots: bool,
     key: Arc<str>,
 }
 
@@ -69,6 +71,7 @@ impl Form {
             view,
             encoding,
             digits,
+            knots: false,
             key: format!("{:?}", (view, encoding, digits)).into(),
         }
     }
@@ -126,7 +129,17 @@ impl Form {
 
     /// The same with all digits.
     pub fn in_full(&self) -> Self {
-        Self::new(self.view, self.encoding, Digits::Full)
+        let full = Self::new(self.view, self.encoding, Digits::Full);
+        if self.knots { full.with_knots() } else { full }
+    }
+
+    /// The same with the knots of fits that choose them by themselves.
+    pub fn with_knots(&self) -> Self {
+        Self {
+            knots: true,
+            key: format!("{} with knots", self.key).into(),
+            ..self.clone()
+        }
     }
 }
 

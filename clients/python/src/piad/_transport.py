@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import httpx
 
@@ -58,14 +58,16 @@ class Transport:
         path: str,
         *,
         body: Optional[Mapping[str, Any]] = None,
+        text: Union[str, bytes, None] = None,
         headers: Optional[Mapping[str, str]] = None,
         parameters: Optional[Parameters] = None,
     ) -> httpx.Response:
-        """An answer that is not an error. The path may have a query of its own."""
-        content = None if body is None else encoded(body)
+        """An answer that is not an error. The path may have a query of its own. `body` is sent as
+        JSON, `text` as it is."""
+        content = text if body is None else encoded(body)
         sent = {"Accept": "application/json", **(headers or {})}
         if content is not None:
-            sent["Content-Type"] = "application/json"
+            sent["Content-Type"] = "text/plain" if body is None else "application/json"
         request = self._http.build_request(method, path, content=content, headers=sent, params=parameters or None)
         started = time.monotonic()
         for attempt in range(1, self.attempts + 1):

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from types import TracebackType
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 import httpx
 
 from . import _request
-from ._request import Knots, Method, Parameters, PerDirection, Rational, SurfaceEnds
+from ._request import Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
 from ._transport import Transport
 from .geometry import BasisKind
 from .iteration import Result
 from .job import Job, State, Status, post
+from .points import FilePoints
 
 # The server is asked to answer when a job has ended, if that is within so many seconds.
 _WAIT = 10.0
@@ -68,7 +69,8 @@ class Client:
         basis: PerDirection[BasisKind] = "bspline",
         degree: Optional[PerDirection[int]] = None,
         knots: Optional[PerDirection[Knots]] = None,
-        parameters: Optional[PerDirection[Parameters]] = None,
+        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
+        scattered: bool = False,
         closed: PerDirection[bool] = False,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
@@ -84,7 +86,9 @@ class Client:
         """A new job.
 
         `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
-        an array or nested lists, in any unit. On surfaces `basis`, `degree`, `knots`, `parameters`
+        an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
+        dimension), and as `parameters` an array (n, 2), `"project"`, `{"project": "xy"}` or
+        `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
         and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
         object such as `{"kind": "local", "indices": [3, 4]}`, and so are `ends`: `"natural"` or
@@ -101,6 +105,7 @@ class Client:
             degree=degree,
             knots=knots,
             parameters=parameters,
+            scattered=scattered,
             closed=closed,
             ends=ends,
             weights=weights,
@@ -119,7 +124,8 @@ class Client:
         basis: PerDirection[BasisKind] = "bspline",
         degree: Optional[PerDirection[int]] = None,
         knots: Optional[PerDirection[Knots]] = None,
-        parameters: Optional[PerDirection[Parameters]] = None,
+        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
+        scattered: bool = False,
         closed: PerDirection[bool] = False,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
@@ -143,6 +149,7 @@ class Client:
             degree=degree,
             knots=knots,
             parameters=parameters,
+            scattered=scattered,
             closed=closed,
             ends=ends,
             weights=weights,
@@ -168,7 +175,18 @@ class Client:
                 yield Job(self._transport, Status.from_json(job))
             if answer["next"] is None:
                 return
-            answer = self._transport.json("GET", answer["next"])
+            # The path is that of the server as it sees itself, perhaps with a prefix that the URL has, too.
+            more = answer["next"].partition("?")[2]
+            answer = self._transport.json("GET", f"/v1/jobs?{more}")
+
+    def read_points(self, text: Union[str, bytes], *, size: Optional[str] = None) -> FilePoints:
+        """The points in the text of a file (CSV, XYZ, airfoils), as `create` and `fit` take them, and
+        what was found out about it. `size`, such as `"40x60"`, is the number of rows and columns of a
+        surface. Nothing is fitted. What is wrong with a file is told at its lines (`ApiError`).
+        """
+        parameters = _request.given({"surface.size": size})
+        answer = self._transport.json("POST", "/v1/points", text=text, parameters=parameters)
+        return FilePoints.from_json(answer)
 
     def capabilities(self) -> dict[str, Any]:
         """What the server can do and its limits, as JSON."""

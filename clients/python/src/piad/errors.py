@@ -19,6 +19,8 @@ class FieldError:
     """The query parameter."""
     header: Optional[str] = None
     """The header."""
+    line: Optional[int] = None
+    """The line of a file of points, from 1."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Problem:
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Problem:
         """Reads a problem object; fields that it does not have are empty."""
-        names = ("pointer", "parameter", "header")
+        names = ("pointer", "parameter", "header", "line")
         errors = (
             FieldError(error.get("detail", ""), **{name: error.get(name) for name in names})
             for error in value.get("errors", ())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Optional, Union
 
@@ -66,6 +66,12 @@ class Shape:
         weights = value.get("weights") if value["rational"] == "fixed" else None
         return cls(bases, None if weights is None else _fixed_weights(value, weights, bases))
 
+    def with_knots(self, knots: Any) -> Shape:
+        """The same with the knots of an iteration, of a fit that chooses them."""
+        lines = [knots] if len(self.bases) == 1 else [knots["u"], knots["v"]]
+        bases = tuple(replace(basis, knots=_knots(line)) for basis, line in zip(self.bases, lines))
+        return Shape(bases, self.fixed_weights)
+
     def with_net(self, points: Array, weights: Optional[Array]) -> Geometry:
         """The curve or surface of these control points."""
         weights = self.fixed_weights if weights is None else weights
@@ -77,9 +83,13 @@ class Shape:
 def _basis(value: Mapping[str, Any], way: Optional[str]) -> Basis:
     parts = (value["basis"], value["degree"], value["knots"], value["closed"])
     kind, degree, knots, closed = parts if way is None else (part[way] for part in parts)
+    return Basis(kind, degree, _knots(knots), closed)
+
+
+def _knots(knots: Any) -> Optional[tuple[float, ...]]:
     if isinstance(knots, str):
         knots = _line_of(knots, 8)
-    return Basis(kind, degree, None if knots is None else tuple(as_lists(knots)), closed)
+    return None if knots is None else tuple(as_lists(knots))
 
 
 def _fixed_weights(value: Mapping[str, Any], weights: Any, bases: tuple[Basis, ...]) -> Array:
@@ -174,8 +184,9 @@ class Iteration:
     @classmethod
     def from_json(cls, value: Mapping[str, Any], shape: Shape, before: Optional[Iteration] = None) -> Iteration:
         """Reads the data of an `iteration` event. One that only says what has changed is applied to
-        the level `before`.
+        the level `before`. `shape` is that of the level before, whose knots this one may change.
         """
+        shape = shape.with_knots(value["knots"]) if "knots" in value else shape
         points, weights = _net(value, before)
         return cls(
             value["iteration"],

@@ -21,7 +21,9 @@ from .iteration import Deviation, Index, Iteration, Result, Samples, Shape
 State = Literal["queued", "running", "converged", "exhausted", "stalled", "failed", "cancelled"]
 View = Literal["control_points", "samples", "errors"]
 Encoding = Literal["json", "base64", "base64_f32"]
-Format = Literal["json", "step", "iges", "obj", "gltf", "svg", "csv"]
+Format = Literal["json", "step", "iges", "obj", "gltf", "stl", "dxf", "svg", "csv"]
+Dots = Literal["auto", "on", "off"]
+Units = Literal["mm", "m", "in"]
 SampleCount = Union[int, tuple[int, int]]
 """The number of points of a curve, or the numbers in u and in v of a surface."""
 
@@ -32,6 +34,7 @@ _PLAIN = {
     "milestones": "",
     "pace": "all",
     "changed": "false",
+    "describe": "full",
     "encoding": "json",
     "digits": "full",
     "on_disconnect": "continue",
@@ -192,6 +195,9 @@ class Job:
             "digits": digits,
         }
         text = {name: str(value) for name, value in _request.given(parameters).items()}
+        if "describe" in (self.status.stream or {}):
+            # Knots are needed, whatever the job says of its streams.
+            text["describe"] = "full"
         if self._may_be_binary(text):
             text["encoding"] = "base64"
         return self._iterations(text, after)
@@ -203,11 +209,13 @@ class Job:
 
     def _iterations(self, parameters: Mapping[str, str], after: Optional[int]) -> Iterator[Iteration]:
         before: Optional[Iteration] = None
+        shape: Optional[Shape] = None
         for name, data in EventStream(self._transport, f"{self._path}/events", parameters, after):
             if name == "job":
-                self._shape = Shape.from_json(data)
+                self._shape = shape = Shape.from_json(data)
             elif name == "iteration":
-                before = Iteration.from_json(data, self.shape(), before)
+                before = Iteration.from_json(data, shape or self.shape(), before)
+                shape = before.shape
                 yield before
         self.refresh()
 
@@ -318,16 +326,22 @@ class Job:
         *,
         iteration: Union[int, Literal["last"], None] = None,
         samples: Optional[SampleCount] = None,
+        dots: Optional[Dots] = None,
+        units: Optional[Units] = None,
     ) -> Path:
         """Writes the result (or an iteration) to a file, such as STEP for CAD systems.
 
-        `samples` says how many points gltf, svg and csv take. The file is there as a whole or not
-        at all.
+        `samples` says how many points gltf, stl, dxf, svg and csv take, `dots` whether svg shows data points,
+        `units` which unit step and iges declare. The file is there as a whole or not at all.
         """
         part = "result" if iteration is None else f"iterations/{iteration}"
         parameters: dict[str, str] = {"format": format}
         if samples is not None:
             parameters["samples"] = _grid(samples)
+        if dots is not None:
+            parameters["dots"] = dots
+        if units is not None:
+            parameters["units"] = units
         headers = {"Accept": "*/*"}
         answer = self._transport.request("GET", f"{self._path}/{part}", headers=headers, parameters=parameters)
         target = Path(path)

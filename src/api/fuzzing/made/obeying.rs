@@ -9,8 +9,20 @@ impl Choices<'_> {
         let u = 2 + self.below(shape.rows - 1);
         let v = shape.columns.map(|columns| 2 + self.below(columns - 1));
         let counts = v.map_or(json!(u), |v| json!({"u": u, "v": v}));
-        let mut method = json!({"kind": "least_squares", "control_points": counts});
-        match self.below(5) {
+        let mut method = json!({"kind": "least_squares", "control_points": counts.clone()});
+        let variant = if self.below(6) == 0 {
+            method["control_points"] = json!("auto");
+            if self.below(2) == 0 {
+                method["max_control_points"] = counts;
+            }
+            if self.below(3) == 0 {
+                method["correct_parameters"] = json!(true);
+            }
+            0
+        } else {
+            self.below(5)
+        };
+        match variant {
             0 => {}
             1 => method["variant"] = json!("cg"),
             2 => method["variant"] = json!("lspia"),

@@ -18,7 +18,7 @@ use crate::api::json::schema::numbers::{NewWeights, Point};
 use crate::api::problem::Problem;
 use crate::fit::points::Grid;
 use crate::job::outline::Outline;
-use crate::model::edit::{Coordinates, EditSpec, PointChange};
+use crate::model::edit::{Coordinates, EditSpec, LONGEST_SESSION, PointChange};
 use crate::model::job::LONGEST_NAME;
 use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
 use crate::model::stop::StopSpec;
@@ -49,6 +49,14 @@ pub struct EditRequest {
     pub(in crate::api) stop: Option<StopRequest>,
     /// What the event streams are like; without it as those of the parent.
     pub(in crate::api) stream: Option<StreamSpec>,
+    /// The edit is one frame of a drag: it is streamed in the answer, neither stored nor listed, and ends
+    /// with its connection.
+    #[schemars(extend("default" = false))]
+    pub(in crate::api) ephemeral: Option<bool>,
+    /// Ephemeral edits: a name of the client's choice for the drag. An edit with it replaces the one
+    /// before of the same parent and client.
+    #[schemars(length(min = 1, max = LONGEST_SESSION), example = &"drag-17")]
+    pub(in crate::api) session: Option<String>,
 }
 
 /// A data point that goes elsewhere, gets another weight, or both.
@@ -70,7 +78,7 @@ object!(
     EditRequest,
     "an object",
     [
-        name, iteration, points, weights, rational, method, stop, stream
+        name, iteration, points, weights, rational, method, stop, stream, ephemeral, session
     ]
 );
 object!(
@@ -100,7 +108,11 @@ impl EditRequest {
         let places = Places {
             columns: (surface && grid.is_rows()).then_some(grid.columns),
             weights_each: true,
-            method_each: self.method.as_ref().is_some_and(MethodRequest::is_each),
+            method: self
+                .method
+                .as_ref()
+                .map(MethodRequest::form)
+                .unwrap_or_default(),
             ..Places::default()
         };
         let points = self.points.unwrap_or_default().into_iter().enumerate();
@@ -115,6 +127,8 @@ impl EditRequest {
         let spec = EditSpec {
             name: self.name,
             iteration: self.iteration.and_then(|IterationRequest(k)| k),
+            ephemeral: self.ephemeral.unwrap_or(false),
+            session: self.session,
             points: points.map(change).collect(),
             weights: weights(self.weights, surface),
             rational: Ok(self.rational),

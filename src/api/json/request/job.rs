@@ -8,11 +8,13 @@ use super::places::Places;
 use super::schema;
 use super::shape::{CurveRequest, SurfaceRequest};
 use super::stop::StopRequest;
+use crate::api::json::points::{PointGrid, PointList, ScatteredPoints};
 use crate::api::json::read::{ListLimits, object, parse};
 use crate::api::problem::Problem;
 use crate::config::Config;
 use crate::fit::method::Method;
-use crate::model::job::{JobSpec, LONGEST_NAME, ValidJob};
+use crate::fit::points::{Grid, Points};
+use crate::model::job::{JobSpec, LONGEST_NAME};
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::ShapeSpec;
 use crate::model::stop::StopSpec;
@@ -48,15 +50,45 @@ object!(
     [name, curve, surface, rational, method, stop, stream]
 );
 
-/// The job that a body asks for, if it can be computed.
-pub fn read(body: Bytes, config: &Config) -> Result<ValidJob, Problem> {
-    let limits = config.limits();
-    let points = limits.points;
+/// The job that a body asks for, and where its parts stand.
+pub fn read(body: Bytes, config: &Config) -> Result<(JobSpec, Places), Problem> {
+    let points = config.limits().points;
     let request: JobRequest = parse(&body, ListLimits { points })?;
-    drop(body);
-    let (spec, places) = request.spec();
-    let valid = spec.validate(limits);
-    valid.map_err(|mistakes| Problem::of_mistakes(mistakes, &places))
+    Ok(request.spec())
+}
+
+/// Points that are not a part of the JSON of a job.
+#[derive(Debug)]
+pub enum Data {
+    /// Those of a curve.
+    Curve(Points),
+    /// Those of a surface, in rows.
+    Grid(Points, Grid),
+    /// Those of a surface, without rows.
+    Scattered(Points),
+}
+
+/// The job that these fields ask for, with these points in the place of the ones that are empty there.
+pub fn read_with(fields: &[u8], data: Data, config: &Config) -> Result<(JobSpec, Places), Problem> {
+    let points = config.limits().points;
+    let mut request: JobRequest = parse(fields, ListLimits { points })?;
+    match (data, &mut request.curve, &mut request.surface) {
+        (Data::Curve(points), Some(curve), _) => curve.points = PointList(points),
+        (Data::Grid(points, grid), _, Some(surface)) => {
+            surface.points = Some(PointGrid {
+                points,
+                missing: Vec::new(),
+                rows: grid.rows,
+                columns: grid.columns,
+            });
+        }
+        (Data::Scattered(points), _, Some(surface)) => {
+            surface.scattered = Some(ScatteredPoints(points));
+        }
+        // Without a curve or a surface that is an object nothing was read.
+        _ => {}
+    }
+    Ok(request.spec())
 }
 
 impl JobRequest {
@@ -76,7 +108,8 @@ impl JobRequest {
                 (Err(mistake.into()), Places::default())
             }
         };
-        places.method_each = self.method.as_ref().is_some_and(MethodRequest::is_each);
+        let form = self.method.as_ref().map(MethodRequest::form);
+        places.method = form.unwrap_or_default();
         let method = match (self.method, &shape) {
             (None, _) => Ok(Method::Global.into()),
             (Some(method), Ok(shape)) => method.spec(shape.grid, shape.v.is_some()),

@@ -1,7 +1,7 @@
 //! Where in the JSON of a request the parts of the model stand.
 
 use super::ends::EndsForm;
-use super::method;
+use super::method::{self, MethodForm};
 use crate::api::json::per_direction::direction;
 use crate::api::problem::{self, Words};
 use crate::fit::invalid::{Axis, Place as P};
@@ -27,8 +27,8 @@ pub struct Places {
     pub(super) ends: [EndsForm; 2],
     /// The points are scattered.
     pub(super) scattered: bool,
-    /// The setting of the method that has a value for each direction.
-    pub(super) method_each: bool,
+    /// How the method is written.
+    pub(super) method: MethodForm,
 }
 
 impl Places {
@@ -137,7 +137,7 @@ impl Places {
             P::DataWeight(index) => self.setting("data_weights", index),
             P::Tolerance => "/stop/tolerance".to_owned(),
             P::RelativeTolerance => "/stop/relative_tolerance".to_owned(),
-            place => method::pointer(place, self.method_each),
+            place => method::pointer(place, self.method),
         }
     }
 }
@@ -152,7 +152,11 @@ impl Words for Places {
             SpecPart::MaxIterations => "/stop/max_iterations".to_owned(),
             SpecPart::Stream(choice, None) => format!("/stream/{}", choice.name()),
             SpecPart::Stream(choice, Some(index)) => format!("/stream/{}/{index}", choice.name()),
+            SpecPart::FootPoints => "/surface/parameters/foot_points/job".to_owned(),
+            SpecPart::FootPointsIteration => "/surface/parameters/foot_points/iteration".to_owned(),
             SpecPart::Iteration => "/iteration".to_owned(),
+            SpecPart::Ephemeral => "/ephemeral".to_owned(),
+            SpecPart::Session => "/session".to_owned(),
             SpecPart::Change(k, part) => {
                 let part = match part {
                     ChangePart::Whole => "",

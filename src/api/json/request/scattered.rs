@@ -2,17 +2,21 @@
 
 use std::sync::Arc;
 
-use schemars::{Schema, json_schema};
+use schemars::{JsonSchema, Schema, json_schema};
 use serde::de::{MapAccess, SeqAccess};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::basis::{ParameterRule, Parameters};
+use super::iteration::IterationRequest;
 use crate::api::json::numbers::{RuleOrNumbers, most_numbers};
 use crate::api::json::per_direction::PerDirection;
-use crate::api::json::read::{Field, Members, Most, Numeral, Of, Read, Reader, Reading, names};
+use crate::api::json::read::{
+    Field, Members, Most, Numeral, Of, Read, Reader, Reading, names, object,
+};
 use crate::api::json::schema::schema_of;
 use crate::fit::points::Points;
 use crate::fit::scattered::Scattered;
+use crate::model::scattered::{BaseSpec, ScatteredSpec};
 
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]
@@ -20,7 +24,7 @@ pub(in crate::api) enum SurfaceParameters {
     /// Those of the rows and columns of a grid.
     Grid(PerDirection<RuleOrNumbers<ParameterRule>>),
     /// Those of scattered points.
-    Scattered(Scattered),
+    Scattered(ScatteredSpec),
 }
 
 /// The plane in which scattered points have their parameters.
@@ -52,12 +56,12 @@ impl Reader for Of<SurfaceParameters> {
 
     fn expected(&self) -> String {
         let grid = OfGrid::reader().expected();
-        format!("{grid}; of scattered points pairs, [[u, v], …], or \"project\"")
+        format!("{grid}; of scattered points pairs, [[u, v], …], \"project\" or foot_points")
     }
 
     fn text(self, name: &str, at: &mut Reading) -> Option<SurfaceParameters> {
         if name == "project" {
-            return Some(SurfaceParameters::Scattered(Scattered::Plane));
+            return Some(own(Scattered::Plane));
         }
         let rule = OfGrid::reader().text(name, at);
         rule.map(SurfaceParameters::Grid)
@@ -91,26 +95,64 @@ impl Reader for Of<SurfaceParameters> {
             SurfaceParameters::Grid(PerDirection::Both(RuleOrNumbers::Numbers(numbers)))
         } else {
             pairs.shrink_to_fit();
-            SurfaceParameters::Scattered(Scattered::Given(Arc::new(pairs)))
+            own(Scattered::Given(Arc::new(pairs)))
         }))
     }
 
-    /// A projection, or a value for each direction.
+    /// A projection, another surface, or a value for each direction.
     fn object<'de, A: MapAccess<'de>>(
         self,
         mut members: Members<A>,
         at: &mut Reading,
     ) -> Result<Option<SurfaceParameters>, A::Error> {
-        if !matches!(members.peek()?, Some("project")) {
-            let grid = OfGrid::reader().object(members, at)?;
-            return Ok(grid.map(SurfaceParameters::Grid));
+        match members.peek()? {
+            Some("project") => {}
+            Some("foot_points") => {
+                let mut base = Field::<FootPointsRequest>::Absent;
+                while let Some(name) = members.next(&["foot_points"], at)? {
+                    members.field(name, &mut base, at)?;
+                }
+                let base = base.value("foot_points", at);
+                return Ok(base.map(FootPointsRequest::parameters));
+            }
+            _ => {
+                let grid = OfGrid::reader().object(members, at)?;
+                return Ok(grid.map(SurfaceParameters::Grid));
+            }
         }
         let mut plane = Field::<ProjectionPlane>::Absent;
         while let Some(name) = members.next(&["project"], at)? {
             members.field(name, &mut plane, at)?;
         }
         let plane = plane.value("project", at);
-        Ok(plane.map(|plane| SurfaceParameters::Scattered(plane.into())))
+        Ok(plane.map(|plane| own(plane.into())))
+    }
+}
+
+fn own(scattered: Scattered) -> SurfaceParameters {
+    SurfaceParameters::Scattered(ScatteredSpec::Own(scattered))
+}
+
+/// The surface of another job, for foot points: the nearest points of it. They are found once, when the
+/// new job is made.
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[schemars(example = json!({"job": "01a1e1b6-7c2e-7d58-9b5f-6c1f6f3c1b7a", "iteration": 12}))]
+pub(in crate::api) struct FootPointsRequest {
+    /// The id of the job whose surface it is, with as many coordinates as the points.
+    job: String,
+    /// The iteration of that job, which it has reached.
+    iteration: Option<IterationRequest>,
+}
+
+object!(FootPointsRequest, "an object with a job", [job, iteration]);
+
+impl FootPointsRequest {
+    fn parameters(self) -> SurfaceParameters {
+        SurfaceParameters::Scattered(ScatteredSpec::FootPoints(BaseSpec {
+            job: self.job,
+            iteration: self.iteration.and_then(|IterationRequest(k)| k),
+        }))
     }
 }
 
@@ -162,6 +204,8 @@ schema_of!(SurfaceParameterChoice, "SurfaceParameters", generator => {
         Some(Value::Array(choices)) => choices.clone(),
         _ => vec![of_grid.to_value()],
     };
+    let mut base = generator.subschema_for::<FootPointsRequest>();
+    base.insert("description".to_owned(), "The other job.".into());
     let scattered = [
         json_schema!({
             "title": "Pairs",
@@ -186,10 +230,20 @@ schema_of!(SurfaceParameterChoice, "SurfaceParameters", generator => {
             "additionalProperties": false,
             "examples": [{"project": "xy"}],
         }),
+        json_schema!({
+            "title": "FootPointParameters",
+            "description": "Of scattered points: the parameters of the nearest points of the surface of another job.",
+            "type": "object",
+            "properties": {
+                "foot_points": base,
+            },
+            "required": ["foot_points"],
+            "additionalProperties": false,
+        }),
     ];
     choices.extend(scattered.into_iter().map(Schema::to_value));
     json_schema!({
-        "description": "How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs or by a projection.",
+        "description": "How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection or by their foot points on another surface.",
         "oneOf": choices,
         "examples": ["centripetal", [[0, 0], [0.3, 1.2], [1, 0.7]], {"project": "xy"}],
     })

@@ -7,8 +7,7 @@ use schemars::json_schema;
 use serde::de::SeqAccess;
 
 use crate::api::json::numbers::WeightList;
-use crate::api::json::per_direction::Pair;
-use crate::api::json::read::values::{Count, Element};
+use crate::api::json::read::values::Element;
 use crate::api::json::read::{ListLimits, Most, Numeral, Of, Read, Reader, Reading};
 use crate::api::json::schema::schema_of;
 use crate::fit::method::{LARGEST, Threshold};
@@ -307,18 +306,6 @@ schema_of!(
         "examples": [[[1, 0], [0, 1]]],
     })
 );
-
-/// The number of control points of a least-squares fit.
-pub(super) enum ControlPoints {}
-
-schema_of!(ControlPoints, "ControlPointCount", generator => {
-    let count = json_schema!({"type": "integer", "minimum": 2});
-    json_schema!({
-        "description": "A number of control points, not greater than that of data points; on surfaces of both directions, or one for each.",
-        "oneOf": [count, generator.subschema_for::<Pair<Count>>()],
-        "examples": [12, {"u": 8, "v": 6}],
-    })
-});
 
 /// How much data points count.
 pub(super) enum DataWeights {}

@@ -16,8 +16,8 @@ use crate::fit::basis::MAX_DEGREE;
 use crate::fit::ends::Ends;
 use crate::fit::invalid::{self as fit, Axis};
 use crate::fit::points::{Grid, Points};
-use crate::fit::scattered::Scattered;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::scattered::ScatteredSpec;
 use crate::model::shape::{AxisSpec, BasisSpec, ShapeSpec};
 use crate::model::weights::WeightSpec;
 
@@ -97,7 +97,7 @@ struct SurfaceData {
     grid: Grid,
     missing: Vec<usize>,
     /// How scattered points get their parameters.
-    scattered: Option<Scattered>,
+    scattered: Option<ScatteredSpec>,
     /// How those of a grid do.
     parameters: Option<PerDirection<RuleOrNumbers<ParameterRule>>>,
 }
@@ -119,7 +119,7 @@ fn surface_data(
         )),
         (Some(_), None, Some(SurfaceParameters::Scattered(_))) => Err(Mistake::at_text(
             "/surface/parameters",
-            "pairs and projections are parameters of scattered points; rows and columns have rules or lists of numbers",
+            "pairs, projections and foot points are parameters of scattered points; rows and columns have rules or lists of numbers",
         )),
         (Some(it), None, parameters) => Ok(SurfaceData {
             grid: Grid {
@@ -148,11 +148,11 @@ fn surface_data(
         }
         (None, Some(_), None) => Err(Mistake::at_text(
             "/surface",
-            "scattered points need parameters: [[u, v], …], \"project\" or {\"project\": \"xy\"}",
+            "scattered points need parameters: [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
         )),
         (None, Some(_), Some(SurfaceParameters::Grid(_))) => Err(Mistake::at_text(
             "/surface/parameters",
-            "scattered points have no rows and columns: their parameters are [[u, v], …], \"project\" or {\"project\": \"xy\"}",
+            "scattered points have no rows and columns: their parameters are [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
         )),
     }
 }

@@ -8,11 +8,12 @@ use serde::Serialize;
 use serde_json::json;
 use uuid::Uuid;
 
+use super::applied_method::AppliedMethod;
 use super::arrays::{KnotArray, NumberArray};
 use super::document::{BinaryEncoding, Document};
 use super::ends::EndRules;
 use super::error::ErrorView;
-use super::job::{AppliedMethod, AppliedStop, GeometryKind, Links, Prediction, failure, path};
+use super::job::{AppliedStop, GeometryKind, Links, Prediction, failure, path};
 use super::level::IterationEvent;
 use super::net::{each, fixed_weights, knots, line, rational};
 use super::warning::WarningView;
@@ -67,32 +68,42 @@ struct JobEvent<'a> {
     predicted: Prediction,
     /// When it ends.
     stop: AppliedStop,
-    /// The paths of the job.
-    links: Links,
+    /// The paths of the job. Ephemeral edits have none.
+    links: Option<Links>,
     /// What is doubtful about it; some of that is found out only when the job begins to run.
     warnings: Vec<WarningView>,
     /// How weights, knots and parameters are written, if they are binary: always with 64 bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
-    /// Fixed weights of the control points, end copies included.
-    weights: Option<PerDirection<NumberArray>>,
+    /// Fixed weights of the control points, end copies included. Not there with `describe=none`, as
+    /// knots and parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "weights_or_null")]
+    weights: Option<Option<PerDirection<NumberArray>>>,
     /// The knots.
-    knots: PerDirection<KnotArray>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    knots: Option<PerDirection<KnotArray>>,
     /// The parameters of the data points.
-    parameters: PerDirection<NumberArray>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<PerDirection<NumberArray>>,
 }
 
-/// The data of the `job` event. Its arrays are decimal, or of 64 bits in base64.
+/// The schema of fixed weights, which are null where there are none.
+fn weights_or_null(generator: &mut SchemaGenerator) -> Schema {
+    let weights = generator.subschema_for::<PerDirection<NumberArray>>();
+    // Not `anyOf`, of which optional fields lose null.
+    json_schema!({"oneOf": [weights, {"type": "null"}]})
+}
+
+/// The data of the `job` event, with its arrays or without them.
 pub fn description(
     job: &Job,
     problem: &Arc<Problem>,
     levels: Option<Levels>,
-    in_base64: bool,
+    digits: Digits,
+    with_arrays: bool,
 ) -> Content {
-    let mut document = Document::new(match in_base64 {
-        true => Digits::Base64,
-        false => Digits::Decimal(None),
-    });
+    let mut document = Document::new(digits);
     let outline = job.outline();
     let event = JobEvent {
         id: outline.id,
@@ -109,14 +120,16 @@ pub fn description(
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
         predicted: Prediction::at_first(levels),
         stop: AppliedStop::new(outline),
-        links: Links::new(job),
+        links: Links::of(job),
         warnings: WarningView::of(outline, levels.as_ref()),
         encoding: document.encoding(),
-        weights: fixed_weights(&mut document, problem),
-        knots: knots(&mut document, problem),
-        parameters: each(problem, |axis, _| {
-            let line = line(problem, axis, |it| it.parameters.as_slice().into());
-            document.numbers(line.count(), line)
+        weights: with_arrays.then(|| fixed_weights(&mut document, problem)),
+        knots: with_arrays.then(|| knots(&mut document, problem)),
+        parameters: with_arrays.then(|| {
+            each(problem, |axis, _| {
+                let line = line(problem, axis, |it| it.parameters.as_slice().into());
+                document.numbers(line.count(), line)
+            })
         }),
     };
     document.finish(&event)
@@ -141,8 +154,8 @@ struct EndEvent {
     error: Option<ErrorView>,
     /// Seconds from the beginning of the computation to the end.
     elapsed: Option<f64>,
-    /// Where to go on.
-    links: EndLinks,
+    /// Where to go on. Ephemeral edits leave nothing behind.
+    links: Option<EndLinks>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<ProblemBody>,
@@ -172,10 +185,10 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
         iterations: level.map_or(0, |level| level.iteration),
         error: level.map(|level| ErrorView::new(&level.error, job.outline())),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
-        links: EndLinks {
+        links: job.is_kept().then(|| EndLinks {
             itself: path(job),
             result: format!("{}/result", path(job)),
-        },
+        }),
         problem: failure(status),
     })
 }

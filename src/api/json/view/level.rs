@@ -5,12 +5,12 @@ use std::sync::Arc;
 use schemars::{JsonSchema, json_schema};
 use serde::Serialize;
 
-use super::arrays::{NumberArray, PointArray, WeightArray, point};
+use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray, point};
 use super::decimal::Rounding;
 use super::document::{BinaryEncoding, Document};
 use super::error::{ErrorView, PointIndex};
 use super::examples;
-use super::net::{ArrayShape, BadWeight, ControlNet};
+use super::net::{ArrayShape, BadWeight, ControlNet, knots};
 use super::writer::Digits;
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::schema::plain::never_null;
@@ -44,6 +44,9 @@ pub struct IterationEvent {
     predicted: Option<usize>,
     /// How many control points the last step has moved.
     moved: usize,
+    /// The knots, where they are others than in the event before; of fits that choose them by themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    knots: Option<PerDirection<KnotArray>>,
     /// A weight that no CAD kernel takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     bad_weight: Option<BadWeight>,
@@ -79,8 +82,8 @@ struct Shown {
 }
 
 /// The data of an `iteration` event.
-pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
-    let level = &frame.level;
+pub fn level(frame: &Frame, form: &Form) -> Content {
+    let (level, problem) = (&frame.level, &frame.problem);
     let mut document = Document::new(digits(form, level));
     let points = &frame.control_points;
     let shown = match form.view {
@@ -107,6 +110,8 @@ pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
             Shown::samples(&mut document, samples)
         }
     };
+    let tells = form.knots && problem.is_automatic();
+    let knots = tells.then(|| knots(&mut document, problem));
     document.finish(&IterationEvent {
         milestone: None,
         iteration: level.iteration,
@@ -114,6 +119,7 @@ pub fn level(problem: &Arc<Problem>, frame: &Frame, form: &Form) -> Content {
         rate: level.rate,
         predicted: level.predicted,
         moved: level.moved,
+        knots,
         bad_weight: BadWeight::of(level, problem),
         shown,
     })
@@ -203,14 +209,22 @@ schema_of!(Changes, "Changes", generator => json_schema!({
     "description": "Places of the complete control points, with the point that is there now and in homogeneous fits its weight.",
     "type": "array",
     "items": {
-        "type": "array",
-        "prefixItems": [
-            generator.subschema_for::<PointIndex>(),
-            point(),
-            {"type": "number"},
+        "anyOf": [
+            {
+                "title": "Moved",
+                "type": "array",
+                "prefixItems": [generator.subschema_for::<PointIndex>(), point()],
+                "minItems": 2,
+                "maxItems": 2,
+            },
+            {
+                "title": "Weighted",
+                "type": "array",
+                "prefixItems": [generator.subschema_for::<PointIndex>(), point(), {"type": "number"}],
+                "minItems": 3,
+                "maxItems": 3,
+            },
         ],
-        "minItems": 2,
-        "maxItems": 3,
     },
     "examples": [[[5, [0.97, 0.21, 3.25]]]],
 }));

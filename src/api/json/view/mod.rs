@@ -11,6 +11,7 @@
 //! - [`decimal`]: numbers with as many digits as they deserve;
 //! - [`examples`]: what descriptions show.
 
+mod applied_method;
 mod arrays;
 mod decimal;
 mod document;
@@ -23,6 +24,7 @@ pub mod job;
 pub mod level;
 pub mod limit;
 mod net;
+pub mod points;
 pub mod rates;
 pub mod result;
 mod shape;

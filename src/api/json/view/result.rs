@@ -1,7 +1,5 @@
 //! The JSON of a result.
 
-use std::sync::Arc;
-
 use schemars::{JsonSchema, json_schema};
 use serde::Serialize;
 use uuid::Uuid;
@@ -17,11 +15,9 @@ use crate::api::json::per_direction::{Pair, PerDirection};
 use crate::api::json::read::values::Count;
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
-use crate::fit::iteration::Level;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
+use crate::job::frame::Frame;
 use crate::job::state::{State, Status};
 use crate::model::shape::BasisKind;
 use crate::model::stream::form::Form;
@@ -92,14 +88,13 @@ schema_of!(ResultWeights, "ResultWeights", generator => json_schema!({
 }));
 
 /// The result: geometry that can be read without anything else.
-pub fn result(
-    job: &Job,
-    problem: &Arc<Problem>,
-    status: &Status,
-    level: &Level,
-    control_points: &Arc<Points>,
-    form: &Form,
-) -> Content {
+pub fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content {
+    let Frame {
+        level,
+        problem,
+        control_points,
+        ..
+    } = frame;
     let mut document = Document::new(digits(form, level));
     let knots = knots(&mut document, problem);
     let net = ControlNet::new(&mut document, problem, control_points);

@@ -4,10 +4,13 @@ use super::{Content, OF_A_JOB};
 use crate::api::json::view::level::IterationEvent;
 use crate::api::json::view::limit::LimitView;
 use crate::api::json::view::result::FitResult;
-use crate::api::openapi::operation::{Operation, Tag};
+use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::problem::Kind;
 use crate::export::Format;
 use serde_json::json;
+
+/// The headers of answers that are kept in files.
+pub(super) const NAMED: &[&str] = &["Content-Disposition"];
 
 /// The files of a level. For generated clients all of them are bytes.
 fn files() -> [Content; Format::ALL.len()] {
@@ -21,8 +24,10 @@ fn files() -> [Content; Format::ALL.len()] {
                 "Wavefront OBJ with free-form geometry: the exact B-spline curve or surface."
             }
             Format::Gltf => "glTF 2.0 as one binary file: a mesh with normals, or a line.",
+            Format::Stl => "STL in its binary form: the triangles of a surface; curves have none (409).",
+            Format::Dxf => "DXF of AutoCAD R12: a polyline of a curve, a polygon mesh of a surface.",
             Format::Svg => {
-                "A drawing with data points and control polygon, and how the error has fallen."
+                "A drawing with control polygon and data points, in the colours of their distance, and how the error has fallen."
             }
             Format::Csv => "Samples with their parameters.",
         };
@@ -40,7 +45,7 @@ pub fn iteration() -> Operation {
         "The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for. With `?format=` or an Accept header also as a file.",
     )
     .parameters(&["id", "k", "view", "samples", "encoding", "digits"])
-    .json::<IterationEvent>(200, "The iteration.")
+    .answer(200, "The iteration.", &[json_of::<IterationEvent>()], NAMED)
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoSuchIteration, Kind::NoExport])
 }
@@ -53,8 +58,8 @@ pub fn iteration_file() -> Operation {
         "Show an iteration as a file",
         "The curve or surface of an iteration in a file format.",
     )
-    .parameters(&["id", "k", "format", "samples"])
-    .answer(200, "The file.", &files(), &["Content-Disposition"])
+    .parameters(&["id", "k", "format", "samples", "dots", "units"])
+    .answer(200, "The file.", &files(), NAMED)
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoSuchIteration, Kind::NoExport])
 }
@@ -68,7 +73,7 @@ pub fn result() -> Operation {
         "The final curve or surface, with all digits. With `?format=` or an Accept header also as a file. Other views of it are those of the iteration `last`.",
     )
     .parameters(&["id", "encoding"])
-    .json::<FitResult<'_>>(200, "The result.")
+    .answer(200, "The result.", &[json_of::<FitResult<'_>>()], NAMED)
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoResult, Kind::NoExport])
 }
@@ -81,8 +86,8 @@ pub fn result_file() -> Operation {
         "Show the result as a file",
         "The final curve or surface in a file format.",
     )
-    .parameters(&["id", "format", "samples"])
-    .answer(200, "The file.", &files(), &["Content-Disposition"])
+    .parameters(&["id", "format", "samples", "dots", "units"])
+    .answer(200, "The file.", &files(), NAMED)
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoResult, Kind::NoExport])
 }

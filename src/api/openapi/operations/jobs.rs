@@ -2,23 +2,26 @@
 
 use serde_json::{Value, json};
 
+use super::geometry::NAMED;
 use super::{NEGOTIATION, NEW_JOB, OF_A_JOB, WITH_A_JOB, events, job};
 use crate::api::json::request::edit::EditRequest;
 use crate::api::json::request::job::JobRequest;
 use crate::api::json::view::job::JobPage;
+use crate::api::json::view::points::PointsView;
 use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::openapi::parameters::READER_ON_DISCONNECT;
 use crate::api::problem::Kind;
 
 /// The parameters of an event stream, for which a job may set defaults. The last one is only for the
 /// stream of a new job.
-const STREAM: [&str; 9] = [
+const STREAM: [&str; 10] = [
     "view",
     "samples",
     "every",
     "milestones",
     "pace",
     "changed",
+    "describe",
     "encoding",
     "digits",
     "on_disconnect",
@@ -55,7 +58,7 @@ pub fn create() -> Operation {
         Tag::Jobs,
         "createJob",
         "Fit a curve or a surface",
-        "Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters.",
+        "Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters. The body may also be a file of points (`text/csv`, `text/plain`), as `/v1/points` reads them; then the other fields stand in the query, by their paths.",
     )
     .parameters(&["Prefer", "Idempotency-Key"])
     .body::<JobRequest>(job_examples());
@@ -73,6 +76,29 @@ pub fn create_stream() -> Operation {
     .parameters(&[&["Idempotency-Key"], &STREAM[..]].concat())
     .body::<JobRequest>(job_examples());
     answered_with_events(operation)
+}
+
+/// `POST /v1/points`
+pub fn points() -> Operation {
+    Operation::new(
+        Tag::Jobs,
+        "readPoints",
+        "Read a file of points",
+        "The points of a file as a job has them, and what was found out about it: CSV with any separator, tables with blanks, point clouds (XYZ), airfoils (`.dat`). A surface is seen by blank lines between rows, or by x and y that form a lattice. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.",
+    )
+    .parameters(&["surface.size"])
+    .text_body("Lines of numbers, in UTF-8.", "x,y\n1,0.0013\n0.95,0.0114\n0.9,0.0208\n")
+    .json::<PointsView>(200, "The points.")
+    .problems(&[
+        Kind::InvalidRequest,
+        Kind::NotAcceptable,
+        Kind::BodyTimeout,
+        Kind::BodyTooLarge,
+        Kind::UnsupportedMediaType,
+        Kind::UnsupportedEncoding,
+        Kind::InvalidFit,
+        Kind::Busy,
+    ])
 }
 
 fn job_examples() -> Value {
@@ -264,7 +290,7 @@ pub fn input() -> Operation {
         200,
         "The job as it was accepted.",
         &[json_of::<JobRequest>()],
-        &[],
+        NAMED,
     )
     .problems(&OF_A_JOB)
 }

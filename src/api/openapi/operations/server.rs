@@ -7,6 +7,9 @@ use crate::api::openapi::operation::{Operation, Tag};
 use crate::api::problem::Kind;
 use serde_json::json;
 
+/// The answer to `If-None-Match`.
+const UNCHANGED: &str = "What the client has with this tag is still good.";
+
 fn server(id: &str, summary: &str, description: &str) -> Operation {
     Operation::new(Tag::Server, id, summary, description)
 }
@@ -16,9 +19,29 @@ pub fn index() -> Operation {
     server(
         "getIndex",
         "Show what this is",
-        "The name of the service, and where to go on.",
+        "The name of the service, and where to go on. Browsers, which prefer `text/html`, get the page for people.",
     )
     .json::<ServiceIndex>(200, "What this is.")
+}
+
+/// `GET /viewer/{part}`
+pub fn page_part() -> Operation {
+    let file = |text: &str| json!({"schema": {"description": text, "type": "string"}});
+    let content = [
+        ("text/javascript", file("A script.")),
+        ("text/css", file("A style sheet.")),
+        ("text/plain", file("A licence.")),
+        ("image/svg+xml", file("A picture.")),
+    ];
+    server(
+        "getPagePart",
+        "Fetch a part of the page",
+        "What the page at `/` is made of.",
+    )
+    .parameters(&["part"])
+    .answer(200, "The file.", &content, &[])
+    .answer(304, UNCHANGED, &[], &[])
+    .problems(&[Kind::NotFound])
 }
 
 /// `GET /v1/capabilities`
@@ -120,6 +143,7 @@ pub fn reference() -> Operation {
         "The reference of the API, for people.",
     )
     .answer(200, "The reference.", &content, &[])
+    .answer(304, UNCHANGED, &[], &[])
 }
 
 /// `GET /docs/{file}`
@@ -137,5 +161,6 @@ pub fn reference_file() -> Operation {
     )
     .parameters(&["file"])
     .answer(200, "The file.", &content, &[])
+    .answer(304, UNCHANGED, &[], &[])
     .problems(&[Kind::NotFound])
 }

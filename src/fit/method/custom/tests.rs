@@ -48,6 +48,7 @@ fn request(rows: usize, columns: usize, basis: BasisChoice, method: Method) -> R
         method,
         selected: None,
         start: None,
+        start_breaks: None,
         lambda_min: None,
         scattered: None,
         tolerance: Tolerance::Absolute(1e-13),

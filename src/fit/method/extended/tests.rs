@@ -43,6 +43,7 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
         method: Method::Extended(Extended::default()),
         selected: None,
         start: None,
+        start_breaks: None,
         lambda_min: None,
         scattered: None,
         tolerance: Tolerance::Relative(tolerance),

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::fit::invalid::{Place, Setting};
+use crate::fit::invalid::{Axis, Place, Setting};
 
 /// Why settings are refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -34,6 +34,46 @@ pub enum LeastSquaresMistake {
         "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg"
     )]
     NormalEquations,
+    /// An automatic fit with a variant.
+    #[error(
+        "with control_points \"auto\" the fit takes steps of conjugate gradients and minima in turn: variant is left out, or cg"
+    )]
+    AutomaticVariant,
+    /// An automatic fit with an ending.
+    #[error("with control_points \"auto\" the fit ends by its tolerance: ending is left out")]
+    AutomaticEnding,
+    /// An automatic rational fit.
+    #[error("with control_points \"auto\" curves and surfaces have no weights")]
+    AutomaticRational,
+    /// Knots of an automatic fit.
+    #[error(
+        "with control_points \"auto\" the fit chooses the knots of a B-spline by itself: the basis is bspline, and knots are left out"
+    )]
+    AutomaticKnots {
+        /// The direction.
+        axis: Axis,
+    },
+    /// Corrected parameters of a surface, or of a curve that obeys or weighs more than distances.
+    #[error(
+        "correct_parameters is for curves without constraints and fairness whose ends are interpolated"
+    )]
+    AutomaticCorrection,
+    /// An automatic fit of a grid with holes.
+    #[error(
+        "with control_points \"auto\" no point of a grid is missing: give those that are there as scattered points"
+    )]
+    AutomaticMissing {
+        /// The first that is.
+        index: usize,
+    },
+    /// A boundary of an automatic surface with given control points.
+    #[error(
+        "with control_points \"auto\" the knots along a boundary change from level to level: one with given control points needs a number of them"
+    )]
+    AutomaticBoundary {
+        /// The constraint.
+        index: usize,
+    },
 }
 
 impl LeastSquaresMistake {
@@ -49,6 +89,13 @@ impl LeastSquaresMistake {
             }
             Self::FairnessOrder { .. } => Place::Setting(Setting::FairnessOrder),
             Self::NormalEquations => Place::Method,
+            Self::AutomaticVariant => Place::Setting(Setting::Variant),
+            Self::AutomaticEnding => Place::Setting(Setting::Ending),
+            Self::AutomaticCorrection => Place::Setting(Setting::CorrectParameters),
+            Self::AutomaticRational => Place::Weights,
+            Self::AutomaticKnots { axis } => Place::Basis(axis),
+            Self::AutomaticMissing { index } => Place::Point(index),
+            Self::AutomaticBoundary { index } => Place::Constraint(index),
         }
     }
 }

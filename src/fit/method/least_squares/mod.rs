@@ -26,11 +26,14 @@
 //! - [`objective`]: what is made small, with [`fairness`]; [`end`]: how far it is above its minimum;
 //! - [`constraints`]: what every level obeys; [`mistake`]: what can be wrong besides.
 
+pub(in crate::fit) mod automatic;
 mod conjugate;
 pub(in crate::fit) mod constraints;
 mod end;
 mod fairness;
 pub(in crate::fit) mod mistake;
+pub(in crate::fit) mod obeying;
+pub(in crate::fit) mod obeying_surface;
 mod objective;
 mod settings;
 mod solver;
@@ -45,7 +48,7 @@ use crate::fit::about::About;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::invalid::{Axis, Invalid, Setting};
+use crate::fit::invalid::{Axis, Invalid, ScatteredMistake, Setting};
 use crate::fit::outcome::{Outcome, Stall};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
@@ -55,6 +58,7 @@ use end::SLOW;
 use fairness::Energy;
 use steps::Steps;
 
+pub use automatic::{AS_MANY_AS_DATA, Automatic};
 pub use constraints::mistake::{ConstraintsMistake, MOST_CONDITIONS};
 pub use constraints::{At, Constraint, Wanted};
 pub use mistake::LeastSquaresMistake;
@@ -89,11 +93,12 @@ impl LeastSquares {
         let (rows, columns) = (self.u, self.v);
         match rows.saturating_mul(columns) <= most {
             true => Ok(()),
-            false => Err(Invalid::ScatteredPoints {
+            false => Err(ScatteredMistake::Points {
                 count,
                 rows,
                 columns,
-            }),
+            }
+            .into()),
         }
     }
 
@@ -124,14 +129,16 @@ impl Scheme for LeastSquares {
     /// A given μ must be positive; one that is too large shows itself, as the residual grows.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let lines = [(Axis::U, self.u), (Axis::V, self.v)];
-        for (axis, free) in lines.into_iter().take(1 + usize::from(scope.is_surface)) {
+        let fixed = self.automatic.is_none();
+        let lines = lines.into_iter().filter(|_| fixed);
+        for (axis, free) in lines.take(1 + usize::from(scope.is_surface)) {
             let count = match scope.is_scattered {
                 true => scope.grid.count(),
                 false => scope.grid.along(axis),
             };
             self.check_count(axis, free, count)?;
         }
-        if scope.is_scattered {
+        if scope.is_scattered && fixed {
             self.check_scattered(scope.grid.count())?;
         }
         if let Variant::Lspia { mu: Some(mu) } = self.variant {
@@ -203,6 +210,9 @@ impl Scheme for LeastSquares {
 
     /// Control points with a zero column of A.
     fn complete(&self, equations: &mut Equations) {
+        if self.automatic.is_some() {
+            return;
+        }
         equations.forecast.without_data = Steps::without_data(equations, self);
     }
 

@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
+use super::automatic::Automatic;
 use super::constraints::Constraint;
 use super::mistake::LeastSquaresMistake as Mistake;
 
 /// A least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeastSquares {
-    /// The number of control points of a curve, or in the u direction.
+    /// The number of control points of a curve, or in the u direction; the most of an automatic fit.
     pub u: usize,
     /// The number of control points in the v direction of a surface.
     pub v: usize,
+    /// Whether the fit chooses their number, and its knots, by itself.
+    pub automatic: Option<Automatic>,
     /// How the control points move.
     pub variant: Variant,
     /// Where it ends.
@@ -32,6 +35,7 @@ impl LeastSquares {
         Self {
             u,
             v,
+            automatic: None,
             variant: Variant::Diagonal,
             ending: Ending::Minimum,
             ends: EndPoints::Usual,

@@ -1,6 +1,7 @@
 //! The fits of a tolerance, against what other programs need.
 
 mod rules;
+mod scattered;
 mod surface;
 mod table;
 
@@ -45,6 +46,8 @@ pub(super) fn cubic(tolerance: f64) -> Options {
         tolerance,
         max_control_points: usize::MAX,
         correct_parameters: false,
+        first: None,
+        minima_alone: false,
     }
 }
 

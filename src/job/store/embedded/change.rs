@@ -5,8 +5,8 @@ use std::sync::Arc;
 use uuid::Uuid;
 
 use super::super::{IdempotencyEntry, IdempotencyKey, Record, Retention};
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 
 /// A change of the store.
@@ -30,7 +30,7 @@ pub(super) enum Change {
     Finish {
         id: Uuid,
         status: Status,
-        result: Option<Arc<Points>>,
+        result: Option<LastGeometry>,
     },
     Remove {
         id: Uuid,
@@ -63,7 +63,10 @@ impl Change {
             Self::Finish {
                 result: Some(result),
                 ..
-            } => result.len() * result.dimension(),
+            } => {
+                let bases = result.bases.as_ref().map_or(0, |bases| bases.numbers());
+                result.control_points.len() * result.control_points.dimension() + bases
+            }
             _ => return None,
         };
         Some((numbers * size_of::<f64>()) as u64)
@@ -73,7 +76,7 @@ impl Change {
     pub(super) fn points(&self) -> usize {
         match self {
             Self::Insert { problem, .. } => problem.grid().count(),
-            Self::Finish { result, .. } => result.as_ref().map_or(0, |points| points.len()),
+            Self::Finish { result, .. } => result.as_ref().map_or(0, |it| it.control_points.len()),
             _ => 0,
         }
     }

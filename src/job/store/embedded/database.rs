@@ -6,7 +6,6 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use parking_lot::{RwLock, RwLockReadGuard};
-use prost::Message;
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
 use tracing::error;
 use uuid::Uuid;
@@ -19,10 +18,10 @@ use super::input::Input;
 use super::memory_file::MemoryFile;
 use super::opening::{self, Medium, OpenError};
 use super::panics;
-use super::points::PointsMessage;
+use super::result;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::result::LastGeometry;
 
 /// How long those who read the file may hold it when it is opened again.
 const MOST_READING: Duration = Duration::from_secs(5);
@@ -107,12 +106,9 @@ impl JobDatabase {
         })
     }
 
-    /// The free control points of the last level of a job.
-    pub(super) fn result(&self, id: Uuid) -> Result<Option<Arc<Points>>, StoreError> {
-        self.get(RESULTS, id, |bytes| {
-            let points = PointsMessage::decode(bytes).map_err(damaged)?;
-            points.into_points().map(Arc::new)
-        })
+    /// The geometry of the last level of a job.
+    pub(super) fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
+        self.get(RESULTS, id, result::read)
     }
 
     /// Jobs, the newest first.

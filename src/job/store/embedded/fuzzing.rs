@@ -7,10 +7,10 @@ use super::error::damaged;
 use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
-use super::points::PointsMessage;
+use super::result;
 use super::version_1;
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::result::LastGeometry;
 
 /// A problem as it is kept.
 pub(crate) fn kept(problem: &Problem) -> Vec<u8> {
@@ -38,14 +38,14 @@ pub(crate) fn record(bytes: &[u8]) -> Result<Record, StoreError> {
     Header::read(bytes)?.into_record()
 }
 
-/// Points as they are kept.
-pub(crate) fn kept_points(points: &Points) -> Vec<u8> {
-    PointsMessage::new(points).encode_to_vec()
+/// The last level of a job as it is kept.
+pub(crate) fn kept_result(result: &LastGeometry) -> Vec<u8> {
+    result::kept(result)
 }
 
-/// The points that are kept in these bytes.
-pub(crate) fn points(bytes: &[u8]) -> Result<Points, StoreError> {
-    PointsMessage::decode(bytes).map_err(damaged)?.into_points()
+/// The last level that is kept in these bytes.
+pub(crate) fn result(bytes: &[u8]) -> Result<LastGeometry, StoreError> {
+    result::read(bytes)
 }
 
 /// The entry of an idempotency key as it is kept.

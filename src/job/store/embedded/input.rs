@@ -9,6 +9,7 @@ use prost::Message;
 use super::super::StoreError;
 use super::error::{damaged, mistaken};
 use super::points::PointsMessage;
+use super::result::{Numbers, lists, numbers};
 use super::{version_1, version_2};
 use crate::fit::method::{Ending, Method};
 use crate::fit::problem::{Problem, Request};
@@ -26,6 +27,9 @@ pub(super) struct Input {
     start: Option<PointsMessage>,
     #[prost(double, optional, tag = "16")]
     lambda_min: Option<f64>,
+    /// The breaks of the knots of that start, of a fit that chooses its knots.
+    #[prost(message, repeated, tag = "19")]
+    start_breaks: Vec<Numbers>,
     /// What is left open is as is usual today. Without it, it is by the rules of earlier programs.
     #[prost(bool, tag = "18")]
     open_as_usual: bool,
@@ -38,6 +42,7 @@ impl Input {
         Self {
             job: Some(job::message(None, request, None)),
             start: request.start.as_deref().map(PointsMessage::new),
+            start_breaks: numbers(request.start_breaks.as_deref().unwrap_or_default()),
             lambda_min: request.lambda_min,
             open_as_usual: true,
         }
@@ -68,6 +73,7 @@ impl Input {
         }
         Ok(Request {
             start: start.map(Arc::new),
+            start_breaks: lists(self.start_breaks),
             lambda_min: self.lambda_min,
             ..request
         })

@@ -27,6 +27,7 @@ mod opening;
 mod panics;
 mod points;
 mod recovery;
+mod result;
 mod status;
 mod tables;
 mod transaction;
@@ -46,9 +47,9 @@ use super::{
     Acknowledgement, IdempotencyEntry, IdempotencyKey, Record, Retention, Selection, Store,
     StoreError,
 };
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
+use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use change::{Change, Outcome};
 use database::JobDatabase;
@@ -147,7 +148,12 @@ impl Store for EmbeddedStore {
         self.write(Change::Requeue { id }, drop)
     }
 
-    fn finish(&self, id: Uuid, status: Status, result: Option<Arc<Points>>) -> Acknowledgement<()> {
+    fn finish(
+        &self,
+        id: Uuid,
+        status: Status,
+        result: Option<LastGeometry>,
+    ) -> Acknowledgement<()> {
         self.write(Change::Finish { id, status, result }, drop)
     }
 
@@ -172,7 +178,7 @@ impl Store for EmbeddedStore {
         self.read(move |database| database.problem(id)).await
     }
 
-    async fn result(&self, id: Uuid) -> Result<Option<Arc<Points>>, StoreError> {
+    async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
         self.read(move |database| database.result(id)).await
     }
 

@@ -11,10 +11,10 @@ use super::change::{Change, Outcome};
 use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
-use super::points::PointsMessage;
+use super::result;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS, SLACK};
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 
 /// So many pages of the file stay free for changes that must be possible when the disk is full: a
@@ -77,7 +77,7 @@ impl<'a> Transaction<'a> {
                 (header.crashes, header.watched) = (0, false);
             })?,
             Change::Finish { id, status, result } => {
-                self.finish(*id, status, result.as_deref())?;
+                self.finish(*id, status, result.as_ref())?;
                 Outcome::Done
             }
             Change::Remove { id } => Outcome::Removed(self.remove(*id)?),
@@ -160,14 +160,14 @@ impl<'a> Transaction<'a> {
         &mut self,
         id: Uuid,
         status: &Status,
-        result: Option<&Points>,
+        result: Option<&LastGeometry>,
     ) -> Result<(), StoreError> {
         let Some(mut header) = self.header(id)? else {
             return Ok(());
         };
         header.set_status(status);
-        if let Some(points) = result {
-            let bytes = PointsMessage::new(points).encode_to_vec();
+        if let Some(result) = result {
+            let bytes = result::kept(result);
             header.bytes += bytes.len() as u64;
             self.results.insert(id.as_u128(), bytes.as_slice())?;
         }

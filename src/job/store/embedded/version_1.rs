@@ -180,6 +180,7 @@ pub(super) fn request(bytes: &[u8]) -> Result<Request, StoreError> {
     let start = input.start.map(PointsMessage::into_points).transpose()?;
     let method = input.method.ok_or_else(|| damaged("no method"))?;
     Ok(Request {
+        start_breaks: None,
         points: Arc::new(points),
         grid,
         missing,

@@ -7,17 +7,18 @@ use crate::fit::basis::{Polynomial, knots::Knots};
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::ends::{End, Ends};
 use crate::fit::method::{
-    Adaptive, Convex, Custom, Extended, LeastSquares, Local, Method, Omega, Start, Sweeps,
-    Threshold, Variant, Weighted,
+    AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
+    Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
+use crate::fit::scattered::Scattered;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::samples::queued;
 use crate::job::store::Record;
 use crate::model::stream::{
-    Digits, Encoding, OnDisconnect, Pace, Samples, StreamSpec, View as StreamView,
+    Describe, Digits, Encoding, OnDisconnect, Pace, Samples, StreamSpec, View as StreamView,
 };
 
 const CURVE: Grid = Grid {
@@ -46,6 +47,8 @@ pub(super) fn problems() -> Vec<Problem> {
             request.method = method;
             problems.push(Problem::new(request).unwrap());
         }
+        problems.extend(surface.then(scattered).into_iter().flatten());
+        problems.extend(automatic(surface));
         for (method, selected) in &methods {
             for basis in 0..7 {
                 for weights in 0..4 {
@@ -86,11 +89,68 @@ pub(super) fn problems() -> Vec<Problem> {
     problems
 }
 
+/// Fits that choose their knots, from the beginning and from knots of another one.
+fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
+    [false, true].into_iter().map(move |goes_on| {
+        let mut request = request(surface, 0, 0, 7);
+        let bspline = BasisChoice::BSpline {
+            degree: 3,
+            knots: Knots::Usual,
+        };
+        for choice in std::iter::once(&mut request.u).chain(&mut request.v) {
+            choice.basis = bspline.clone();
+            choice.closed = false;
+            choice.ends = None;
+        }
+        let mut settings = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
+        settings.automatic = Some(Automatic {
+            correct_parameters: goes_on && !surface,
+        });
+        request.method = Method::LeastSquares(settings);
+        (request.start, request.start_breaks) = (None, None);
+        let problem = Problem::new(request.clone()).unwrap();
+        if !goes_on {
+            return problem;
+        }
+        let count = problem.control_grid().count();
+        request.start = Some(Arc::new(Points::zeros(problem.dimension(), count)));
+        request.start_breaks = problem.breaks();
+        Problem::new(request).unwrap()
+    })
+}
+
+/// Scattered points, with all kinds of parameters.
+fn scattered() -> impl Iterator<Item = Problem> {
+    let pairs = (0..SURFACE.count()).map(|i| [0.1 * i as f64, 1e-300 * i as f64]);
+    let pairs: Vec<f64> = pairs.flatten().collect();
+    let kinds = [
+        Scattered::Given(Arc::new(Points::from_flat(2, &pairs))),
+        Scattered::Plane,
+        Scattered::Coordinates,
+    ];
+    kinds.into_iter().map(|kind| {
+        let mut request = request(true, 4, 0, 7);
+        request.grid = Grid {
+            rows: SURFACE.count(),
+            columns: 1,
+        };
+        request.method = Method::LeastSquares(LeastSquares::new(6, 5));
+        request.scattered = Some(kind);
+        // Scattered points have pairs of parameters, and directions have none of their own.
+        request.u.parameters = Parametrization::ChordLength;
+        if let Some(v) = &mut request.v {
+            v.parameters = Parametrization::ChordLength;
+        }
+        Problem::new(request).unwrap()
+    })
+}
+
 /// A job with such a problem, with all that a client can say of it.
 pub(super) fn record(problem: &Problem) -> Record {
     let other = queued();
     let surface = problem.v().is_some();
     let stream = StreamSpec {
+        describe: Some(Describe::None),
         view: Some(StreamView::Samples),
         samples: Some(match surface {
             false => Samples::Count(300),
@@ -226,6 +286,7 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
     }
     let edited = turn.is_multiple_of(2) && weights != 1;
     Request {
+        start_breaks: None,
         start: edited.then(|| Arc::clone(&points)),
         lambda_min: edited.then_some(0.1),
         scattered: None,

@@ -1,10 +1,14 @@
 //! The settings of a least-squares fit.
 
+use super::counts::given;
 use super::kinds::{EndingRequest, VariantRequest, end_points};
 use super::{MethodRequest, incomplete};
+use crate::api::json::per_direction::PerDirection;
 use crate::api::json::request::settings::each_point;
 use crate::fit::invalid::{Place, Setting};
-use crate::fit::method::{Constraint, Ending, Fairness, LeastSquares, Variant};
+use crate::fit::method::{
+    AS_MANY_AS_DATA, Automatic, Constraint, Ending, Fairness, LeastSquares, Variant,
+};
 use crate::fit::points::Grid;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 
@@ -15,7 +19,7 @@ impl MethodRequest {
     pub(super) fn least_squares(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
         let Some(control_points) = self.control_points else {
             return incomplete(
-                "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}",
+                "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}, or \"auto\"",
             );
         };
         if control_points.is_each() && !surface {
@@ -38,10 +42,33 @@ impl MethodRequest {
             constraint.spec(grid, surface).map_err(wrong)
         });
         let constraints: Result<Vec<Constraint>, Mistake> = constraints.collect();
-        let (u, v) = control_points.split();
+        let given = given(control_points);
+        let given = given.map_err(|detail| Mistake::at_text("/method/control_points", detail))?;
+        let most = self.max_control_points;
+        if most.is_some_and(|most| most.is_each()) && !surface {
+            let detail = "a curve has one number of control points";
+            return Err(Mistake::at_text("/method/max_control_points", detail).into());
+        }
+        let automatic = given.is_none();
+        let unused = [
+            ("max_control_points", most.is_some()),
+            ("correct_parameters", self.correct_parameters.is_some()),
+        ];
+        if let Some((name, _)) = unused.iter().find(|(_, given)| *given && !automatic) {
+            let detail = format!("{name} is a setting of fits with control_points \"auto\"");
+            return Err(Mistake::at_text(format!("/method/{name}"), detail).into());
+        }
+        let most = most.map_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA), PerDirection::split);
+        let (u, v) = given.unwrap_or(most);
+        let usual = if automatic {
+            Variant::ConjugateGradients
+        } else {
+            Variant::Diagonal
+        };
         Ok(LeastSquares {
             variant: match self.variant {
-                None | Some(VariantRequest::Diagonal) => Variant::Diagonal,
+                None => usual,
+                Some(VariantRequest::Diagonal) => Variant::Diagonal,
                 Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
                 Some(VariantRequest::Cg) => Variant::ConjugateGradients,
                 Some(VariantRequest::Direct) => Variant::Direct,
@@ -57,6 +84,9 @@ impl MethodRequest {
                 order: self.fairness_order.unwrap_or(FAIRNESS_ORDER),
             }),
             data_weights: weights.transpose()?,
+            automatic: automatic.then(|| Automatic {
+                correct_parameters: self.correct_parameters.unwrap_or(false),
+            }),
             ..LeastSquares::new(u, v)
         })
     }

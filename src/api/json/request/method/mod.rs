@@ -5,6 +5,7 @@
 //! - `written`: methods as they were asked for.
 
 mod constraint;
+pub(in crate::api) mod counts;
 mod kinds;
 mod least_squares;
 mod written;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 
 use super::schema;
-use super::settings::{ControlPoints, DataWeights, Index, Matrix, Omega, Thresholds};
+use super::settings::{DataWeights, Index, Matrix, Omega, Thresholds};
 use crate::api::json::numbers::WeightList;
 use crate::api::json::per_direction::{PerDirection, direction};
 use crate::api::json::read::{Read as _, object};
@@ -27,6 +28,7 @@ use crate::fit::points::Grid;
 use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use constraint::ConstraintRequest;
+use counts::{ControlPointCount, ControlPoints, MostControlPoints};
 use kinds::{EndPointsRequest, EndingRequest};
 
 pub(in crate::api) use kinds::{
@@ -45,6 +47,8 @@ const SETTINGS: [(&str, &[&str]); 7] = [
         "least_squares",
         &[
             "control_points",
+            "max_control_points",
+            "correct_parameters",
             "variant",
             "mu",
             "ending",
@@ -113,7 +117,12 @@ pub(in crate::api) struct MethodRequest {
     pub(in crate::api) transformed_error: Option<bool>,
     /// The number of control points; on surfaces of both directions, or one for each.
     #[schemars(with = "Option<ControlPoints>")]
-    pub(in crate::api) control_points: Option<PerDirection<usize>>,
+    pub(in crate::api) control_points: Option<PerDirection<ControlPointCount>>,
+    /// With control_points `auto`: the most control points. Without it as many as data points.
+    #[schemars(with = "Option<MostControlPoints>")]
+    pub(in crate::api) max_control_points: Option<PerDirection<usize>>,
+    /// With control_points `auto`, for curves: whether the parameters of the data move to the points of the curve that are nearest to them, so that errors are distances from the curve. Without it false.
+    pub(in crate::api) correct_parameters: Option<bool>,
     /// The step.
     pub(in crate::api) variant: Option<VariantRequest>,
     /// The length of the step; without one 1 / (largest column sum).
@@ -157,6 +166,8 @@ object!(
         start,
         transformed_error,
         control_points,
+        max_control_points,
+        correct_parameters,
         variant,
         mu,
         ending,
@@ -182,6 +193,8 @@ impl MethodRequest {
             start: None,
             transformed_error: None,
             control_points: None,
+            max_control_points: None,
+            correct_parameters: None,
             variant: None,
             mu: None,
             ending: None,
@@ -194,11 +207,16 @@ impl MethodRequest {
         }
     }
 
-    /// Whether the two directions have settings of their own.
-    pub(super) fn is_each(&self) -> bool {
+    /// How it is written.
+    pub(super) fn form(&self) -> MethodForm {
         let transform = self.transform.as_ref();
-        self.control_points.is_some_and(|count| count.is_each())
-            || transform.is_some_and(PerDirection::is_each)
+        let most = self.max_control_points;
+        MethodForm {
+            each: self.control_points.is_some_and(|count| count.is_each())
+                || most.is_some_and(|most| most.is_each())
+                || transform.is_some_and(PerDirection::is_each),
+            limited: most.is_some(),
+        }
     }
 
     /// The method for data points arranged in `grid`, and the points that it selects.
@@ -261,6 +279,8 @@ impl MethodRequest {
             ("start", self.start.is_some()),
             ("transformed_error", self.transformed_error.is_some()),
             ("control_points", self.control_points.is_some()),
+            ("max_control_points", self.max_control_points.is_some()),
+            ("correct_parameters", self.correct_parameters.is_some()),
             ("variant", self.variant.is_some()),
             ("mu", self.mu.is_some()),
             ("ending", self.ending.is_some()),
@@ -344,13 +364,24 @@ fn incomplete<T>(detail: &str) -> OrMistakes<T> {
     Err(Mistake::at(SpecPart::Fit(P::Method), detail).into())
 }
 
-/// The JSON pointer to a setting, or a part of it; everything else is the method. `each` tells whether
-/// the directions have a setting each.
-pub(super) fn pointer(place: P, each: bool) -> String {
+/// How a method is written.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MethodForm {
+    /// The directions have a setting each.
+    each: bool,
+    /// The numbers of control points are limits.
+    limited: bool,
+}
+
+/// The JSON pointer to a setting, or a part of it; everything else is the method.
+pub(super) fn pointer(place: P, MethodForm { each, limited }: MethodForm) -> String {
     let setting = match place {
         P::Setting(setting) => setting.name().to_owned(),
         P::Index(index) => format!("indices/{index}"),
         P::Constraint(index) => format!("constraints/{index}"),
+        P::ControlPoints(axis) if limited => {
+            format!("max_control_points{}", direction(each, axis))
+        }
         P::ControlPoints(axis) => format!("control_points{}", direction(each, axis)),
         P::Transform(axis) => format!("transform{}", direction(each, axis)),
         P::TransformRow(axis, row) => format!("transform{}/{row}", direction(each, axis)),

@@ -6,7 +6,8 @@ use super::constraint;
 use super::kinds::{end_points_name, start_name, sweeps_name, variant_name};
 use crate::api::json::view::error::PointIndex;
 use crate::fit::method::{
-    Adaptive, Convex, Ending, LeastSquares, Local, Method, Sweeps, Threshold, Variant, Weighted,
+    AS_MANY_AS_DATA, Adaptive, Convex, Ending, LeastSquares, Local, Method, Sweeps, Threshold,
+    Variant, Weighted,
 };
 use crate::fit::problem::Problem;
 
@@ -95,15 +96,25 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
 fn least_squares(settings: &LeastSquares, problem: &Problem, mut set: impl FnMut(&str, Value)) {
     let LeastSquares { u, v, .. } = settings;
     let is_surface = problem.v().is_some();
-    set(
-        "control_points",
-        if is_surface {
-            json!({"u": u, "v": v})
-        } else {
-            json!(u)
-        },
-    );
-    set("variant", json!(variant_name(settings.variant)));
+    let counts = || match is_surface {
+        true => json!({"u": u, "v": v}),
+        false => json!(u),
+    };
+    match &settings.automatic {
+        None => {
+            set("control_points", counts());
+            set("variant", json!(variant_name(settings.variant)));
+        }
+        Some(automatic) => {
+            set("control_points", json!("auto"));
+            if *u != AS_MANY_AS_DATA {
+                set("max_control_points", counts());
+            }
+            if automatic.correct_parameters {
+                set("correct_parameters", json!(true));
+            }
+        }
+    }
     if let Variant::Lspia { mu: Some(mu) } = settings.variant {
         set("mu", json!(mu));
     }

@@ -1,0 +1,184 @@
+"""The fits that compare.py compares, each with its number of control points, largest distance and seconds.
+
+Distances of piad's and scipy's fits are those at the parameters of the data, of OpenCASCADE's curves, whose parameters
+nobody knows afterwards, those of the data from the curve, which are never larger.
+"""
+
+import math
+import multiprocessing
+import time
+import urllib.request
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import orjson
+from OCP.GeomAbs import GeomAbs_C2
+from OCP.GeomAPI import GeomAPI_PointsToBSpline
+from OCP.gp import gp_Pnt
+from OCP.TColgp import TColgp_Array1OfPnt
+from scipy.interpolate import BSpline, NdBSpline, SmoothBivariateSpline, splprep
+from scipy.spatial import KDTree
+
+
+@dataclass
+class Fit:
+    """Control points in each direction, the largest distance from the data, and how long it took; of piad how it ended,
+    and after how many seconds an iteration within the tolerance had arrived."""
+
+    shape: tuple[int, ...]
+    largest: float
+    seconds: float
+    ended: str = ""
+    first: float | None = None
+
+    @property
+    def count(self) -> int:
+        return math.prod(self.shape)
+
+
+def limited(seconds: float, work: Callable, *arguments) -> Fit | None:
+    """What a function returns, in a process of its own that is ended after so many seconds."""
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+    process = context.Process(target=lambda: sender.send(work(*arguments)))
+    process.start()
+    sender.close()
+    try:
+        return receiver.recv() if receiver.poll(seconds) else None
+    except EOFError:
+        return None
+    finally:
+        process.kill()
+        process.join()
+
+
+
+# ---------------------------------------------------------------- piad
+
+
+def piad(base: str, geometry: dict, tolerance: float) -> Fit:
+    """From writing the request to the last event. scipy evaluates the result at the parameters of the data: an
+    assertion that its largest distance is the one that piad says."""
+    method = {"kind": "least_squares", "control_points": "auto"}
+    job = geometry | {"method": method, "stop": {"tolerance": tolerance}, "stream": {"view": "errors"}}
+    headers = {"Content-Type": "application/json", "Accept": "text/event-stream"}
+    begin = time.perf_counter()
+    body = orjson.dumps(job, option=orjson.OPT_SERIALIZE_NUMPY)
+    with urllib.request.urlopen(urllib.request.Request(f"{base}/v1/jobs", body, headers)) as answer:
+        lines = [(time.perf_counter() - begin, line[5:]) for line in answer if line.startswith(b"data:")]
+    seconds = time.perf_counter() - begin
+    opening, *iterations, end = [(at, orjson.loads(line)) for at, line in lines]
+    first = next((at for at, event in iterations if event["error"]["max"] <= tolerance), seconds)
+    opening, end = opening[1], end[1]
+    path = base + opening["links"]["self"]
+    with urllib.request.urlopen(f"{path}/result") as answer:
+        result = orjson.loads(answer.read())
+    urllib.request.urlopen(urllib.request.Request(path, method="DELETE")).close()
+
+    [described] = geometry.values()
+    points = described["points" if "points" in described else "scattered"]
+    parameters, knots, degree = opening["parameters"], result["knots"], result["degree"]
+    net = np.array(result["control_points"])
+    if net.ndim == 2:
+        there = BSpline(np.array(knots), net, degree)(parameters)
+    else:
+        spline = NdBSpline(tuple(np.array(knots[axis]) for axis in "uv"), net, tuple(degree[axis] for axis in "uv"))
+        there = spline(np.column_stack([parameters[axis] for axis in "uv"]))
+    measured, said = np.linalg.norm(there - points, axis=1).max(), end["error"]["max"]
+    assert abs(measured - said) <= 1e-9 * said + 1e-12 * np.abs(points).max(), f"{measured}, and piad says {said}"
+    ended = end["reason"] or end["state"]
+    assert ended != "converged" or said <= tolerance, f"{said} is above {tolerance}"
+    return Fit(net.shape[:-1], measured, seconds, ended, first)
+
+
+# ---------------------------------------------------------------- scipy
+
+
+def chord_length(points: np.ndarray) -> np.ndarray:
+    return np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+
+
+def smoothed(points: np.ndarray, factor: float) -> Fit:
+    """Cubic, over chord lengths as piad; the sum of squared distances is at most this factor."""
+    begin = time.perf_counter()
+    t = chord_length(points)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        (knots, coefficients, degree), _ = splprep(points.T, u=t, s=factor, k=3)
+    seconds = time.perf_counter() - begin
+    there = BSpline(knots, np.array(coefficients).T, degree)(t)
+    return Fit((len(knots) - 4,), np.linalg.norm(there - points, axis=1).max(), seconds)
+
+
+def factors(count: int, tolerance: float) -> np.ndarray:
+    """Twenty smoothing factors, for root mean squares between the tolerance and a thirtieth of it."""
+    return count * (tolerance * np.geomspace(1, 1 / 30, 20)) ** 2
+
+
+def fewest(fits: list[Fit], tolerance: float) -> Fit | None:
+    within = [fit for fit in fits if fit.largest <= tolerance]
+    return min(within, key=lambda fit: fit.count, default=None)
+
+
+def scipy_curve(points: np.ndarray, tolerance: float) -> Fit | None:
+    """The one with the fewest control points of those within the tolerance; its seconds are those of its own run."""
+    return fewest([smoothed(points, factor) for factor in factors(len(points), tolerance)], tolerance)
+
+
+def first_of_scipy(points: np.ndarray, tolerance: float) -> Fit | None:
+    """The first one within the tolerance, for data of which all twenty would take too long."""
+    trials = (smoothed(points, factor) for factor in factors(len(points), tolerance))
+    return next((fit for fit in trials if fit.largest <= tolerance), None)
+
+
+def smoothed_surface(points: np.ndarray, factor: float) -> Fit:
+    """Bicubic, over x and y."""
+    x, y, z = points.T
+    begin = time.perf_counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        surface = SmoothBivariateSpline(x, y, z, s=factor)
+    seconds = time.perf_counter() - begin
+    shape = tuple(len(knots) - 4 for knots in surface.get_knots())
+    return Fit(shape, np.abs(surface.ev(x, y) - z).max(), seconds)
+
+
+def scipy_surface(points: np.ndarray, tolerance: float) -> Fit | None:
+    """As `scipy_curve`."""
+    return fewest([smoothed_surface(points, factor) for factor in factors(len(points), tolerance)], tolerance)
+
+
+# ---------------------------------------------------------------- OpenCASCADE
+
+
+def opencascade_curve(points: np.ndarray, tolerance: float, degree: int) -> Fit:
+    """Of degree 3 up to the one given, twice differentiable."""
+    space = np.c_[points, np.zeros((len(points), 3 - points.shape[1]))]
+    begin = time.perf_counter()
+    array = TColgp_Array1OfPnt(1, len(points))
+    for i, point in enumerate(space.tolist(), 1):
+        array.SetValue(i, gp_Pnt(*point))
+    # A call that does not come back, or throws, ends with its process.
+    curve = GeomAPI_PointsToBSpline(array, 3, degree, GeomAbs_C2, tolerance).Curve()
+    seconds = time.perf_counter() - begin
+    knots = np.repeat(list(curve.Knots()), [curve.Multiplicity(i) for i in range(1, curve.NbKnots() + 1)])
+    poles = np.array([curve.Pole(i).Coord() for i in range(1, curve.NbPoles() + 1)])
+    spline = BSpline(knots, poles, curve.Degree())
+    return Fit((len(poles),), distances(space, spline).max(), seconds)
+
+
+def distances(points: np.ndarray, spline: BSpline) -> np.ndarray:
+    """Of points from a curve: from the nearest of many places by Newton's method."""
+    low, high = spline.t[spline.k], spline.t[-spline.k - 1]
+    places = np.linspace(low, high, 20 * len(points))
+    nearest, at = KDTree(spline(places)).query(points)
+    t, first, second = places[at], spline.derivative(), spline.derivative(2)
+    for _ in range(4):
+        away, along = spline(t) - points, first(t)
+        slope = (along**2).sum(axis=1) + (away * second(t)).sum(axis=1)
+        step = np.divide((away * along).sum(axis=1), slope, out=np.zeros_like(t), where=slope > 0)
+        t = np.clip(t - step, low, high)
+        nearest = np.fmin(nearest, np.linalg.norm(spline(t) - points, axis=1))
+    return nearest

@@ -1,0 +1,30 @@
+"""Points that the server reads from files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Optional
+
+from ._arrays import Array, as_array
+from .errors import ProtocolError
+
+
+@dataclass(frozen=True)
+class FilePoints:
+    """The points of a file, as fits take them."""
+
+    points: Array
+    """Of a curve of shape (n, dimension), of a surface (rows, columns, dimension)."""
+    name: Optional[str] = None
+    """What the file calls itself."""
+    notices: tuple[str, ...] = ()
+    """What was found out about the file, in sentences."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> FilePoints:
+        """Reads an answer of the server."""
+        shape = value.get("curve") or value.get("surface")
+        if shape is None:
+            raise ProtocolError("the server has read neither a curve nor a surface")
+        return cls(as_array(shape["points"]), value.get("name"), tuple(value["notices"]))

@@ -1,0 +1,43 @@
+"""Files of points that the server reads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import piad
+
+WING = "Größe 12\n1 0.0013\n0.5 0.04\n0 0\n0.5 -0.03\n\nfrom somebody\n"
+CLOUD = "0 0 1\n1 0 2\n2 0 3\n0 1 1\n1 1.5 2\n2 1 3\n"
+
+
+def test_curves_are_read_and_fitted(client: piad.Client) -> None:
+    wing = client.read_points(WING)
+    assert np.array_equal(wing.points, [[1, 0.0013], [0.5, 0.04], [0, 0], [0.5, -0.03]])
+    assert wing.name == "Größe 12"
+    (notice,) = wing.notices
+    assert "from line 7 on" in notice
+    encoded = client.read_points(WING.encode())
+    assert (encoded.points.tolist(), encoded.name) == (wing.points.tolist(), wing.name)
+    result = client.fit(wing.points, name=wing.name, tolerance=1e-9)
+    assert (result.state, result.name) == ("converged", wing.name)
+
+
+def test_surfaces_are_said_or_seen(client: piad.Client) -> None:
+    assert client.read_points(CLOUD).points.shape == (6, 3)
+    rows = client.read_points(CLOUD, size="2x3")
+    assert rows.points.shape == (2, 3, 3)
+    assert rows.points[1, 1].tolist() == [1, 1.5, 2]
+    assert client.read_points(CLOUD.replace("1.5", "1")).points.shape == (2, 3, 3)
+    assert len(client.fit(rows.points, degree={"u": 1, "v": 2}).surface.control_points) == 2
+
+
+def test_mistakes_have_lines(client: piad.Client) -> None:
+    with pytest.raises(piad.ApiError) as refused:
+        client.read_points("x,y\n1,2\n3,oops\n4\n")
+    problem = refused.value.problem
+    assert (problem.status, [error.line for error in problem.errors]) == (422, [3, 4])
+    assert problem.errors[0].detail == 'column 2: "oops" is no number'
+    with pytest.raises(piad.ApiError) as refused:
+        client.read_points(CLOUD, size="many")
+    assert [error.parameter for error in refused.value.problem.errors] == ["surface.size"]

@@ -1,0 +1,84 @@
+/** What can go wrong, as classes; all of them are {@link PiadError}. */
+
+import type * as api from "./api.js";
+
+/** A problem object (RFC 9457). Its type is "about:blank" where it was not a piad server that answered. */
+export type Problem = Omit<api.Problem, "type"> & { type: api.Problem["type"] | "about:blank" };
+
+/** The base of all errors of this package. */
+export class PiadError extends Error {
+  override readonly name: string = "PiadError";
+}
+
+/** The server refused a request. */
+export class ApiError extends PiadError {
+  override readonly name = "ApiError";
+  /** The problem object of the answer. */
+  readonly problem: Problem;
+  /** The seconds after which the server asked to be tried again (`Retry-After`). */
+  readonly retryAfter: number | null;
+
+  constructor(problem: Problem, retryAfter: number | null = null) {
+    super(`${problem.status} ${problem.title}: ${problem.detail}`);
+    this.problem = problem;
+    this.retryAfter = retryAfter;
+  }
+
+  /** What kind of problem it is, such as "/problems/invalid-fit", where the server explains it. */
+  get type(): Problem["type"] {
+    return this.problem.type;
+  }
+
+  /** The kind in words. */
+  get title(): string {
+    return this.problem.title;
+  }
+
+  /** The HTTP status. */
+  get status(): number {
+    return this.problem.status;
+  }
+
+  /** What is wrong this time. */
+  get detail(): string {
+    return this.problem.detail;
+  }
+
+  /** All that is wrong, each with its place. */
+  get errors(): readonly api.FieldError[] {
+    return this.problem.errors ?? [];
+  }
+
+  /** The values of the body that are wrong, as JSON pointers (RFC 6901). */
+  get pointers(): readonly string[] {
+    return this.errors.flatMap(({ pointer }) => pointer ?? []);
+  }
+}
+
+/** The server could not be reached, or the connection broke, more often than is tried. */
+export class ConnectionLost extends PiadError {
+  override readonly name = "ConnectionLost";
+}
+
+/** The server answered something that is not of this API. */
+export class ProtocolError extends PiadError {
+  override readonly name = "ProtocolError";
+}
+
+/** A job ended without a result. */
+export class JobFailed extends PiadError {
+  override readonly name = "JobFailed";
+  /** The job, as it ended. */
+  readonly status: api.Job;
+
+  constructor(status: api.Job) {
+    const why = status.problem === undefined ? "" : `: ${status.problem.detail}`;
+    super(`the job ${status.id} is ${status.state}${why}`);
+    this.status = status;
+  }
+
+  /** Why it failed; null if it was cancelled before there was an iteration. */
+  get problem(): api.Problem | null {
+    return this.status.problem ?? null;
+  }
+}

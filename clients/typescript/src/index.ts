@@ -1,0 +1,19 @@
+/** A client of piad: curves and surfaces through data points, every iteration of the fit as it is computed. */
+
+export type * as api from "./api.js";
+export type { Tensor } from "./arrays.js";
+export type { Fetch } from "./attempt.js";
+export { Client, type ClientOptions } from "./client.js";
+export { ApiError, ConnectionLost, JobFailed, PiadError, type Problem, ProtocolError } from "./errors.js";
+export type {
+  ErrorIteration,
+  FittedIteration,
+  Iteration,
+  IterationIn,
+  Result,
+  SampledIteration,
+} from "./iteration.js";
+export { Job } from "./job.js";
+export type { Cancellable, Creation, Editing, Looking, Making, Repeatable, Showing, Watching } from "./options.js";
+export type { Basis, Shape } from "./shape.js";
+export { Stream } from "./stream.js";

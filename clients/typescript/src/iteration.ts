@@ -1,0 +1,147 @@
+/** Iterations and results, from the JSON of the server. */
+
+import type * as api from "./api.js";
+import { type Tensor, copy, line, tensor } from "./arrays.js";
+import { ProtocolError } from "./errors.js";
+import { type Shape, shapeOf, withKnots } from "./shape.js";
+
+/** What is known of an iteration in each view. */
+interface Level {
+  /** From 0 on. */
+  readonly number: number;
+  /** The distances from the data points, in their units. */
+  readonly error: api.FitError;
+  /** How many control points the step to this level has moved. */
+  readonly moved: number;
+  /** The factor by which the step has made the largest distance smaller. */
+  readonly rate: number | null;
+  /** About how many iterations the fit takes in all, by what is known at this level. */
+  readonly predicted: number | null;
+  /** The smallest of the milestones that this is the first level to reach. */
+  readonly milestone: number | null;
+  readonly badWeight: api.BadWeight | null;
+  /** With the knots of this level, of fits that choose them. */
+  readonly shape: Shape;
+}
+
+/** An iteration with its control points. */
+export interface FittedIteration extends Level {
+  readonly view: "control_points";
+  /** Complete, end copies included, also where the server only sends what has changed. */
+  readonly controlPoints: Tensor;
+  /** Of homogeneous fits, which move them. */
+  readonly weights: Tensor | null;
+}
+
+/** An iteration as points at equal steps of the parameters. */
+export interface SampledIteration extends Level {
+  readonly view: "samples";
+  readonly samples: Tensor;
+  /** The parameters of a curve, or those of u and of v. */
+  readonly parameters: readonly [Float64Array] | readonly [Float64Array, Float64Array];
+}
+
+/** An iteration without geometry. */
+export interface ErrorIteration extends Level {
+  readonly view: "errors";
+}
+
+/** An iteration; its `view` tells what is there. */
+export type Iteration = FittedIteration | SampledIteration | ErrorIteration;
+
+/** The iterations of a view. */
+export type IterationIn<View extends api.View> = Extract<Iteration, { view: View }>;
+
+/** The last level of a fit that has ended. */
+export interface Result {
+  /** The id of the job. */
+  readonly id: string;
+  readonly name: string | null;
+  readonly state: api.JobState;
+  /** The number of the last iteration. */
+  readonly iteration: number;
+  readonly error: api.FitError;
+  readonly badWeight: api.BadWeight | null;
+  readonly shape: Shape;
+  /** End copies included. */
+  readonly controlPoints: Tensor;
+  /** Of homogeneous fits; fixed ones are in `shape`. */
+  readonly weights: Tensor | null;
+}
+
+/**
+ * Reads an iteration. `shape` is that of the level before, whose knots this one may change; one that only
+ * says what has changed is applied to the level `before`.
+ */
+export function iterationOf(event: api.IterationEvent, shape: Shape, before: Iteration | null): Iteration {
+  const level = {
+    number: event.iteration,
+    error: event.error,
+    moved: event.moved,
+    rate: event.rate ?? null,
+    predicted: event.predicted ?? null,
+    milestone: event.milestone ?? null,
+    badWeight: event.bad_weight ?? null,
+    shape: event.knots == null ? shape : withKnots(shape, event.knots),
+  };
+  if (event.samples !== undefined) {
+    return { ...level, view: "samples", samples: points(event, event.samples), parameters: parameters(event) };
+  }
+  if (event.control_points !== undefined) {
+    const weights = event.weights === undefined ? null : weightsOf(event, event.weights);
+    return { ...level, view: "control_points", controlPoints: points(event, event.control_points), weights };
+  }
+  if (event.changed === undefined) return { ...level, view: "errors" };
+  return { ...level, view: "control_points", ...applied(event.changed, before) };
+}
+
+/** Reads a result. */
+export function resultOf(value: api.FitResult): Result {
+  const { weights } = value;
+  const homogeneous = value.rational === "homogeneous" && weights !== undefined;
+  return {
+    id: value.id,
+    name: value.name,
+    state: value.state,
+    iteration: value.iteration,
+    error: value.error,
+    badWeight: value.bad_weight ?? null,
+    shape: shapeOf(value),
+    controlPoints: points(value, value.control_points),
+    weights: homogeneous ? weightsOf(value, weights as api.WeightArray) : null,
+  };
+}
+
+type Written = Pick<api.IterationEvent, "shape" | "encoding">;
+
+function points({ shape, encoding }: Written, value: api.PointArray): Tensor {
+  return tensor(value, shape ?? [], encoding);
+}
+
+function weightsOf({ shape, encoding }: Written, value: api.WeightArray): Tensor {
+  return tensor(value, (shape ?? []).slice(0, -1), encoding);
+}
+
+function parameters({ parameters, encoding }: api.IterationEvent): SampledIteration["parameters"] {
+  if (parameters === undefined) throw new ProtocolError("the server sent samples without parameters");
+  if (typeof parameters === "string" || Array.isArray(parameters)) return [line(parameters, encoding)];
+  return [line(parameters.u, encoding), line(parameters.v, encoding)];
+}
+
+/** The control points before, with those that have moved. */
+function applied(changes: api.Changes, before: Iteration | null): Pick<FittedIteration, "controlPoints" | "weights"> {
+  if (before?.view !== "control_points") {
+    throw new ProtocolError("the server sent changes before what has changed; those of an ephemeral edit need `from`, the iteration with control points that it starts from");
+  }
+  const controlPoints = copy(before.controlPoints);
+  const weights = before.weights === null ? null : copy(before.weights);
+  const { shape } = controlPoints;
+  const [dimension, columns] = [shape.at(-1) ?? 0, shape.at(-2) ?? 0];
+  for (const [place, point, weight] of changes) {
+    const [row, column] = typeof place === "number" ? [0, place] : [place[0] ?? 0, place[1] ?? 0];
+    const index = row * columns + column;
+    controlPoints.data.set(point.map((number) => number ?? NaN), index * dimension);
+    if (weights !== null && weight !== undefined) weights.data[index] = weight;
+  }
+  return { controlPoints, weights };
+}

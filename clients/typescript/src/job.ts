@@ -1,0 +1,198 @@
+/** Jobs: fits on the server. */
+
+import type * as api from "./api.js";
+import type { Answer, Call, Connection } from "./connection.js";
+import { JobFailed } from "./errors.js";
+import { type Iteration, type IterationIn, type Result, iterationOf, resultOf } from "./iteration.js";
+import { type Cancellable, type Creation, type Editing, type Looking, type Watching, creating, shown } from "./options.js";
+import { type Shape, shapeOf } from "./shape.js";
+import { Stream } from "./stream.js";
+
+// What a stream is like that only tells of the beginning and the end, whatever the job sets for its own.
+// No job has so many iterations.
+const ENDS_ONLY = {
+  view: "errors",
+  every: 1_000_000_000,
+  milestones: "",
+  pace: "all",
+  changed: false,
+  describe: "full",
+  encoding: "json",
+  digits: "full",
+} as const;
+
+/** A job, and what can be done with it. */
+export class Job {
+  /** What the server said last; `refresh` asks it again. */
+  status: api.Job;
+  readonly #connection: Connection;
+  #shape: Shape | null = null;
+
+  /** Use the methods of `Client`. */
+  constructor(connection: Connection, status: api.Job) {
+    this.#connection = connection;
+    this.status = status;
+  }
+
+  get id(): string {
+    return this.status.id;
+  }
+
+  /** Whether the job went no further when the server was asked last. */
+  get ended(): boolean {
+    return this.status.state !== "queued" && this.status.state !== "running";
+  }
+
+  /** Asks the server how the job stands. */
+  async refresh(options: Cancellable = {}): Promise<api.Job> {
+    return (this.status = await this.#get<api.Job>("", {}, options));
+  }
+
+  /**
+   * The iterations of the job, as they are computed and then up to its end. Every one from 0 on (or after
+   * `after`) comes, unless `every`, `milestones` or `pace: "latest"` leave some out.
+   */
+  iterations<const View extends api.View = api.View>(options: Watching<View> = {}): Stream<IterationIn<View>> {
+    const call = watching(this.id, shown(options, this.status.stream), options.signal);
+    return new Stream(this.#connection, { first: call, next: () => call, after: options.after });
+  }
+
+  /** One iteration, by default the last; those to come are waited for. */
+  async iteration<const View extends api.View = "control_points">(
+    number: api.ParameterK = "last",
+    options: Looking<View> = {},
+  ): Promise<IterationIn<View>> {
+    const shape = await this.shape(options);
+    const query = shown({ ...options, view: options.view ?? "control_points" }, null);
+    const level = await this.#get<api.IterationEvent>(`/iterations/${number}`, query, options);
+    return iterationOf(level, shape, null) as Iteration as IterationIn<View>;
+  }
+
+  /** The bases of the fit; of one that chooses its knots those of iteration 0. Waits until the job has begun. */
+  async shape(options: Cancellable = {}): Promise<Shape> {
+    if (this.#shape !== null) return this.#shape;
+    for await (const { event, data } of this.#ends(options).events()) {
+      if (event === "job") return (this.#shape = shapeOf(data));
+    }
+    throw new JobFailed(await this.refresh(options));
+  }
+
+  /** Waits until the job has ended. */
+  async wait(options: Cancellable = {}): Promise<api.Job> {
+    for await (const _ of this.#ends(options).events());
+    return this.refresh(options);
+  }
+
+  /**
+   * The last level, when the job has ended: waits for that. A job that was cancelled has a result if it got
+   * anywhere; `JobFailed` if there is none.
+   */
+  async result(options: Cancellable & { readonly encoding?: api.NumberEncoding | undefined } = {}): Promise<Result> {
+    const status = this.ended ? this.status : await this.wait(options);
+    if (status.state === "failed" || status.iteration === null) throw new JobFailed(status);
+    return resultOf(await this.#get<api.FitResult>("/result", { encoding: options.encoding ?? "base64" }, options));
+  }
+
+  /** The result, or an iteration, as a file such as STEP for CAD systems. `samples` is for gltf, stl, dxf, svg and csv, `dots` for svg, `units` for step and iges. */
+  async file(
+    format: api.ParameterFormat,
+    options: Pick<Looking, "samples" | "signal"> & { readonly iteration?: api.ParameterK | undefined; readonly dots?: api.ParameterDots | undefined; readonly units?: api.ParameterUnits | undefined } = {},
+  ): Promise<File> {
+    const { iteration, samples, dots, units, signal } = options;
+    const part = iteration === undefined ? "result" : `iterations/${iteration}`;
+    const headers = { Accept: "*/*" };
+    const call = { path: `${this.#path}/${part}/${format}`, query: { samples, dots, units }, headers, signal };
+    return this.#connection.request(call, (answer) => fileOf(answer, `${this.id}.${format}`));
+  }
+
+  /** The job as it was asked for. */
+  input(options: Cancellable = {}): Promise<api.JobRequest> {
+    return this.#get("/input", {}, options);
+  }
+
+  /** Where the points that a local fit does not adjust end. */
+  limit(options: Cancellable = {}): Promise<api.Limit> {
+    return this.#get("/limit", {}, options);
+  }
+
+  /** Stops the job. An `ApiError` with status 409 if it has already ended. */
+  async cancel({ signal }: Cancellable = {}): Promise<api.Job> {
+    return (this.status = await this.#connection.json({ method: "POST", path: `${this.#path}/cancel`, signal }));
+  }
+
+  /**
+   * Makes the server forget the job. That there is none is no error: the answer to the same request before may
+   * have been lost, and browsers send one again without telling.
+   */
+  async delete({ signal }: Cancellable = {}): Promise<void> {
+    const call: Call = { method: "DELETE", path: this.#path, signal, accepted: 404 };
+    await this.#connection.request(call, ({ response, attempt }) => attempt.body(response));
+  }
+
+  /** A new job that starts from the control points of this one; what is not given stays. */
+  async edit(request: api.EditRequest, options: Creation = {}): Promise<Job> {
+    return create(this.#connection, `${this.#path}/edits`, request, options);
+  }
+
+  /**
+   * The iterations of a new job that starts from the control points of this one. An ephemeral edit
+   * (`ephemeral: true`) is no job: nothing of it is left when the loop ends or is left.
+   */
+  editStream<const View extends api.View = api.View>(
+    request: api.EditRequest,
+    options: Editing<View> = {},
+  ): Stream<IterationIn<View>> {
+    const defaults = request.stream ?? this.status.stream;
+    return createStream(this.#connection, `${this.#path}/edits/stream`, request, options, defaults);
+  }
+
+  get #path(): string {
+    return `/v1/jobs/${this.id}`;
+  }
+
+  #get<T>(part: string, query: Call["query"], { signal }: Cancellable): Promise<T> {
+    return this.#connection.json({ path: `${this.#path}${part}`, query, signal });
+  }
+
+  #ends({ signal }: Cancellable): Stream {
+    const call = watching(this.id, ENDS_ONLY, signal);
+    return new Stream(this.#connection, { first: call, next: () => call });
+  }
+}
+
+/** A new job. However often the request has to be sent, its key makes it one. */
+export async function create(connection: Connection, path: string, body: unknown, options: Creation): Promise<Job> {
+  const headers = creating(options, connection.longestWait);
+  const { signal } = options;
+  return new Job(connection, await connection.json<api.Job>({ method: "POST", path, body, headers, signal }));
+}
+
+/** The stream of a new job, which goes on as that of any job when its connection breaks. */
+export function createStream<View extends api.View>(
+  connection: Connection,
+  path: string,
+  body: api.JobRequest | api.EditRequest,
+  options: Editing<View>,
+  defaults: api.StreamDefaults | null | undefined,
+): Stream<IterationIn<View>> {
+  const query = shown(options, defaults);
+  const { signal, from } = options;
+  const { on_disconnect: _, ...reading } = query;
+  if ("ephemeral" in body && body.ephemeral === true) {
+    // There is nothing to find by a key, and nothing to go on with.
+    return new Stream(connection, { first: { method: "POST", path, query, body, signal }, next: null, from });
+  }
+  const headers = creating({ idempotencyKey: options.idempotencyKey }, 0);
+  const first: Call = { method: "POST", path, query, body, headers, signal };
+  return new Stream(connection, { first, next: (id) => watching(id, reading, signal), from });
+}
+
+function watching(id: string, query: Call["query"], signal: AbortSignal | undefined): Call {
+  return { path: `/v1/jobs/${id}/events`, query, signal };
+}
+
+async function fileOf({ response, attempt }: Answer, otherwise: string): Promise<File> {
+  const body = await attempt.body(response);
+  const name = /filename="([^"]*)"/.exec(response.headers.get("Content-Disposition") ?? "")?.[1];
+  return new File([body], name ?? otherwise, { type: body.type });
+}

@@ -1,0 +1,8 @@
+/** All that is tried in Node and in a browser. */
+
+import type { Scenarios } from "../world.js";
+import { jobs } from "./jobs.js";
+import { mistakes } from "./mistakes.js";
+import { streams } from "./streams.js";
+
+export const scenarios: Scenarios = { ...jobs, ...streams, ...mistakes };

@@ -1,0 +1,66 @@
+/** Real servers on free ports. */
+
+import { type ChildProcess, spawn } from "node:child_process";
+import { once } from "node:events";
+import { mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+
+export const ROOT = fileURLToPath(new URL("../../..", import.meta.url));
+const PROGRAM = process.env["PIAD_PROGRAM"] ?? join(ROOT, "target/debug/piad");
+
+/** A server that can be killed and started again with the same data at the same address. */
+export class Server {
+  #address = "127.0.0.1:0";
+  #process: ChildProcess | undefined;
+  readonly #data: string;
+  readonly #temporary: boolean;
+
+  readonly #basePath: string;
+
+  /** `data` is where jobs are kept; by default a directory that goes with the server. */
+  constructor(data?: string, basePath = "/") {
+    this.#basePath = basePath;
+    this.#temporary = data === undefined;
+    this.#data = data ?? mkdtempSync(join(tmpdir(), "piad-typescript-"));
+  }
+
+  get url(): string {
+    return `http://${this.#address}`;
+  }
+
+  async start(): Promise<this> {
+    const flags = ["--listen", this.#address, "--data-dir", this.#data, "--log-format", "json", "--cors-origin", "*", "--base-path", this.#basePath];
+    const child = spawn(PROGRAM, flags, { stdio: ["ignore", "ignore", "pipe"] });
+    this.#process = child;
+    const log: string[] = [];
+    // All lines are read: a full pipe would stop the server.
+    const lines = createInterface({ input: child.stderr });
+    this.#address = await new Promise<string>((resolve, reject) => {
+      lines.on("line", (line) => {
+        log.push(line);
+        const found = /listening on http:\/\/([^\s"/]+)/.exec(line)?.[1];
+        if (found !== undefined) resolve(found);
+      });
+      child.on("error", reject);
+      child.on("exit", () => reject(new Error(`${PROGRAM} has not started: ${log.join("\n")}`)));
+    });
+    return this;
+  }
+
+  /** SIGKILL: nothing is said to anybody. */
+  async kill(): Promise<void> {
+    const child = this.#process;
+    if (child === undefined || child.exitCode !== null || child.signalCode !== null) return;
+    child.kill("SIGKILL");
+    await once(child, "exit");
+  }
+
+  /** Kills it and forgets its data. */
+  async remove(): Promise<void> {
+    await this.kill();
+    if (this.#temporary) rmSync(this.#data, { recursive: true, force: true });
+  }
+}

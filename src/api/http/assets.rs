@@ -1,0 +1,162 @@
+//! Files for browsers that are part of the program: the page, and the reference of the API.
+//!
+//! Browsers keep them, and ask each time whether theirs are still good: the next version of the program
+//! has others under the same names. That question costs one answer without a body (304).
+
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
+
+use super::coding::{self, Coding};
+use crate::api::problem::{Kind, Problem};
+use crate::model::short::quoted;
+
+/// A file, as `build.rs` lists it.
+pub struct Asset {
+    /// What it is called.
+    pub name: &'static str,
+    /// Differs where its bytes differ.
+    pub hash: &'static str,
+    /// Its bytes.
+    pub plain: &'static [u8],
+    /// The same, compressed.
+    pub gzip: &'static [u8],
+}
+
+impl Asset {
+    /// The media type, by the ending of the name.
+    fn media_type(&self) -> &'static str {
+        match self.name.rsplit_once('.').map(|(_, ending)| ending) {
+            Some("html") => "text/html; charset=utf-8",
+            Some("js") => "text/javascript; charset=utf-8",
+            Some("css") => "text/css; charset=utf-8",
+            Some("svg") => "image/svg+xml",
+            Some("png") => "image/png",
+            Some("ico") => "image/x-icon",
+            Some("json") => "application/json",
+            Some("webmanifest") => "application/manifest+json",
+            Some("woff2") => "font/woff2",
+            Some("wasm") => "application/wasm",
+            _ => "text/plain; charset=utf-8",
+        }
+    }
+}
+
+/// Files that make something up.
+pub struct Site {
+    /// What they make up.
+    pub name: &'static str,
+    /// All of them.
+    pub files: &'static [Asset],
+    /// The one that browsers open. Its addresses are relative to where it stands, so that it stands
+    /// nowhere else.
+    pub root: &'static str,
+    /// What browsers let it do: the Content-Security-Policy.
+    pub policy: &'static str,
+}
+
+impl Site {
+    /// Answers with the file that browsers open.
+    pub fn root(&self, headers: &HeaderMap) -> Result<Response, Problem> {
+        self.answer(headers, self.root, |_| true)
+    }
+
+    /// Answers with one of the others.
+    pub fn part(&self, headers: &HeaderMap, name: &str) -> Result<Response, Problem> {
+        self.answer(headers, name, |name| name != self.root)
+    }
+
+    fn answer(
+        &self,
+        headers: &HeaderMap,
+        name: &str,
+        may: impl Fn(&str) -> bool,
+    ) -> Result<Response, Problem> {
+        let mut files = self.files.iter();
+        let file = files.find(|file| file.name == name && may(name));
+        file.map(|file| answer(headers, file, self.policy))
+            .ok_or_else(|| {
+                let detail = format!("{} has no {}", self.name, quoted(name));
+                Problem::new(Kind::NotFound, detail)
+            })
+    }
+}
+
+/// The file as an answer to a request with these headers, under this Content-Security-Policy.
+fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> Response {
+    // What is hardly smaller is not worth unpacking.
+    let packed = asset.gzip.len() < asset.plain.len() / 10 * 9
+        && coding::choose(headers, &[Coding::Gzip]).is_some();
+    let tag = match packed {
+        true => format!("\"{}-gzip\"", asset.hash),
+        false => format!("\"{}\"", asset.hash),
+    };
+    let fixed = [
+        (header::CACHE_CONTROL, "no-cache"),
+        (header::CONTENT_SECURITY_POLICY, policy),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::VARY, "accept-encoding"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    ];
+    let fixed = fixed.map(|(name, value): (HeaderName, _)| (name, HeaderValue::from_static(value)));
+    let known = is_known(headers, &tag);
+    let mut response = match (known, packed) {
+        (true, _) => StatusCode::NOT_MODIFIED.into_response(),
+        (false, true) => Bytes::from_static(asset.gzip).into_response(),
+        (false, false) => Bytes::from_static(asset.plain).into_response(),
+    };
+    let told = response.headers_mut();
+    told.extend(fixed);
+    // The hash is ASCII, so that this never fails.
+    told.extend(
+        HeaderValue::try_from(tag)
+            .ok()
+            .map(|tag| (header::ETAG, tag)),
+    );
+    if !known {
+        let media_type = HeaderValue::from_static(asset.media_type());
+        told.insert(header::CONTENT_TYPE, media_type);
+        if packed {
+            let coding = HeaderValue::from_static("gzip");
+            told.insert(header::CONTENT_ENCODING, coding);
+        }
+    }
+    response
+}
+
+/// Whether the client has the representation with this tag (`If-None-Match`, RFC 9110, 13.1.2).
+fn is_known(headers: &HeaderMap, tag: &str) -> bool {
+    let given = headers.get_all(header::IF_NONE_MATCH).iter();
+    let mut tags = given.flat_map(|value| value.to_str().unwrap_or("").split(','));
+    tags.any(|known| {
+        let known = known.trim();
+        known == "*" || known.strip_prefix("W/").unwrap_or(known) == tag
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn headers(name: HeaderName, values: &[&str]) -> HeaderMap {
+        let values = values.iter().map(|value| value.parse().unwrap());
+        values.map(|value| (name.clone(), value)).collect()
+    }
+
+    #[test]
+    fn tags_are_compared_weakly() {
+        for (values, expected) in [
+            (&[][..], false),
+            (&["\"a\""], true),
+            (&["W/\"a\""], true),
+            (&["\"b\", \"a\""], true),
+            (&["\"b\"", "\"a\""], true),
+            (&["\"b\""], false),
+            (&["*"], true),
+            (&["a"], false),
+        ] {
+            let headers = headers(header::IF_NONE_MATCH, values);
+            assert_eq!(is_known(&headers, "\"a\""), expected, "{values:?}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The page for people: what browsers get at `/`, and the files that it is made of.
+//!
+//! It is built from `viewer` and committed in `viewer/dist`, so that building the program needs Rust
+//! alone. All of its addresses are relative: it works wherever a proxy has put the server.
+
+use axum::extract::State;
+use axum::http::{HeaderMap, HeaderValue, header};
+use axum::response::{IntoResponse, Response};
+
+use super::assets::{Asset, Site};
+use super::path::InPath;
+use super::{info, negotiate};
+use crate::api::app::App;
+use crate::api::language::JSON;
+use crate::api::problem::Problem;
+
+const PAGE: Site = Site {
+    name: "the page",
+    files: include!(concat!(env!("OUT_DIR"), "/viewer.rs")),
+    root: "index.html",
+    policy: POLICY,
+};
+
+/// What browsers let the page do: nothing but what is named here.
+///
+/// - `script-src`, `style-src`: the scripts and styles of this server. There are none inside of the
+///   page, so that what stands in the name of a job never becomes one.
+/// - `connect-src`: the API of this server; data that people bring stay between them and it.
+/// - `img-src`: pictures of this server, and those that the page makes, as `data:` and `blob:`.
+/// - `worker-src`: scripts of this server in threads of their own.
+/// - `base-uri`: nothing changes what relative addresses mean.
+/// - `frame-ancestors`: no other page shows this one inside of itself and has people click in it.
+/// - `form-action`: forms send nothing anywhere.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
+    img-src 'self' data: blob:; worker-src 'self'; base-uri 'none'; frame-ancestors 'none'; form-action 'none'";
+
+/// `GET /`: the page for browsers, which prefer HTML, and the index for programs.
+pub(super) async fn root(State(app): State<App>, headers: HeaderMap) -> Result<Response, Problem> {
+    // An Accept header that excludes both, or cannot be read, gets the index.
+    let html = negotiate::choose(&headers, &[(JSON, false), ("text/html", true)]);
+    let mut response = match html.unwrap_or(false) {
+        true => PAGE.root(&headers)?,
+        false => info::index(app.config.base_path.as_str()).into_response(),
+    };
+    let vary = HeaderValue::from_static("accept");
+    response.headers_mut().append(header::VARY, vary);
+    Ok(response)
+}
+
+/// `GET /viewer/{part}`: a file that the page needs.
+pub(super) async fn part(
+    InPath(name): InPath<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    PAGE.part(&headers, &name)
+}

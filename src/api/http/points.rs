@@ -1,0 +1,174 @@
+//! Files of points as the bodies of requests: shown as JSON, or fitted as they are.
+//!
+//! What JSON says beside the points stands in the query then, by its path: `curve.degree=3` for
+//! `{"curve": {"degree": 3}}`. It becomes that JSON, which is read as any other.
+
+use std::convert::Infallible;
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::Uri;
+use axum::response::Response;
+use bytes::Bytes;
+use futures_util::stream;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use super::answer::whole;
+use super::query::{self, StreamQuery};
+use super::{body, negotiate};
+use crate::api::app::App;
+use crate::api::json::request::file::{self, FileWords};
+use crate::api::json::request::path;
+use crate::api::json::view::points::PointsView;
+use crate::api::json::view::to_bytes;
+use crate::api::language::JSON;
+use crate::api::order;
+use crate::api::problem::Problem;
+use crate::api::stream::sending::ENOUGH;
+use crate::api::text;
+use crate::config::Config;
+use crate::fit::points::Grid;
+use crate::import::{self, Hints, Imported, Kind};
+use crate::job::memory::Permit;
+use crate::model::job::JobSpec;
+use crate::model::short::quoted;
+use crate::model::stream::Samples;
+
+/// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
+const SIZE: &str = "surface.size";
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PointsQuery {
+    #[serde(rename = "surface.size")]
+    size: Option<String>,
+}
+
+/// `POST /v1/points`: the points of a file, as the JSON of a job has them.
+pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+    negotiate::json(request.headers())?;
+    let query: PointsQuery = negotiate::query(request.uri())?;
+    let size = query.size.as_deref().map(size).transpose()?;
+    let body = body::read_points(&app, request).await?;
+    let (length, most) = (body.bytes.len(), app.config.limits().points);
+    let work = move || {
+        let hints = Hints {
+            kind: None,
+            size,
+            most,
+        };
+        let points = imported(&body.bytes, &hints)?;
+        let json = to_bytes(&PointsView::new(points));
+        // Held until now: the file and its points take memory.
+        drop(body);
+        Ok(json)
+    };
+    let json = order::read(&app, length, work).await?;
+    if json.len() <= ENOUGH {
+        return Ok(whole(json, JSON));
+    }
+    let room = app.jobs.resources().memory.files.take(json.len()).await;
+    Ok(whole(in_parts(json, room), JSON))
+}
+
+/// A long body, which takes memory until the last part of it has gone.
+fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
+    let parts = stream::unfold((bytes, room), |(mut bytes, room)| async move {
+        let part = bytes.split_to(bytes.len().min(ENOUGH));
+        (!part.is_empty()).then_some((Ok::<_, Infallible>(part), (bytes, room)))
+    });
+    Body::from_stream(parts)
+}
+
+/// The points of a body.
+fn imported(bytes: &Bytes, hints: &Hints) -> Result<Imported, Problem> {
+    let text = String::from_utf8_lossy(text::utf8(bytes)?);
+    import::read(&text, hints).map_err(Problem::from)
+}
+
+/// What the query says of a job whose points are in the body.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Fields {
+    json: Map<String, Value>,
+    size: Option<Grid>,
+}
+
+impl Fields {
+    /// The parameters of the stream of a new job, and the fields of the job.
+    pub(super) fn split(uri: &Uri) -> Result<(StreamQuery, Self), Problem> {
+        let parameters = uri.query().unwrap_or("").split('&');
+        let name = |parameter: &&str| parameter.split('=').next().unwrap_or("").to_owned();
+        let (stream, job): (Vec<&str>, Vec<&str>) = parameters
+            .filter(|parameter| !parameter.is_empty())
+            .partition(|parameter| query::OF_STREAMS.contains(&name(parameter).as_str()));
+        let stream = negotiate::query(&only(uri, &stream))?;
+        let given: Vec<(String, String)> = negotiate::query(&only(uri, &job))?;
+        let mut fields = Self::default();
+        for (name, text) in given {
+            match name.as_str() {
+                SIZE => fields.size = Some(size(&text)?),
+                _ => path::insert(&mut fields.json, &name, &text)
+                    .map_err(|detail| Problem::at_parameter(&name, detail))?,
+            }
+        }
+        Ok((stream, fields))
+    }
+
+    /// The same text for the same fields.
+    pub(super) fn text(&self) -> String {
+        let size = self
+            .size
+            .map(|size| format!("{}x{}", size.rows, size.columns));
+        format!(
+            "{} {}",
+            Value::from(self.json.clone()),
+            size.unwrap_or_default()
+        )
+    }
+
+    /// The job that they ask for, with the points of this body.
+    pub(super) fn job(
+        self,
+        bytes: &Bytes,
+        config: &Config,
+    ) -> Result<(JobSpec, FileWords), Problem> {
+        let has = |name| self.json.contains_key(name);
+        let kind = match (has("curve"), has("surface") || self.size.is_some()) {
+            (true, _) => Some(Kind::Curve),
+            (false, true) => Some(Kind::Surface),
+            (false, false) => None,
+        };
+        let hints = Hints {
+            kind,
+            size: self.size,
+            most: config.limits().points,
+        };
+        let points = imported(bytes, &hints)?;
+        file::read(self.json, points, kind, config)
+    }
+}
+
+/// The address with some of its parameters.
+fn only(uri: &Uri, parameters: &[&str]) -> Uri {
+    let text = format!("{}?{}", uri.path(), parameters.join("&"));
+    // Its parts have been in an address before.
+    text.parse().unwrap_or_default()
+}
+
+/// Rows and columns, such as 40x60.
+fn size(text: &str) -> Result<Grid, Problem> {
+    let size = match Samples::of_text(text) {
+        Some(Samples::Grid(rows, columns)) if rows >= 2 && columns >= 2 => {
+            Some(Grid { rows, columns })
+        }
+        _ => None,
+    };
+    size.ok_or_else(|| {
+        let detail = format!(
+            "{} is no number of rows and columns, such as 40x60",
+            quoted(text)
+        );
+        Problem::at_parameter(SIZE, detail)
+    })
+}

@@ -1,0 +1,113 @@
+//! A job whose points are in a file, and whose other fields are not.
+//!
+//! The fields are read as the JSON that they are, without points; the points take their place. What is
+//! wrong is told at the line of a point, or at the parameter that a field was given in.
+
+use serde_json::{Map, Value, json};
+
+use super::job::{self, Data};
+use super::places::Places;
+use crate::api::json::view::to_bytes;
+use crate::api::problem::{Location, Problem, Words};
+use crate::config::Config;
+use crate::import::{Imported, Kind};
+use crate::model::job::{JobSpec, LONGEST_NAME};
+use crate::model::mistakes::SpecPart;
+use crate::model::short;
+
+/// Reads a job of these fields, with these points of a file, which are of that kind if anybody says so.
+pub fn read(
+    mut fields: Map<String, Value>,
+    file: Imported,
+    kind: Option<Kind>,
+    config: &Config,
+) -> Result<(JobSpec, FileWords), Problem> {
+    let lines = Lines {
+        columns: file.grid.map_or(1, |grid| grid.columns),
+        lines: file.lines,
+    };
+    let shown = file.grid.map_or(Kind::Curve, |_| Kind::Surface);
+    let kind = kind.unwrap_or(shown);
+    let (name, list) = match (kind, file.grid) {
+        (Kind::Curve, _) => ("curve", "points"),
+        (Kind::Surface, Some(_)) => ("surface", "points"),
+        (Kind::Surface, None) => ("surface", "scattered"),
+    };
+    let shape = fields.entry(name).or_insert_with(|| json!({}));
+    if let Some(shape) = shape.as_object_mut() {
+        if list == "scattered" && !shape.contains_key("parameters") {
+            let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";
+            return Err(Problem::at_parameter("surface.size", detail));
+        }
+        shape.insert(list.to_owned(), json!([]));
+    }
+    if let Some(name) = file.name {
+        let name = short::cut(&name, LONGEST_NAME - 1).into_owned();
+        fields.entry("name").or_insert(Value::from(name));
+    }
+    let data = match (kind, file.grid) {
+        (Kind::Curve, _) => Data::Curve(file.points),
+        (Kind::Surface, Some(grid)) => Data::Grid(file.points, grid),
+        (Kind::Surface, None) => Data::Scattered(file.points),
+    };
+    match job::read_with(&to_bytes(&fields), data, config) {
+        Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
+        Err(problem) => Err(problem.relocated(|place| match place {
+            Location::Pointer(pointer) => lines.place(pointer),
+            place => place,
+        })),
+    }
+}
+
+/// Where the parts of such a job stand.
+#[derive(Debug)]
+pub struct FileWords {
+    places: Places,
+    lines: Lines,
+}
+
+impl Words for FileWords {
+    fn of(&self, place: SpecPart) -> String {
+        self.places.of(place)
+    }
+
+    fn place(&self, text: String) -> Location {
+        self.lines.place(text)
+    }
+}
+
+/// The lines of the points.
+#[derive(Debug)]
+struct Lines {
+    columns: usize,
+    lines: Vec<u32>,
+}
+
+impl Lines {
+    /// The line of a point of the JSON at a pointer, or the parameter of another field.
+    fn place(&self, pointer: String) -> Location {
+        let lists = ["/curve/points", "/surface/points", "/surface/scattered"];
+        match lists
+            .into_iter()
+            .find_map(|list| pointer.strip_prefix(list))
+        {
+            Some(rest) => Location::Line(self.line(rest)),
+            None if pointer.is_empty() => Location::Pointer(pointer),
+            None => Location::Parameter(pointer.trim_start_matches('/').replace('/', ".")),
+        }
+    }
+
+    /// The line of the point with these indices; of all points the first one.
+    fn line(&self, indices: &str) -> usize {
+        let mut indices = indices.split('/').filter_map(|index| index.parse().ok());
+        let mut next = || -> usize { indices.next().unwrap_or(0) };
+        let index = match self.columns {
+            1 => next(),
+            columns => next() * columns + next(),
+        };
+        self.lines
+            .get(index)
+            .or(self.lines.first())
+            .map_or(1, |line| *line as usize)
+    }
+}

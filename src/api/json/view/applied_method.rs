@@ -1,0 +1,135 @@
+//! The method of a job as a part of its resource.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::api::json::per_direction::PerDirection;
+use crate::api::json::request::method::counts::{
+    Auto, ControlPointCount, ControlPoints, MostControlPoints,
+};
+use crate::api::json::request::method::{
+    MethodKind, StartRequest, SweepsRequest, VariantRequest, start_name, sweeps_name, variant_name,
+};
+use crate::fit::method::{
+    AS_MANY_AS_DATA, Adaptive, Convex, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
+};
+use crate::fit::system::Forecast;
+use crate::job::outline::Outline;
+
+/// The method of a job, with numbers that were computed for it.
+#[derive(Default, Serialize, JsonSchema)]
+#[schemars(extend("examples" = [{"kind": "weighted", "omega": 1.37, "lambda_min": 0.46}]))]
+pub(super) struct AppliedMethod {
+    /// The kind.
+    #[schemars(with = "MethodKind")]
+    kind: &'static str,
+    /// Weighted, local and adaptive: the relaxation; null until it is computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    omega: Option<Option<f64>>,
+    /// Local: how many control points may move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "usize")]
+    adjusted: Option<usize>,
+    /// Local: whether rows are swept one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "bool")]
+    row_by_row: Option<bool>,
+    /// Local: the lines of points that are swept one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "SweepsRequest")]
+    sweeps: Option<&'static str>,
+    /// Adaptive: the distance beyond which control points move; left out if each point has one. Convex:
+    /// how near bisection goes to the longest step that keeps the turns, as a part of the plain step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    threshold: Option<f64>,
+    /// Extended: what iteration 0 is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "StartRequest")]
+    start: Option<&'static str>,
+    /// Extended: whether `error.transformed` is told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "bool")]
+    transformed_error: Option<bool>,
+    /// Least squares: the number of control points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "ControlPoints")]
+    control_points: Option<PerDirection<ControlPointCount>>,
+    /// Automatic least squares: the most control points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "MostControlPoints")]
+    max_control_points: Option<PerDirection<usize>>,
+    /// Automatic least squares: parameters move to the nearest points of the curve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    correct_parameters: Option<bool>,
+    /// Least squares: the step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "VariantRequest")]
+    variant: Option<&'static str>,
+    /// The least eigenvalue of the collocation matrix, where it is known; of local fits of few points
+    /// that of their block.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    lambda_min: Option<f64>,
+}
+
+impl AppliedMethod {
+    /// The method with its settings, and with the numbers that were computed for it.
+    pub(super) fn new(outline: &Outline, forecast: Option<Forecast>) -> Self {
+        let mut view = Self {
+            kind: outline.method.name(),
+            lambda_min: forecast.and_then(|it| it.block.or(it.lambda_min)),
+            ..Self::default()
+        };
+        match &outline.method {
+            Method::Weighted(Weighted { omega }) => {
+                view.omega = Some(forecast.and_then(|it| it.omega).or(*omega));
+            }
+            Method::Local(Local { omega, sweeps }) => {
+                let used = forecast.and_then(|it| it.omega);
+                view.omega = Some(used.or(omega.given()));
+                view.adjusted = outline.adjusted;
+                view.row_by_row = Some(*sweeps == Some(Sweeps::Rows));
+                view.sweeps = sweeps.map(sweeps_name);
+            }
+            Method::Adaptive(Adaptive { threshold, omega }) => {
+                view.threshold = match threshold {
+                    Threshold::All(threshold) => Some(*threshold),
+                    Threshold::Each(_) => None,
+                };
+                view.omega = Some(Some(*omega));
+            }
+            Method::Convex(Convex { threshold }) => view.threshold = Some(*threshold),
+            Method::Extended(settings) => {
+                view.start = Some(start_name(settings.start));
+                view.transformed_error = settings.transformed_error.then_some(true);
+            }
+            Method::LeastSquares(LeastSquares {
+                u,
+                v,
+                variant,
+                automatic,
+                ..
+            }) => {
+                let counts = match outline.surface {
+                    false => PerDirection::Both(*u),
+                    true => PerDirection::Each { u: *u, v: *v },
+                };
+                match automatic {
+                    None => {
+                        view.control_points = Some(counts.map(ControlPointCount::Number));
+                        view.variant = Some(variant_name(*variant));
+                    }
+                    Some(automatic) => {
+                        let auto = ControlPointCount::Auto(Auto::Auto);
+                        view.control_points = Some(PerDirection::Both(auto));
+                        view.max_control_points = (*u != AS_MANY_AS_DATA).then_some(counts);
+                        view.correct_parameters = automatic.correct_parameters.then_some(true);
+                    }
+                }
+            }
+            _ => {}
+        }
+        view
+    }
+}

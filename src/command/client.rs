@@ -1,0 +1,243 @@
+//! The server that fits: one inside of this process, or one at a URL. Both are asked the same.
+
+use std::error::Error;
+use std::io;
+use std::sync::OnceLock;
+
+use axum::body::Body;
+use axum::http::{HeaderValue, Method, Request, Response, Uri, header};
+use bytes::Bytes;
+use bytesize::ByteSize;
+use http_body_util::BodyExt;
+use hyper_rustls::{HttpsConnector, HttpsConnectorBuilder};
+use hyper_util::client::legacy;
+use hyper_util::client::legacy::connect::HttpConnector;
+use hyper_util::rt::TokioExecutor;
+use rustls::CertificateError;
+use tower::ServiceExt;
+
+use super::failure::Failure;
+use super::refusal::Refusal;
+use crate::config::{Config, DataDir};
+use crate::server::local::{self, Local};
+
+/// The memory of a job in this process: large jobs get 5/16 of that of a server, so that this is
+/// nearly all of the machine's.
+const SHARES: u64 = 3;
+
+/// Why no server with TLS can be asked on a system without certificates.
+const NO_AUTHORITIES: &str = "there are no certificates of authorities to trust servers by: install those of the system (ca-certificates), or name a file of them in SSL_CERT_FILE";
+
+/// Why a server is not asked whose certificate somebody else has signed.
+const NOT_TRUSTED: &str = "its certificate is signed by an authority that is not trusted here; trusted are those of the system, or of the file that SSL_CERT_FILE names";
+
+/// Why a server is not asked whose certificate is such as `openssl req -x509` makes them.
+const AUTHORITY: &str = "its certificate is that of an authority (CA:TRUE), and not of a server: let that authority sign one for the server";
+
+/// A server.
+pub struct Client {
+    door: Door,
+    /// The path of the job that is followed, once it is known.
+    pub job: OnceLock<String>,
+}
+
+enum Door {
+    Here(Box<Local>),
+    There {
+        client: Box<legacy::Client<HttpsConnector<HttpConnector>, Body>>,
+        base: String,
+        token: Option<HeaderValue>,
+    },
+}
+
+impl Client {
+    /// A server in this process. It listens on no port and keeps nothing on disk.
+    pub async fn here(many_iterations: bool) -> Result<Self, Failure> {
+        let failed = |reason: io::Error| Failure::Failed(reason.to_string());
+        let mut config = Config::standard();
+        config.data_dir = DataDir::Memory;
+        config.memory = Some(ByteSize(
+            config
+                .memory_bytes()
+                .saturating_mul(2)
+                .saturating_mul(SHARES),
+        ));
+        config.max_points = u32::MAX as usize;
+        config.max_body = ByteSize(u64::from(u32::MAX) << 8);
+        config.max_iterations = 1_000_000_000;
+        if many_iterations {
+            config.ring = ByteSize::gib(1);
+        }
+        let local = local::start(config).await.map_err(failed)?;
+        Ok(Self::new(Door::Here(Box::new(local))))
+    }
+
+    /// A server at a URL, which may have a path before those of the API.
+    pub fn there(url: &str, token: Option<&str>) -> Result<Self, Failure> {
+        let wrong = |detail: &str| Failure::usage(format!("--server {url}: {detail}"));
+        let uri: Uri = url.parse().map_err(|_| wrong("it is no URL"))?;
+        if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none() {
+            return Err(wrong("it is no URL such as https://fits.example.org"));
+        }
+        let token = token.map(|token| HeaderValue::try_from(format!("Bearer {token}")));
+        let token = token.transpose();
+        let token = token.map_err(|_| Failure::usage("--token-file: it holds no token"))?;
+        let builder = HttpsConnectorBuilder::new().with_native_roots();
+        let connector = match builder {
+            Ok(builder) => builder.https_or_http().enable_http1().build(),
+            // Without certificates there is still plain HTTP.
+            Err(_) if uri.scheme_str() == Some("http") => plain_connector(),
+            Err(_) => return Err(Failure::Failed(format!("{url}: {NO_AUTHORITIES}"))),
+        };
+        Ok(Self::new(Door::There {
+            client: Box::new(legacy::Client::builder(TokioExecutor::new()).build(connector)),
+            base: url.trim_end_matches('/').to_owned(),
+            token,
+        }))
+    }
+
+    fn new(door: Door) -> Self {
+        Self {
+            door,
+            job: OnceLock::new(),
+        }
+    }
+
+    /// Whether it is another process.
+    pub fn is_remote(&self) -> bool {
+        matches!(self.door, Door::There { .. })
+    }
+
+    /// The address of a path.
+    pub fn address(&self, path: &str) -> String {
+        match &self.door {
+            Door::Here(_) => path.to_owned(),
+            Door::There { base, .. } => format!("{base}{path}"),
+        }
+    }
+
+    /// Posts a body; the answer comes as events, a line of JSON each.
+    pub async fn post(
+        &self,
+        path: &str,
+        media_type: &'static str,
+        body: Bytes,
+    ) -> Result<Result<Body, Refusal>, Failure> {
+        let request = Request::builder()
+            .method(Method::POST)
+            .header(header::CONTENT_TYPE, media_type)
+            .header(header::CONTENT_LENGTH, body.len());
+        self.send(request, path, "application/x-ndjson", body.into())
+            .await
+    }
+
+    /// Gets what is at a path.
+    pub async fn get(
+        &self,
+        path: &str,
+        accept: &'static str,
+    ) -> Result<Result<Body, Refusal>, Failure> {
+        self.send(Request::builder(), path, accept, Body::empty())
+            .await
+    }
+
+    /// Stops the job that is followed on another server; one in this process ends with it.
+    pub async fn cancel(&self) -> Result<(), Failure> {
+        if let Some(job) = self.job.get().filter(|_| self.is_remote()) {
+            let path = format!("{job}/cancel");
+            let request = Request::builder().method(Method::POST);
+            // One that has ended in the meantime is refused, which is as well.
+            let _ = self.send(request, &path, "*/*", Body::empty()).await?;
+        }
+        Ok(())
+    }
+
+    async fn send(
+        &self,
+        request: axum::http::request::Builder,
+        path: &str,
+        accept: &'static str,
+        body: Body,
+    ) -> Result<Result<Body, Refusal>, Failure> {
+        let request = request
+            .uri(self.address(path))
+            .header(header::ACCEPT, accept);
+        let failed = |reason: String| Failure::Failed(format!("{}: {reason}", self.address(path)));
+        let response = match &self.door {
+            Door::Here(local) => {
+                let request = request.header(header::HOST, "localhost").body(body);
+                let request = request.map_err(|reason| failed(reason.to_string()))?;
+                let answer = local.router.clone().oneshot(request).await;
+                answer.unwrap_or_else(|never| match never {})
+            }
+            Door::There { client, token, .. } => {
+                let mut request = request.body(body).map_err(|it| failed(it.to_string()))?;
+                if let Some(token) = token {
+                    request
+                        .headers_mut()
+                        .insert(header::AUTHORIZATION, token.clone());
+                }
+                let answer = client.request(request).await;
+                answer
+                    .map_err(|reason| failed(told(&reason)))?
+                    .map(Body::new)
+            }
+        };
+        answer(response).await
+    }
+}
+
+/// The body of an answer, or why there is none.
+async fn answer(response: Response<Body>) -> Result<Result<Body, Refusal>, Failure> {
+    let (parts, body) = response.into_parts();
+    if parts.status.is_success() {
+        return Ok(Ok(body));
+    }
+    let body = body.collect().await.map(|body| body.to_bytes());
+    Ok(Err(Refusal::read(parts.status, &body.unwrap_or_default())))
+}
+
+/// Why a server was not reached.
+fn told(error: &legacy::Error) -> String {
+    match refused_certificate(error) {
+        Some(CertificateError::UnknownIssuer) => NOT_TRUSTED.to_owned(),
+        // What is wrong with its form is known by name only.
+        Some(reason) if reason.to_string().contains("CaUsedAsEndEntity") => AUTHORITY.to_owned(),
+        Some(reason) => format!("its certificate is refused: {reason}"),
+        None => causes(error),
+    }
+}
+
+/// What is wrong with a certificate, if that is behind an error.
+fn refused_certificate<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a CertificateError> {
+    if let Some(rustls::Error::InvalidCertificate(reason)) = error.downcast_ref() {
+        return Some(reason);
+    }
+    // Errors inside of those of I/O are no sources of them.
+    let inner = error.downcast_ref().and_then(io::Error::get_ref);
+    match inner {
+        Some(inner) => refused_certificate(inner),
+        None => error.source().and_then(refused_certificate),
+    }
+}
+
+/// An error with what is behind it, which says more.
+fn causes(error: &dyn Error) -> String {
+    match error.source() {
+        None => error.to_string(),
+        Some(cause) => format!("{error}: {}", causes(cause)),
+    }
+}
+
+/// A connector that trusts nobody, for plain HTTP.
+fn plain_connector() -> HttpsConnector<HttpConnector> {
+    let nobody = rustls::RootCertStore::empty();
+    let config = rustls::ClientConfig::builder()
+        .with_root_certificates(nobody)
+        .with_no_client_auth();
+    HttpsConnectorBuilder::new()
+        .with_tls_config(config)
+        .https_or_http()
+        .enable_http1()
+        .build()
+}

@@ -1,0 +1,54 @@
+//! A file of each iteration.
+
+use std::fs;
+use std::path::Path;
+
+use super::arguments::FitArguments;
+use super::client::Client;
+use super::failure::Failure;
+use super::outputs::{OutputFormat, Place, write};
+
+/// The most files where nobody says how many.
+const MOST: usize = 1000;
+
+/// Makes the directory, so that it is known to be there before the fit begins.
+pub fn prepare(directory: &Path) -> Result<(), Failure> {
+    match fs::create_dir(directory) {
+        Err(_) if directory.is_dir() => Ok(()),
+        Err(reason) => Err(Failure::usage(format!(
+            "--iterations {}: {reason}",
+            directory.display()
+        ))),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// Writes iterations of a job up to the last one; tells how many, and their bytes.
+pub async fn write_all(
+    client: &Client,
+    arguments: &FitArguments,
+    directory: &Path,
+    format: OutputFormat,
+    last: usize,
+) -> Result<(usize, u64), Failure> {
+    let every = arguments.every.map(|every| every as usize);
+    let every = every.unwrap_or_else(|| (last + 1).div_ceil(MOST).max(1));
+    let mut numbers: Vec<usize> = (0..=last).step_by(every).collect();
+    if numbers.last() != Some(&last) {
+        numbers.push(last);
+    }
+    let digits = last.to_string().len();
+    let job = client.job.get().map_or("", String::as_str);
+    let mut bytes = 0;
+    for k in &numbers {
+        let name = format!("iteration-{k:0digits$}.{}", format.ending());
+        let place = Place::File(directory.join(name));
+        let suffix = format.suffix(arguments.units.as_deref());
+        let path = format!("{job}/iterations/{k}{suffix}");
+        bytes += match client.get(&path, "*/*").await? {
+            Ok(body) => write(&place, body).await?,
+            Err(refusal) => return Err(Failure::Failed(format!("{place}: {}", refusal.detail))),
+        };
+    }
+    Ok((numbers.len(), bytes))
+}

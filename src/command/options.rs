@@ -1,0 +1,246 @@
+//! The options as fields of a job: what flags say becomes the JSON that servers read.
+
+use std::fs;
+
+use serde_json::{Map, Value, json};
+
+use super::arguments::FitArguments;
+use super::failure::Failure;
+use super::input::{Content, Input, not_json};
+use crate::api::json::request::path::{insert, insert_value};
+use crate::import::{self, Hints};
+
+/// The field of a request with a file of points that says how many rows and columns there are.
+pub const SIZE: &str = "surface.size";
+
+/// What the flags ask for.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// Fields of a job, without points.
+    pub fields: Map<String, Value>,
+    /// Rows and columns.
+    pub size: Option<String>,
+    /// Where each flag has gone.
+    pub flags: Vec<(String, String)>,
+}
+
+impl Asked {
+    /// What the flags ask of an input.
+    pub fn of(arguments: &FitArguments, input: &Input) -> Result<Self, Failure> {
+        let mut asked = Self::default();
+        asked.take_settings(arguments)?;
+        for text in &arguments.set {
+            asked.take_set(text)?;
+        }
+        if arguments.surface.is_some() {
+            asked.size = arguments.surface.clone().flatten();
+            asked.fields.entry("surface").or_insert_with(|| json!({}));
+            asked.flags.push((SIZE.to_owned(), "--surface".to_owned()));
+        }
+        let from_file = match &arguments.json {
+            None => Map::new(),
+            Some(path) => {
+                let name = path.display().to_string();
+                let text = fs::read(path);
+                let text = text.map_err(|reason| Failure::usage(format!("{name}: {reason}")))?;
+                serde_json::from_slice(&text).map_err(|error| not_json(&name, &error))?
+            }
+        };
+        asked.take_shape(arguments, input, &from_file)?;
+        let flags = std::mem::replace(&mut asked.fields, from_file);
+        merge(&mut asked.fields, flags);
+        Ok(asked)
+    }
+
+    fn take_settings(&mut self, arguments: &FitArguments) -> Result<(), Failure> {
+        let method = arguments.method.as_deref();
+        let implied = arguments.control_points.as_ref().map(|_| "least_squares");
+        if let Some(kind) = method.or(implied) {
+            let flag = method.map_or("--control-points", |_| "--method");
+            self.take("method.kind", flag, Value::from(kind))?;
+        }
+        if let Some(text) = &arguments.control_points {
+            self.take("method.control_points", "--control-points", pair(text, 'x'))?;
+        }
+        if let Some(text) = &arguments.tolerance {
+            self.take("stop.tolerance", "--tolerance", number(text))?;
+        }
+        if let Some(text) = &arguments.max_iterations {
+            self.take("stop.max_iterations", "--max-iterations", number(text))?;
+        }
+        Ok(())
+    }
+
+    /// Takes the flags that are about the curve or the surface, whichever it is.
+    fn take_shape(
+        &mut self,
+        arguments: &FitArguments,
+        input: &Input,
+        from_file: &Map<String, Value>,
+    ) -> Result<(), Failure> {
+        let FitArguments {
+            degree,
+            basis,
+            ends,
+            closed,
+            ..
+        } = arguments;
+        if degree.is_none() && basis.is_none() && ends.is_none() && !closed {
+            return Ok(());
+        }
+        let is = |name| self.fields.contains_key(name) || from_file.contains_key(name);
+        let shape = match (is("curve"), is("surface")) {
+            (_, true) => "surface",
+            (true, false) => "curve",
+            (false, false) => shape(input)?,
+        };
+        let degree = degree.as_deref().map(|text| pair(text, ','));
+        match (basis, degree) {
+            (None, None) => {}
+            (None, Some(degree)) => self.take(&format!("{shape}.degree"), "--degree", degree)?,
+            (Some(basis), None) => {
+                let basis = Value::from(basis.as_str());
+                self.take(&format!("{shape}.basis"), "--basis", basis)?;
+            }
+            (Some(basis), Some(degree)) => {
+                let of = |degree: &Value| json!({"kind": basis, "degree": degree});
+                let both = match degree.as_object() {
+                    None => of(&degree),
+                    Some(each) => each
+                        .iter()
+                        .map(|(name, it)| (name.clone(), of(it)))
+                        .collect(),
+                };
+                let path = format!("{shape}.basis");
+                self.flags
+                    .push((format!("{path}.degree"), "--degree".to_owned()));
+                self.take(&path, "--basis", both)?;
+            }
+        }
+        if let Some(text) = ends {
+            let json = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text.as_str()));
+            self.take(&format!("{shape}.ends"), "--ends", json)?;
+        }
+        if *closed {
+            self.take(&format!("{shape}.closed"), "--closed", Value::from(true))?;
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, path: &str, flag: &str, value: Value) -> Result<(), Failure> {
+        self.flags.push((path.to_owned(), flag.to_owned()));
+        insert_value(&mut self.fields, path, value)
+            .map_err(|detail| Failure::usage(format!("{flag}: {detail}")))
+    }
+
+    fn take_set(&mut self, text: &str) -> Result<(), Failure> {
+        let Some((path, value)) = text.split_once('=') else {
+            let detail = "it is no field with its value, such as curve.degree=3";
+            return Err(Failure::usage(format!("--set {text}: {detail}")));
+        };
+        let flag = format!("--set {path}");
+        if path == SIZE {
+            return Err(Failure::usage(format!("{flag}: use --surface {value}")));
+        }
+        let inserted = insert(&mut self.fields, path, value);
+        inserted.map_err(|detail| Failure::usage(format!("{flag}: {detail}")))?;
+        self.flags.push((path.to_owned(), flag));
+        Ok(())
+    }
+}
+
+/// Puts fields over others. A method of another kind has other settings, so it replaces the method.
+pub fn merge(fields: &mut Map<String, Value>, over: Map<String, Value>) {
+    for (name, value) in over {
+        let before = fields.get_mut(&name);
+        match (before.and_then(Value::as_object_mut), value) {
+            (Some(before), Value::Object(value)) if !is_other_kind(before, &value) => {
+                merge(before, value);
+            }
+            (_, value) => {
+                fields.insert(name, value);
+            }
+        }
+    }
+}
+
+fn is_other_kind(before: &Map<String, Value>, after: &Map<String, Value>) -> bool {
+    let kind = after.get("kind");
+    kind.is_some() && kind != before.get("kind")
+}
+
+/// Whether the points of an input are of a curve or of a surface.
+fn shape(input: &Input) -> Result<&'static str, Failure> {
+    let surface = match input.content {
+        Content::Text => {
+            let hints = Hints {
+                kind: None,
+                size: None,
+                most: usize::MAX,
+            };
+            // What is wrong with it is told by those who read it.
+            let text = String::from_utf8_lossy(&input.bytes);
+            import::read(&text, &hints).is_ok_and(|read| read.grid.is_some())
+        }
+        Content::Points => is_grid(&input.value()?),
+        Content::Job => input.value()?.get("surface").is_some(),
+    };
+    Ok(match surface {
+        true => "surface",
+        false => "curve",
+    })
+}
+
+/// Whether an array of points is one of rows of points.
+pub fn is_grid(points: &Value) -> bool {
+    points[0][0].is_array()
+}
+
+/// A number if it is one; else the text, which the reader of jobs refuses.
+fn number(text: &str) -> Value {
+    let json = serde_json::from_str(text).ok().filter(Value::is_number);
+    let number = || text.parse::<f64>().ok().map(Value::from);
+    json.or_else(number).unwrap_or_else(|| Value::from(text))
+}
+
+/// A value, or one for each direction.
+fn pair(text: &str, separator: char) -> Value {
+    match text.split_once(separator) {
+        Some((u, v)) if !u.is_empty() => json!({"u": number(u.trim()), "v": number(v.trim())}),
+        _ => number(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_go_over_others_and_methods_replace_others() {
+        let object = |value: Value| value.as_object().unwrap().clone();
+        let mut fields = object(
+            json!({"method": {"kind": "least_squares", "control_points": 9}, "stop": {"tolerance": 1}}),
+        );
+        merge(
+            &mut fields,
+            object(json!({"stop": {"max_iterations": 5}, "method": {"variant": "cg"}})),
+        );
+        assert_eq!(
+            Value::from(fields.clone()),
+            json!({"method": {"kind": "least_squares", "control_points": 9, "variant": "cg"}, "stop": {"tolerance": 1, "max_iterations": 5}})
+        );
+        merge(&mut fields, object(json!({"method": {"kind": "direct"}})));
+        assert_eq!(fields["method"], json!({"kind": "direct"}));
+    }
+
+    #[test]
+    fn numbers_and_pairs_are_read() {
+        assert_eq!(number("1e-4"), json!(1e-4));
+        assert_eq!(number(".5"), json!(0.5));
+        assert_eq!(number("12"), json!(12));
+        assert_eq!(number("few"), json!("few"));
+        assert_eq!(pair("3,2", ','), json!({"u": 3, "v": 2}));
+        assert_eq!(pair("20x30", 'x'), json!({"u": 20, "v": 30}));
+        assert_eq!(pair("auto", 'x'), json!("auto"));
+    }
+}

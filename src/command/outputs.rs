@@ -1,0 +1,253 @@
+//! Where results go: which files, in which formats, and that there are only complete ones.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::fs::{self, File, Permissions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use axum::body::Body;
+use http_body_util::BodyExt;
+use tempfile::NamedTempFile;
+
+use super::arguments::FitArguments;
+use super::failure::Failure;
+use crate::export::Format;
+
+/// The format of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputFormat {
+    /// The JSON of a result.
+    Json,
+    /// A file.
+    File(Format),
+}
+
+impl OutputFormat {
+    /// The format with this name or ending.
+    fn named(text: &str) -> Option<Self> {
+        match text.to_ascii_lowercase().as_str() {
+            "json" => Some(Self::Json),
+            text => text.parse().ok().map(Self::File),
+        }
+    }
+
+    /// The ending of its names.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::File(format) => format.extension(),
+        }
+    }
+
+    /// What follows the path of a result or an iteration.
+    pub fn suffix(self, units: Option<&str>) -> String {
+        match (self, units) {
+            (Self::Json, _) => String::new(),
+            (Self::File(format), Some(units)) if format.has_unit() => {
+                format!("/{format}?units={units}")
+            }
+            (Self::File(format), _) => format!("/{format}"),
+        }
+    }
+}
+
+/// Where something goes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Place {
+    /// The standard output.
+    Standard,
+    /// A file.
+    File(PathBuf),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Standard => f.write_str("<stdout>"),
+            Self::File(path) => path.display().fmt(f),
+        }
+    }
+}
+
+/// An output.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// Where it goes.
+    pub place: Place,
+    /// Its format.
+    pub format: OutputFormat,
+}
+
+/// The outputs that are asked for, if all of them can be written by what is known before the fit.
+pub fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
+    let given = arguments.format.as_deref();
+    let given = given.map(|name| {
+        let no_format = || Failure::usage(format!("--format {name}: {}", formats("there are")));
+        OutputFormat::named(name).ok_or_else(no_format)
+    });
+    let given = given.transpose()?;
+    let mut outputs = Vec::new();
+    for path in &arguments.output {
+        outputs.push(output(path, given)?);
+    }
+    if let Some(path) = &arguments.plot {
+        outputs.push(Output {
+            place: place(path),
+            format: OutputFormat::File(Format::Svg),
+        });
+    }
+    // A picture alone is no result.
+    if arguments.output.is_empty() {
+        let standard = Output {
+            place: Place::Standard,
+            format: given.unwrap_or(OutputFormat::Json),
+        };
+        outputs.insert(0, standard);
+    }
+    check(&outputs)?;
+    let has_unit =
+        |output: &Output| matches!(output.format, OutputFormat::File(format) if format.has_unit());
+    if let Some(units) = arguments.units.as_deref()
+        && !outputs.iter().any(has_unit)
+    {
+        let detail = "no output is STEP or IGES, which alone have a unit that can be chosen";
+        return Err(Failure::usage(format!("--units {units}: {detail}")));
+    }
+    Ok(outputs)
+}
+
+fn output(path: &Path, given: Option<OutputFormat>) -> Result<Output, Failure> {
+    let place = place(path);
+    let by_name = || match &place {
+        Place::Standard => Some(OutputFormat::Json),
+        Place::File(path) => OutputFormat::named(path.extension()?.to_str()?),
+    };
+    let format = given.or_else(by_name);
+    let format = format.ok_or_else(|| {
+        let formats = formats("its ending is none of");
+        Failure::usage(format!("{place}: {formats}; --format says the format"))
+    })?;
+    Ok(Output { place, format })
+}
+
+fn place(path: &Path) -> Place {
+    match path.to_str() {
+        Some("-") => Place::Standard,
+        _ => Place::File(path.to_owned()),
+    }
+}
+
+fn formats(before: &str) -> String {
+    let names = Format::ALL.map(Format::name).join(", ");
+    format!("{before} json, {names}")
+}
+
+/// Checks that files can be where they are asked for, and that no two are in one place.
+fn check(outputs: &[Output]) -> Result<(), Failure> {
+    let mut places = HashSet::new();
+    for Output { place, .. } in outputs {
+        if !places.insert(place) {
+            return Err(Failure::usage(format!("{place}: it is asked for twice")));
+        }
+        if let Place::File(path) = place {
+            let wrong = |detail: &str| Err(Failure::usage(format!("{place}: {detail}")));
+            if path.is_dir() {
+                return wrong("it is a directory");
+            }
+            if !directory(path).is_dir() {
+                let directory = directory(path).display().to_string();
+                return wrong(&format!("there is no directory {directory}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The directory that a file is in.
+fn directory(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if parent.as_os_str().is_empty() => Path::new("."),
+        Some(parent) => parent,
+        None => path,
+    }
+}
+
+/// Writes a body; tells how many bytes it has.
+pub async fn write(place: &Place, mut body: Body) -> Result<u64, Failure> {
+    let failed = |reason: &io::Error| match (place, reason.kind()) {
+        (Place::Standard, io::ErrorKind::BrokenPipe) => Failure::Closed,
+        _ => Failure::of_file(place, reason),
+    };
+    let mut sink = Sink::new(place).map_err(|reason| failed(&reason))?;
+    let mut count = 0;
+    while let Some(frame) = body.frame().await {
+        let frame = frame.map_err(|reason| Failure::Failed(format!("{place}: {reason}")))?;
+        let data = frame.into_data().unwrap_or_default();
+        count += data.len() as u64;
+        sink.write(&data).map_err(|reason| failed(&reason))?;
+    }
+    sink.finish().map_err(|reason| failed(&reason))?;
+    Ok(count)
+}
+
+/// A file that is being written.
+enum Sink {
+    Standard,
+    /// A device or a pipe, which cannot be replaced.
+    Special(File),
+    /// A file beside its place, to which it moves when it is complete. It goes away if it is dropped before.
+    Beside(NamedTempFile, PathBuf),
+}
+
+impl Sink {
+    fn new(place: &Place) -> io::Result<Self> {
+        let Place::File(path) = place else {
+            return Ok(Self::Standard);
+        };
+        // What a link leads to is replaced, rather than the link.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+        let before = fs::metadata(&path).ok();
+        if before.as_ref().is_some_and(|it| !it.is_file()) {
+            return Ok(Self::Special(File::options().write(true).open(path)?));
+        }
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".piad-").suffix(".part");
+        if let Some(permissions) = permissions(before.map(|it| it.permissions())) {
+            builder.permissions(permissions);
+        }
+        let file = builder.tempfile_in(directory(&path))?;
+        Ok(Self::Beside(file, path))
+    }
+
+    fn write(&mut self, data: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Standard => io::stdout().lock().write_all(data),
+            Self::Special(file) => file.write_all(data),
+            Self::Beside(file, _) => file.write_all(data),
+        }
+    }
+
+    fn finish(self) -> io::Result<()> {
+        match self {
+            Self::Standard => io::stdout().lock().flush(),
+            Self::Special(mut file) => file.flush(),
+            Self::Beside(file, path) => match file.persist(path) {
+                Ok(_) => Ok(()),
+                Err(error) => Err(error.error),
+            },
+        }
+    }
+}
+
+/// Those of the file that is replaced, or of any new file.
+#[cfg(unix)]
+fn permissions(before: Option<Permissions>) -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(before.unwrap_or_else(|| Permissions::from_mode(0o666)))
+}
+
+#[cfg(not(unix))]
+fn permissions(_: Option<Permissions>) -> Option<Permissions> {
+    None
+}

@@ -1,0 +1,96 @@
+//! What is told while a fit runs: a bar on terminals, lines elsewhere.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::events::{IterationEvent, JobEvent};
+
+/// The time between lines.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// What is told, and how.
+pub enum Progress {
+    /// Nothing.
+    Silent,
+    /// A bar, with the number of the last iteration at its right end.
+    Bar(ProgressBar),
+    /// A line now and then.
+    Lines {
+        /// When the last one was told.
+        told: Option<Instant>,
+        /// The iterations that it takes, if anybody knows.
+        total: Option<usize>,
+    },
+}
+
+impl Progress {
+    /// Nothing if it is to be quiet, a bar if somebody looks at the standard error.
+    pub fn new(quiet: bool) -> Self {
+        if quiet {
+            return Self::Silent;
+        }
+        if !std::io::stderr().is_terminal() {
+            return Self::Lines {
+                told: None,
+                total: None,
+            };
+        }
+        let bar = ProgressBar::no_length().with_message("reading");
+        // One line: what does not fit on a narrow terminal is cut off at its end.
+        let style = ProgressStyle::with_template(
+            "{bar:12} {pos}/{len}, {elapsed} so far, {eta} left, {wide_msg}",
+        );
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self::Bar(bar)
+    }
+
+    /// The job has begun.
+    pub fn begin(&mut self, job: &JobEvent) {
+        let most = job.stop.max_iterations;
+        let expected = job.predicted.iterations.map(|it| it.min(most));
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => bar.set_length(expected.unwrap_or(most) as u64),
+            Self::Lines { total, .. } => *total = expected,
+        }
+    }
+
+    /// An iteration has been computed.
+    pub fn step(&mut self, level: &IterationEvent) {
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => {
+                let position = level.iteration as u64;
+                let expected = level.predicted.map(|it| it as u64).or(bar.length());
+                bar.set_length(expected.unwrap_or(position).max(position));
+                bar.set_message(distances(level));
+                bar.set_position(position);
+            }
+            Self::Lines { told, total } => {
+                if told.is_some_and(|told| told.elapsed() < PAUSE) {
+                    return;
+                }
+                *told = Some(Instant::now());
+                let expected = level.predicted.or(*total);
+                let of = expected.map_or_else(String::new, |it| format!(" of about {it}"));
+                eprintln!("iteration {}{of}: {}", level.iteration, distances(level));
+            }
+        }
+    }
+
+    /// The job has ended.
+    pub fn end(&self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn distances(level: &IterationEvent) -> String {
+    let max = level.error.max;
+    let max = max.map_or_else(|| "infinite".to_owned(), |max| format!("{max:.2e}"));
+    let rate = level.rate.map(|rate| format!(", factor {rate:.3}"));
+    format!("largest error {max}{}", rate.unwrap_or_default())
+}

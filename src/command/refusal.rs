@@ -1,0 +1,114 @@
+//! What is wrong with a request, told in the terms of the command line: flags, files and lines.
+
+use axum::http::StatusCode;
+use serde::Deserialize;
+
+use super::failure::Failure;
+use super::input::{Content, Input};
+use super::options::{Asked, SIZE};
+use super::pointer;
+
+/// A problem object, as far as the command needs it.
+#[derive(Debug, Default, Deserialize)]
+pub struct Refusal {
+    /// The status of the answer.
+    #[serde(skip)]
+    pub status: StatusCode,
+    /// What is wrong.
+    #[serde(default)]
+    pub detail: String,
+    #[serde(default)]
+    errors: Vec<Mistake>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Mistake {
+    pointer: Option<String>,
+    parameter: Option<String>,
+    line: Option<usize>,
+    detail: String,
+}
+
+impl Refusal {
+    /// Reads the answer of a server.
+    pub fn read(status: StatusCode, body: &[u8]) -> Self {
+        let read: Option<Self> = serde_json::from_slice(body).ok();
+        let mut refusal = read.unwrap_or_default();
+        refusal.status = status;
+        if refusal.detail.is_empty() {
+            refusal.detail = format!("the server answers {status}");
+        }
+        refusal
+    }
+
+    /// The refusal of a fit.
+    pub fn of_fit(self, input: &Input, asked: &Asked) -> Failure {
+        let about_the_request = matches!(
+            self.status,
+            StatusCode::BAD_REQUEST
+                | StatusCode::PAYLOAD_TOO_LARGE
+                | StatusCode::UNSUPPORTED_MEDIA_TYPE
+                | StatusCode::UNPROCESSABLE_ENTITY
+        );
+        if !about_the_request {
+            return Failure::Failed(self.detail);
+        }
+        if self.errors.is_empty() {
+            return Failure::usage(format!("{}: {}", input.name, self.detail));
+        }
+        let told = self.errors.iter().map(|it| it.told(input, asked));
+        Failure::Usage(told.collect())
+    }
+}
+
+impl Mistake {
+    fn told(&self, input: &Input, asked: &Asked) -> String {
+        let (name, detail) = (&input.name, &self.detail);
+        if let Some(line) = self.line {
+            return format!("{name}:{line}: {detail}");
+        }
+        if let Some(parameter) = &self.parameter {
+            let flag = asked.flag(parameter);
+            return format!("{}: {detail}", flag.unwrap_or(parameter));
+        }
+        let Some(pointer) = &self.pointer else {
+            return format!("{name}: {detail}");
+        };
+        let path = pointer.trim_start_matches('/').replace('/', ".");
+        if let Some(flag) = asked.flag(&path) {
+            return format!("{flag}: {detail}");
+        }
+        match input.content {
+            Content::Text => format!("{name}: {detail}"),
+            Content::Job => {
+                let line = pointer::line(&input.bytes, pointer);
+                format!("{name}:{line}: {pointer}: {detail}")
+            }
+            Content::Points => {
+                let lists = ["/curve/points", "/surface/points", "/surface/scattered"];
+                let inner = lists.iter().find_map(|list| pointer.strip_prefix(list));
+                let line = pointer::line(&input.bytes, inner.unwrap_or(""));
+                format!("{name}:{line}: {detail}")
+            }
+        }
+    }
+}
+
+impl Asked {
+    /// The flag that a field comes from: the one with the longest path around it, or one inside of it.
+    fn flag(&self, path: &str) -> Option<&str> {
+        if path == SIZE {
+            return Some("--surface");
+        }
+        let is_in = |outer: &str, inner: &str| {
+            let rest = inner.strip_prefix(outer);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let around = self.flags.iter().filter(|(it, _)| is_in(it, path));
+        let around = around.max_by_key(|(it, _)| it.len());
+        let wide = matches!(path, "" | "curve" | "surface" | "stop");
+        let inside = || self.flags.iter().find(|(it, _)| !wide && is_in(path, it));
+        let found = around.or_else(inside);
+        found.map(|(_, flag)| flag.as_str())
+    }
+}

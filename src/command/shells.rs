@@ -1,0 +1,47 @@
+//! Completions and manual pages, from the definitions of the arguments.
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+
+use super::failure::Failure;
+use crate::config::Cli;
+
+/// Writes the completions of a shell to the standard output.
+pub fn completions(shell: Shell) -> ExitCode {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "piad", &mut script);
+    show(&script)
+}
+
+/// Writes a manual page to the standard output: of the program, or of one of its commands.
+pub fn manual(name: Option<&str>) -> ExitCode {
+    let mut program = Cli::command();
+    program.build();
+    let command = match name {
+        None => Some(&program),
+        Some(name) => program.find_subcommand(name),
+    };
+    let Some(command) = command else {
+        let name = name.unwrap_or_default();
+        let failure = Failure::usage(format!("piad man: there is no command {name}"));
+        failure.tell();
+        return failure.status().into();
+    };
+    let mut page = Vec::new();
+    // Nothing fails that is written to memory.
+    let page_made = clap_mangen::Man::new(command.clone()).render(&mut page);
+    match page_made {
+        Ok(()) => show(&page),
+        Err(_) => ExitCode::FAILURE,
+    }
+}
+
+fn show(text: &[u8]) -> ExitCode {
+    match io::stdout().lock().write_all(text) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) => ExitCode::FAILURE,
+    }
+}

@@ -1,0 +1,101 @@
+//! What is told when a fit has ended.
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::events::{Distances, EndEvent, JobEvent};
+
+/// What a result says of its control points, if they are binary.
+#[derive(Debug, Deserialize)]
+pub struct Shape {
+    shape: Vec<usize>,
+}
+
+impl Shape {
+    /// How many control points there are, in each direction.
+    fn told(&self) -> String {
+        let counts = self
+            .shape
+            .split_last()
+            .map_or(&[][..], |(_, counts)| counts);
+        let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+        counts.join(" × ")
+    }
+}
+
+/// Whether the number of control points is known only in the end.
+pub fn is_automatic(job: &JobEvent) -> bool {
+    job.method["control_points"] == "auto"
+}
+
+/// What was fitted, and how it ended.
+pub fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
+    for warning in &job.warnings {
+        eprintln!("{name}: warning: {}", warning.detail);
+    }
+    let JobEvent {
+        kind,
+        points,
+        degree,
+        basis,
+        ..
+    } = job;
+    let method = job.method["kind"].as_str().unwrap_or("");
+    let control_points = shape.map_or_else(|| each(&job.control_points), Shape::told);
+    eprintln!(
+        "{name}: {kind} of degree {} ({}), {points} points, {control_points} control points, method {method}",
+        each(degree),
+        each(basis),
+    );
+    let iterations = match end.iterations {
+        1 => "1 iteration".to_owned(),
+        count => format!("{count} iterations"),
+    };
+    let elapsed = end.elapsed.map(|seconds| format!(" in {}", time(seconds)));
+    let error = end.error.as_ref().map(distances).unwrap_or_default();
+    eprintln!(
+        "{} after {iterations}{}{error}",
+        end.state,
+        elapsed.unwrap_or_default()
+    );
+    let why = end.problem.as_ref().map(|it| &it.detail);
+    if let Some(detail) = why.or(end.detail.as_ref()) {
+        eprintln!("{detail}");
+    } else if end.state != "converged" {
+        eprintln!("the tolerance was {:.3e}", job.stop.tolerance);
+    }
+}
+
+/// A file that was written.
+pub fn tell_written(place: &str, bytes: u64) {
+    eprintln!("wrote {place} ({})", bytesize::ByteSize(bytes));
+}
+
+fn distances(error: &Distances) -> String {
+    let number =
+        |it: Option<f64>| it.map_or_else(|| "infinite".to_owned(), |it| format!("{it:.3e}"));
+    format!(
+        ": error at most {}, rms {}",
+        number(error.max),
+        number(error.rms)
+    )
+}
+
+fn time(seconds: f64) -> String {
+    match seconds {
+        seconds if seconds < 1.0 => format!("{:.1} ms", 1000.0 * seconds),
+        seconds => format!("{seconds:.2} s"),
+    }
+}
+
+/// A value, or that of each direction where they differ.
+fn each(value: &Value) -> String {
+    let plain = |it: &Value| match it {
+        Value::String(text) => text.clone(),
+        it => it.to_string(),
+    };
+    match value.as_object() {
+        None => plain(value),
+        Some(each) => each.values().map(plain).collect::<Vec<_>>().join(" × "),
+    }
+}

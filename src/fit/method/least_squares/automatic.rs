@@ -1,0 +1,79 @@
+//! As few control points as the tolerance needs: what can be chosen, and what does not go with it.
+
+use super::constraints::{At, Constraint};
+use super::mistake::LeastSquaresMistake as Mistake;
+use super::settings::{EndPoints, Ending, LeastSquares, Variant};
+use crate::fit::basis::knots::Knots;
+use crate::fit::choice::{BasisChoice, DirectionChoice};
+use crate::fit::invalid::{Axis, Invalid};
+use crate::fit::problem::Weights;
+use crate::fit::request::Request;
+
+/// The number of control points where only the data limit it.
+pub const AS_MANY_AS_DATA: usize = usize::MAX;
+
+/// A fit that chooses its knots by itself ([`crate::fit::tolerance`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Automatic {
+    /// Whether parameters move to the foot points of their data.
+    pub correct_parameters: bool,
+}
+
+impl LeastSquares {
+    /// With at most so many control points in both directions, and as few as will do.
+    pub fn automatic(u: usize, v: usize) -> Self {
+        Self {
+            variant: Variant::ConjugateGradients,
+            automatic: Some(Automatic::default()),
+            ..Self::new(u, v)
+        }
+    }
+
+    /// Whether the schedule of knots can take steps of plain least squares: nothing is to be obeyed but
+    /// the end points, and nothing weighed but the data.
+    pub(in crate::fit) fn is_plain(&self) -> bool {
+        self.constraints.is_empty() && self.fairness().is_none() && self.ends != EndPoints::Free
+    }
+
+    /// The same of a surface, whose data all count alike.
+    pub(in crate::fit) fn is_plain_surface(&self) -> bool {
+        self.is_plain() && self.data_weights.is_none()
+    }
+}
+
+/// Refuses what an automatic fit does not do.
+pub(in crate::fit) fn check_request(request: &Request) -> Result<(), Invalid> {
+    let Some((settings, automatic)) = request.method.automatic() else {
+        return Ok(());
+    };
+    if settings.variant != Variant::ConjugateGradients {
+        return Err(Mistake::AutomaticVariant.into());
+    }
+    if settings.ending != Ending::Minimum {
+        return Err(Mistake::AutomaticEnding.into());
+    }
+    let choices = || std::iter::once(&request.u).chain(&request.v);
+    let fixed = |choice: &DirectionChoice| choice.weights.is_some();
+    if request.weights != Weights::None || choices().any(fixed) {
+        return Err(Mistake::AutomaticRational.into());
+    }
+    let free = |choice: &DirectionChoice| match &choice.basis {
+        BasisChoice::BSpline { knots, .. } => matches!(knots, Knots::Usual | Knots::Spread),
+        BasisChoice::Polynomial(_) => false,
+    };
+    let mut axes = choices().zip([Axis::U, Axis::V]);
+    if let Some((_, axis)) = axes.find(|(choice, _)| !free(choice)) {
+        return Err(Mistake::AutomaticKnots { axis }.into());
+    }
+    if automatic.correct_parameters && (request.v.is_some() || !settings.is_plain()) {
+        return Err(Mistake::AutomaticCorrection.into());
+    }
+    if let Some(&index) = request.missing.first() {
+        return Err(Mistake::AutomaticMissing { index }.into());
+    }
+    let along = |constraint: &Constraint| matches!(constraint.at, At::Boundary(..));
+    match settings.constraints.iter().position(along) {
+        Some(index) => Err(Mistake::AutomaticBoundary { index }.into()),
+        None => Ok(()),
+    }
+}

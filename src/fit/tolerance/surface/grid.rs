@@ -1,0 +1,166 @@
+//! A grid of data, fitted one direction after the other.
+//!
+//! Least squares of a grid by a tensor-product surface are those of its lines, one direction after
+//! the other: `X = L_u P L_vᵀ`. With the projections Π_u and Π_v onto the splines of each direction
+//!
+//! ```text
+//! P − Π_u Π_v P = (P − Π_u P) + Π_u (P − Π_v P)
+//! ```
+//!
+//! so what either direction leaves is known by itself, and each has a density of knots of its own:
+//! that of a curve in as many dimensions as there are lines across. Where both directions are open
+//! the corners are interpolated, and each boundary is the fit of the data there, whatever lies
+//! inside. A grid with fewer data in a direction than p + 1 is fitted as scattered points.
+
+use std::sync::Arc;
+
+use super::lines::{flipped, joined, lines_of, transposed};
+use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
+use crate::fit::points::{Grid, Points};
+use crate::fit::scaling::normalizing_scale;
+use crate::fit::tolerance::equations::{Distances, LeastSquares, Minimum};
+use crate::fit::tolerance::line::KnotLine;
+use crate::fit::tolerance::values::Values;
+
+/// Both directions together may leave the tolerance: each about this part of it.
+const SHARE: f64 = 0.6;
+
+/// A grid of points.
+#[derive(Debug)]
+pub struct GridData {
+    points: Arc<Points>,
+    grid: Grid,
+    parameters: [Arc<Vec<f64>>; 2],
+    /// The data as curves in u and in v, with a coordinate for each coordinate of each line across.
+    curves: [Arc<Points>; 2],
+}
+
+impl GridData {
+    /// Points row by row, where rows are successive in u, at increasing parameters in u and in v.
+    pub fn new(points: Arc<Points>, grid: Grid, parameters: [Arc<Vec<f64>>; 2]) -> Self {
+        let Grid { rows, columns } = grid;
+        let v = lines_of(&points, rows, columns);
+        let u = lines_of(&transposed(&points, rows, columns), columns, rows);
+        Self {
+            points,
+            grid,
+            parameters,
+            curves: [Arc::new(u), Arc::new(v)],
+        }
+    }
+
+    /// The fits of all lines of a direction, and the largest distance that they leave at each
+    /// parameter.
+    fn project(&self, axis: usize, line: &KnotLine) -> Option<(Points, Vec<f64>)> {
+        let (points, t) = (&self.curves[axis], &self.parameters[axis]);
+        let values = Values::new(line, t);
+        let fits = minimum(points, line, &values)?;
+        let dimension = self.points.dimension();
+        let lines = points.dimension() / dimension;
+        let mut left = vec![0.0; t.len()];
+        let mut fit = vec![0.0; t.len()];
+        for k in 0..lines {
+            let mut distances = vec![0.0; t.len()];
+            for c in 0..dimension {
+                values.apply(line, fits.lane(c * lines + k), &mut fit);
+                let pairs = fit.iter().zip(points.lane(c * lines + k));
+                for (sum, (fit, datum)) in distances.iter_mut().zip(pairs) {
+                    *sum = f64::hypot(*sum, datum - fit);
+                }
+            }
+            for (left, distance) in left.iter_mut().zip(distances) {
+                *left = f64::max(*left, distance);
+            }
+        }
+        Some((fits, left))
+    }
+}
+
+impl Data for GridData {
+    fn parameters(&self, axis: usize) -> &[f64] {
+        &self.parameters[axis]
+    }
+
+    fn share(&self) -> f64 {
+        SHARE
+    }
+
+    fn allows(&self, counts: [usize; 2]) -> bool {
+        counts[0] <= self.grid.rows && counts[1] <= self.grid.columns
+    }
+
+    fn nearest(&self, lines: &[KnotLine; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
+        let columns = self.grid.columns;
+        let dimension = self.points.dimension();
+        let (along, left_u) = self.project(0, &lines[0])?;
+        let (_, left_v) = self.project(1, &lines[1])?;
+        // The control points of all lines in u, as curves in v.
+        let rows = lines[0].control_points();
+        let between = joined(&along, dimension, columns, rows);
+        let turned = transposed(&between, columns, rows);
+        let curves = Arc::new(lines_of(&turned, rows, columns));
+        let values = Values::new(&lines[1], &self.parameters[1]);
+        let across = minimum(&curves, &lines[1], &values)?;
+        Some(Nearest {
+            control_points: joined(&across, dimension, rows, lines[1].control_points()),
+            left: [left_u, left_v],
+        })
+    }
+
+    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {
+        let Grid {
+            rows: height,
+            columns: width,
+        } = self.grid;
+        let values = [0, 1].map(|axis| Values::new(&lines[axis], &self.parameters[axis]));
+        let (rows, columns) = (lines[0].control_points(), lines[1].control_points());
+        let mut squares = vec![0.0; self.points.len()];
+        let unit = normalizing_scale(self.points.magnitude());
+        let mut fit = vec![0.0; height];
+        for (x, data) in control_points.lanes().iter().zip(self.points.lanes()) {
+            let mut across = vec![0.0; rows * width];
+            let both = x.chunks_exact(columns).zip(across.chunks_exact_mut(width));
+            both.for_each(|(x, y)| values[1].apply(&lines[1], x, y));
+            let across = flipped(&across, rows, width);
+            for (j, x) in across.chunks_exact(rows).enumerate() {
+                values[0].apply(&lines[0], x, &mut fit);
+                for (i, fit) in fit.iter().enumerate() {
+                    let place = i * width + j;
+                    let distance = (data[place] - fit) * unit;
+                    squares[place] += distance * distance;
+                }
+            }
+        }
+        Distances::of_squares(squares, unit)
+    }
+
+    /// The one that leaves more.
+    fn prefers(&self, fit: &Fit, _finer: &[KnotLine; 2]) -> usize {
+        let most = |axis: usize| fit.left[axis].iter().copied().fold(0.0, f64::max);
+        usize::from(most(1) > most(0))
+    }
+
+    /// With fewer data in a direction than the fewest control points: scattered points.
+    fn undetermined(&self, options: &SurfaceOptions) -> Option<Box<dyn Data>> {
+        let [u, v] = &self.parameters;
+        let columns = self.grid.columns;
+        let along = u.iter().flat_map(|&u| std::iter::repeat_n(u, columns));
+        let across = u.iter().flat_map(|_| v.iter().copied());
+        let parameters = [Arc::new(along.collect()), Arc::new(across.collect())];
+        let [rows, columns] = [0, 1].map(|axis| {
+            let fewest = options.degrees[axis] + 1;
+            self.parameters[axis].len().max(fewest)
+        });
+        let data = ScatteredData::new(&self.points, &parameters, options.tolerance);
+        Some(Box::new(data.with_most(rows * columns)))
+    }
+}
+
+/// Least squares of curves side by side.
+fn minimum(curves: &Arc<Points>, line: &KnotLine, values: &Values) -> Option<Points> {
+    let least_squares = LeastSquares {
+        points: Arc::clone(curves),
+        data_weights: None,
+    };
+    least_squares.minimum(line, values, None)
+}

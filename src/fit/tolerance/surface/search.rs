@@ -1,0 +1,145 @@
+//! How many control points of each direction are tried next.
+//!
+//! First as many as the distances after growth ask for, and if these do not do, numbers in between;
+//! then one line less at a time (of many lines a small part of them), as long as either direction
+//! can spare one. Where growth has not
+//! come within the tolerance, redistribution may still, at last with as many as are allowed.
+
+use super::Fit;
+
+/// Attempts with fewer lines.
+const ATTEMPTS: usize = 40;
+
+/// Of so many lines one is tried to be spared at a time.
+const PART: usize = 32;
+
+/// Bisections where all that is known to do is the most that is allowed.
+const BISECTIONS: usize = 4;
+
+/// The numbers of control points that are known to do, and those that are not.
+#[derive(Debug)]
+pub struct Search {
+    /// The fewest control points.
+    fewest: [usize; 2],
+    /// The most control points.
+    most: [usize; 2],
+    goal: Goal,
+    /// The last fit within the tolerance.
+    within: Option<Fit>,
+    /// The fit that it starts from.
+    start: Fit,
+    /// For each direction, from where a line less has failed.
+    failed: [Option<[usize; 2]>; 2],
+    /// For each direction, how many lines less are tried.
+    spared: [usize; 2],
+    /// Attempts with fewer lines that are left.
+    attempts: usize,
+}
+
+/// What an attempt is for.
+#[derive(Clone, Copy, Debug)]
+enum Goal {
+    /// As many as the distances ask for.
+    Asked([usize; 2]),
+    /// As many as are allowed; what is known not to do.
+    Most([usize; 2]),
+    /// Between what is known not to do and what is; how often still.
+    Between([usize; 2], usize),
+    /// Fewer lines of a direction.
+    Fewer(usize),
+}
+
+impl Search {
+    /// After growth: `start` is its last fit, which is within the tolerance or not, and `asked` what
+    /// its distances ask for.
+    pub fn new(
+        start: Fit,
+        is_within: bool,
+        asked: [usize; 2],
+        fewest: [usize; 2],
+        most: [usize; 2],
+    ) -> Self {
+        let now = start.level.counts();
+        let above = if is_within { now } else { most };
+        let asked = [0, 1].map(|axis| asked[axis].clamp(fewest[axis], above[axis]));
+        Self {
+            fewest,
+            most,
+            goal: Goal::Asked(asked),
+            within: is_within.then(|| start.clone()),
+            start,
+            failed: [None; 2],
+            spared: above.map(|count| (count / PART).max(1)),
+            attempts: ATTEMPTS,
+        }
+    }
+
+    /// The fit that the next attempt starts from.
+    pub fn from(&self) -> &Fit {
+        self.within.as_ref().unwrap_or(&self.start)
+    }
+
+    /// The numbers of the next attempt, or `None` if there is none left.
+    pub fn counts(&mut self) -> Option<[usize; 2]> {
+        let now = self.within.as_ref().map(|fit| fit.level.counts());
+        let counts = match (self.goal, now) {
+            (Goal::Asked(asked), _) => asked,
+            (Goal::Most(_), _) => self.most,
+            (Goal::Between(low, _), Some(now)) => [0, 1].map(|axis| low[axis].midpoint(now[axis])),
+            (Goal::Fewer(_), Some(now)) => return self.fewer(now),
+            (Goal::Between(..) | Goal::Fewer(_), None) => return None,
+        };
+        if now == Some(counts) {
+            self.goal = Goal::Fewer(0);
+            return self.counts();
+        }
+        Some(counts)
+    }
+
+    /// Fewer lines of the direction that saves more, if a line less is not known to fail.
+    fn fewer(&mut self, now: [usize; 2]) -> Option<[usize; 2]> {
+        self.attempts = self.attempts.checked_sub(1)?;
+        // A line of u has as many control points as there are lines of v.
+        let first = usize::from(now[0] > now[1]);
+        let can_spare =
+            |&axis: &usize| now[axis] > self.fewest[axis] && self.failed[axis] != Some(now);
+        let axis = [first, 1 - first].into_iter().find(can_spare)?;
+        self.goal = Goal::Fewer(axis);
+        let mut counts = now;
+        counts[axis] -= self.spared[axis].min(now[axis] - self.fewest[axis]);
+        Some(counts)
+    }
+
+    /// Goes on after an attempt came within the tolerance.
+    pub fn succeed(&mut self, fit: Fit) {
+        self.goal = match self.goal {
+            Goal::Most(low) => Goal::Between(low, BISECTIONS),
+            Goal::Between(low, left) if left > 1 => Goal::Between(low, left - 1),
+            _ => Goal::Fewer(0),
+        };
+        self.within = Some(fit);
+    }
+
+    /// Goes on after an attempt has failed.
+    pub fn fail(&mut self) -> bool {
+        let now = self.within.as_ref().map(|fit| fit.level.counts());
+        self.goal = match (self.goal, now) {
+            (Goal::Asked(asked), Some(_)) => Goal::Between(asked, 1),
+            (Goal::Asked(asked), None) if asked != self.most => Goal::Most(asked),
+            (Goal::Between(low, left), Some(now)) if left > 1 => {
+                let middle = [0, 1].map(|axis| low[axis].midpoint(now[axis]));
+                Goal::Between(middle, left - 1)
+            }
+            (Goal::Fewer(axis), Some(now)) => {
+                if self.spared[axis] == 1 {
+                    self.failed[axis] = Some(now);
+                }
+                self.spared[axis] = (self.spared[axis] / 2).max(1);
+                Goal::Fewer(axis)
+            }
+            (_, Some(_)) => Goal::Fewer(0),
+            (_, None) => return false,
+        };
+        true
+    }
+}

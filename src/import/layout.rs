@@ -1,0 +1,128 @@
+//! What stands where in the lines of a file, and which lines are words instead of points.
+
+use super::notation::Notation;
+use crate::model::short::quoted;
+
+/// The most coordinates of a point.
+const MOST_COORDINATES: usize = 3;
+
+/// Where in a line the coordinates stand.
+#[derive(Debug)]
+pub(super) struct Layout {
+    notation: Notation,
+    /// The number of columns.
+    pub(super) width: usize,
+    /// The columns of the coordinates.
+    coordinates: Vec<usize>,
+    /// The names of these, if there are any.
+    pub(super) named: bool,
+}
+
+impl Layout {
+    /// The layout of a file whose first line of numbers this is, after that line of words.
+    pub(super) fn new(notation: Notation, line: &str, words: Option<&str>) -> Self {
+        let width = notation.fields(line).count();
+        let named = words.and_then(|words| named_columns(words, notation, width));
+        Self {
+            notation,
+            width,
+            named: named.is_some(),
+            coordinates: named.unwrap_or_else(|| (0..width.min(MOST_COORDINATES)).collect()),
+        }
+    }
+
+    /// What is said of columns that are not read.
+    pub(super) fn notice(&self) -> Option<String> {
+        if self.coordinates.len() == self.width {
+            return None;
+        }
+        let columns = self.coordinates.iter().map(|it| (it + 1).to_string());
+        Some(format!(
+            "Columns {} of {} are the coordinates; the others are not read.",
+            columns.collect::<Vec<_>>().join(", "),
+            self.width
+        ))
+    }
+
+    /// The numbers of a line.
+    pub(super) fn numbers(&self, line: &str) -> Vec<f64> {
+        let fields = self.notation.fields(line);
+        fields
+            .filter_map(|field| self.notation.number(field))
+            .collect()
+    }
+
+    /// The point of a line.
+    pub(super) fn point(&self, line: &str) -> Result<Vec<f64>, String> {
+        let mut point = vec![0.0; self.coordinates.len()];
+        let mut width = 0;
+        for (column, field) in self.notation.fields(line).enumerate() {
+            width += 1;
+            let place = self.coordinates.iter().position(|it| *it == column);
+            if let Some(coordinate) = place.and_then(|place| point.get_mut(place)) {
+                let number = self.notation.number(field);
+                let wrong = || format!("column {}: {} is no number", column + 1, quoted(field));
+                *coordinate = number.ok_or_else(wrong)?;
+            }
+        }
+        if width == self.width {
+            return Ok(point);
+        }
+        let columns = match width {
+            1 => "1 column".to_owned(),
+            width => format!("{width} columns"),
+        };
+        Err(format!(
+            "{columns} here, and {} in the first line of numbers",
+            self.width
+        ))
+    }
+
+    /// Whether a line above the points that is none can be a title. It is no point with a coordinate
+    /// that is not understood: those begin with a number and have as many columns as the points.
+    pub(super) fn is_title(&self, line: &str) -> bool {
+        let mut fields = self.notation.fields(line);
+        let first = fields.next().unwrap_or("");
+        self.notation.number(first).is_none() || fields.count() + 1 != self.width
+    }
+
+    /// Whether a line begins with a word.
+    pub(super) fn begins_with_word(line: &str) -> bool {
+        line.starts_with(|c: char| c.is_alphabetic() || c == '(' || c == '"')
+    }
+
+    /// Whether a line that is no point is one that was damaged, and no remark such as a date: it
+    /// consists of what numbers consist of, or has a number and as many columns as the points, or
+    /// begins with a whole point.
+    pub(super) fn is_damaged(&self, line: &str) -> bool {
+        let is_digit = |c: char| c.is_ascii_digit() || "+-.,eEdD".contains(c);
+        let is_number: Vec<bool> = self
+            .notation
+            .fields(line)
+            .map(|field| self.notation.number(field).is_some())
+            .collect();
+        line.split_whitespace()
+            .all(|field| field.chars().all(is_digit))
+            || (is_number.len() == self.width && is_number.contains(&true))
+            || (is_number.len() > self.width && is_number.iter().take(self.width).all(|it| *it))
+    }
+}
+
+/// The columns that are called x, y and z, of so many; those of them that there are, if they begin
+/// with x.
+fn named_columns(words: &str, notation: Notation, width: usize) -> Option<Vec<usize>> {
+    let of_names = Notation::of_names(words);
+    let names: Vec<String> = of_names.fields(words).map(str::to_lowercase).collect();
+    if names.len() != width {
+        return None;
+    }
+    let found = ["x", "y", "z"].map(|name| names.iter().position(|it| it == name));
+    let found: Vec<usize> = found.into_iter().map_while(|column| column).collect();
+    if !found.is_empty() {
+        return Some(found);
+    }
+    // Other names, such as t and value, are those of the columns as they stand, if they are separated
+    // as the numbers are. Otherwise they are words, such as those of an airfoil.
+    let separated = of_names.separates_as(notation) && names.len() > 1;
+    separated.then(|| (0..width.min(MOST_COORDINATES)).collect())
+}

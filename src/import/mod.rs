@@ -1,0 +1,92 @@
+//! Files of points: CSV, tables with blanks, point clouds (XYZ) and airfoils (`.dat`).
+//!
+//! [`read`] is the only entry. It knows nothing of HTTP or of jobs: a file becomes points, and what is
+//! wrong with it is told at its line. What it is, is seen from what is in it:
+//!
+//! - `notation`: what separates columns, and decimals;
+//! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
+//! - `table`: lines become points, with titles above them and remarks below them;
+//! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
+//!   MSES has above the points is known;
+//! - `lattice`: rows of points become a surface.
+
+mod airfoil;
+mod lattice;
+mod layout;
+mod notation;
+mod table;
+
+use crate::fit::points::{Grid, Points};
+
+/// The most mistakes of a file that are told.
+const MOST_MISTAKES: usize = 10;
+
+/// What is known of a file beside what is in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Hints {
+    /// Whether it is a curve or a surface; the file shows it where nobody says it.
+    pub kind: Option<Kind>,
+    /// How many rows and columns a surface has.
+    pub size: Option<Grid>,
+    /// The most points that may be in it.
+    pub most: usize,
+}
+
+/// What points are of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Of a curve, in their order.
+    Curve,
+    /// Of a surface, row by row.
+    Surface,
+}
+
+/// The points of a file.
+#[derive(Debug, PartialEq)]
+pub struct Imported {
+    /// The points; those of a grid row by row.
+    pub points: Points,
+    /// The rows and columns of a surface.
+    pub grid: Option<Grid>,
+    /// The line of each point, from 1.
+    pub lines: Vec<u32>,
+    /// What the file calls itself.
+    pub name: Option<String>,
+    /// What was found out about it, in sentences.
+    pub notices: Vec<String>,
+}
+
+/// What is wrong with a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mistake {
+    /// The line, from 1; none if it is about the whole file.
+    pub line: Option<usize>,
+    /// What is wrong there.
+    pub detail: String,
+}
+
+impl Mistake {
+    fn at(line: usize, detail: impl Into<String>) -> Self {
+        Self {
+            line: Some(line),
+            detail: detail.into(),
+        }
+    }
+
+    fn of_file(detail: impl Into<String>) -> Self {
+        Self {
+            line: None,
+            detail: detail.into(),
+        }
+    }
+}
+
+/// Reads a file of points; tells the first mistakes.
+pub fn read(text: &str, hints: &Hints) -> Result<Imported, Vec<Mistake>> {
+    let table = table::read(text, hints.most)?;
+    let table = airfoil::around(table);
+    lattice::arranged(table, hints).map_err(|mistake| vec![mistake])
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,243 @@
+//! Files as people have them.
+
+use proptest::prelude::*;
+
+use super::*;
+
+const HINTS: Hints = Hints {
+    kind: None,
+    size: None,
+    most: 100,
+};
+
+fn points(text: &str) -> Vec<Vec<f64>> {
+    let imported = read(text, &HINTS).unwrap();
+    let lanes = imported.points.lanes();
+    let point = |index: usize| lanes.iter().map(|lane| lane[index]).collect();
+    (0..imported.points.len()).map(point).collect()
+}
+
+fn mistakes(text: &str) -> Vec<(Option<usize>, String)> {
+    let mistakes = read(text, &HINTS).unwrap_err().into_iter();
+    mistakes.map(|it| (it.line, it.detail)).collect()
+}
+
+#[test]
+fn tables_are_read_however_they_are_written() {
+    let expected = [[1.5, 2.0], [-3.0, 0.25]];
+    for text in [
+        "1.5,2\n-3,.25\n",
+        "1.5, 2\r\n-3, 0.25",
+        "1.5;2\n-3;0.25\n",
+        "1,5;2\n-3;0,25\n",
+        "1.5 2\n-3 0.25\n",
+        "  1.5\t2  \n\n\n-3\t0.25\n\n",
+        "1,5\t2,0\n-3,0\t0,25\n",
+        "1,5 2,0\n-3,0 0,25\n",
+        "1.5D+00 2.0d0\n-3 +25e-2\n",
+        "\"1.5\",\"2\"\n\"-3\",\"0.25\"\n",
+        "1.5,2,\n-3,0.25,\n",
+        "x,y\n1.5,2\n-3,0.25\n",
+        "X;Y\n1,5;2\n-3;0,25\n",
+        "t value\n1.5 2\n-3 0.25\n",
+        "t,value\n1.5,2\n-3,0.25\n",
+        "Made by hand\nx,y\n1.5,2\n-3,0.25\n",
+        "# made by hand\n% and more\n1.5 2 # the first\n// the next\n-3 0.25\n",
+        "y,x\n2,1.5\n0.25,-3\n",
+        "u,x,y\n0,1.5,2\n1,-3,0.25\n",
+    ] {
+        assert_eq!(points(text), expected, "{text:?}");
+    }
+}
+
+#[test]
+fn clouds_have_more_than_coordinates() {
+    let imported = read("1 2 3 255 0 0\n4 5 6 0 255 0\n", &HINTS).unwrap();
+    assert_eq!(imported.points.dimension(), 3);
+    assert!(imported.notices[0].contains("Columns 1, 2, 3 of 6"));
+    assert_eq!(points("1\n2\n4\n"), [[1.0], [2.0], [4.0]]);
+}
+
+#[test]
+fn what_is_wrong_is_told_at_its_line() {
+    let wrong = mistakes("x,y\n1,2\n3,oops\n4\n5,6,7\n\n8,nan\n9,1e999\n");
+    let lines: Vec<_> = wrong.iter().map(|it| it.0.unwrap()).collect();
+    assert_eq!(lines, [3, 4, 5, 7, 8]);
+    assert_eq!(wrong[0].1, "column 2: \"oops\" is no number");
+    assert!(wrong[1].1.contains("1 column here, and 2"), "{wrong:?}");
+    assert!(wrong[3].1.contains("nan") && wrong[4].1.contains("1e999"));
+    assert_eq!(mistakes("")[0].0, None);
+    assert_eq!(
+        mistakes("# nothing\n\n")[0].1,
+        "there are no points in the file"
+    );
+    let lonely = mistakes("2948");
+    assert_eq!(lonely[0].0, None);
+    assert!(lonely[0].1.contains("one point"), "{lonely:?}");
+    assert!(mistakes("{\"curve\": 1}")[0].1.contains("JSON"));
+    assert!(mistakes(&"1 ".repeat(2000))[0].1.contains("1000 columns"));
+    // No more of them than anybody reads, and no more points than the limit.
+    assert_eq!(mistakes(&"1 2\n3\n".repeat(50)).len(), MOST_MISTAKES);
+    let many = mistakes(&"1 2\n".repeat(200));
+    assert_eq!(many.len(), 1);
+    assert_eq!(many[0].0, Some(101));
+}
+
+#[test]
+fn airfoils_go_around() {
+    let selig = "NACA 0012\n1.0 0.001\n0.5 0.05\n0 0\n0.5 -0.05\n1.0 -0.001\n";
+    let lednicer = "NACA 0012\n 3. 3.\n\n0 0\n0.5 0.05\n1.0 0.001\n\n0 0\n0.5 -0.05\n1.0 -0.001\n";
+    assert_eq!(points(selig), points(lednicer));
+    let imported = read(lednicer, &HINTS).unwrap();
+    assert_eq!(imported.name.as_deref(), Some("NACA 0012"));
+    assert_eq!(imported.lines, [6, 5, 4, 9, 10]);
+    assert!(imported.notices[0].contains("Lednicer"));
+    assert_eq!(imported.grid, None);
+}
+
+#[test]
+fn rows_are_a_surface() {
+    let grid = |rows, columns| Some(Grid { rows, columns });
+    let of = |text: &str| read(text, &HINTS).unwrap().grid;
+    // Blank lines between rows.
+    assert_eq!(
+        of("0 0 1\n1 0 2\n2 0 3\n\n0 1 1\n1.1 1 2\n2 1 3\n"),
+        grid(2, 3)
+    );
+    // A lattice, in each direction.
+    assert_eq!(of("0 0 1\n0 1 2\n0 2 3\n1 0 1\n1 1 2\n1 2 3\n"), grid(2, 3));
+    assert_eq!(of("0 5 1\n1 5 2\n0 4 3\n1 4 1\n0 2 2\n1 2 3\n"), grid(3, 2));
+    // None of them.
+    assert_eq!(of("0 0 1\n0 1 2\n0 2 3\n1 0 1\n1 1 2\n1 2.5 3\n"), None);
+    assert_eq!(of("0 0 1\n0 0 2\n0 0 3\n0 0 1\n"), None);
+    assert_eq!(of("0 0\n0 1\n\n1 0\n1 1\n"), None);
+    let uneven = read("0 0 1\n1 0 2\n\n2 0 3\n", &HINTS).unwrap();
+    assert!(uneven.grid.is_none() && uneven.notices[0].contains("differ"));
+}
+
+#[test]
+fn rows_can_be_said() {
+    let text = "0 0 1\n1 0 2\n2 0 3\n0 1 1\n1.1 1 2\n2 1 3\n";
+    let size = |rows, columns| Hints {
+        size: Some(Grid { rows, columns }),
+        ..HINTS
+    };
+    let grid = read(text, &size(2, 3)).unwrap().grid.unwrap();
+    assert_eq!((grid.rows, grid.columns), (2, 3));
+    let wrong = read(text, &size(2, 4)).unwrap_err();
+    assert_eq!(
+        wrong[0].detail,
+        "the file has 6 points, which are not 2 rows of 4"
+    );
+    let curve = Hints {
+        kind: Some(Kind::Curve),
+        ..HINTS
+    };
+    assert_eq!(
+        read("0 0 1\n0 1 2\n1 0 1\n1 1 2\n", &curve).unwrap().grid,
+        None
+    );
+}
+
+proptest! {
+    /// Whatever a file holds, it is points with their lines, or a mistake.
+    #[test]
+    fn no_file_breaks_it(text in "([-+0-9.,;eD xyz#\\t\"]{0,12}\n|[0-9] [0-9] [0-9]\n|\\PC{0,9}\n){0,12}") {
+        match read(&text, &HINTS) {
+            Ok(file) => {
+                prop_assert_eq!(file.lines.len(), file.points.len());
+                prop_assert!(file.grid.is_none_or(|grid| grid.count() == file.points.len()));
+                prop_assert!(file.points.lanes().iter().flat_map(|lane| lane.iter()).all(|it| it.is_finite()));
+            }
+            Err(mistakes) => prop_assert!(!mistakes.is_empty()),
+        }
+    }
+}
+
+#[test]
+fn remarks_below_points_are_no_points() {
+    let wing = "NACA 2412\n1 0.0013\n0.95 0.0114\n0.9 0.0208\n";
+    let bare = "1 0.0013\n0.95 0.0114\n0.9 0.0208\n";
+    let remark = "Source: https://airfoils.example\n28 nov 1999\n";
+    for (text, line) in [
+        (format!("{wing}{remark}"), 5),
+        (format!("{wing}\n{remark}"), 6),
+        (format!("{bare}\n\n{remark}"), 6),
+        (format!("{wing}\n28/12/2005 https://airfoils.example\n"), 6),
+        (format!("{wing}\n28 nov 1999\n{remark}"), 6),
+        (format!("{wing}\n9%_1.4%  1.000733 --> 1.0\n"), 6),
+        (
+            format!("{wing}\n*modification\n\n-----\nof 12 % by hand\n"),
+            6,
+        ),
+    ] {
+        let read = read(&text, &HINTS).unwrap();
+        assert_eq!(read.points.len(), 3, "{text}");
+        let told = format!("from line {line} on, ");
+        assert!(read.notices[0].contains(&told), "{:?}", read.notices);
+    }
+    // Points below them, damaged points, tables with names of columns, and no blank line or title.
+    for (text, line) in [
+        (format!("{wing}words here\n0.8 0.03\n"), 5),
+        (format!("{wing}\nwords here\n0.8 0.03\n"), 6),
+        (format!("{wing}0.8 oops\n"), 5),
+        (format!("{wing}\n0.8 oops\n"), 6),
+        (format!("{wing}\n***** 0.03\n"), 6),
+        (format!("{wing}\n0.8\n"), 6),
+        (format!("{wing}\n0,8 0,03\n"), 6),
+        (format!("{wing}\n0.8 0.03 oops\n"), 6),
+        (format!("{wing}20 nov 2005\n"), 5),
+        ("1 2\n3 4\nwords here\n".to_owned(), 3),
+        ("x y\n1 2\n3 4\nwords here\n".to_owned(), 4),
+        ("x,y\n1,2\n3,4\n\nwords here\n".to_owned(), 5),
+    ] {
+        assert_eq!(mistakes(&text)[0].0, Some(line), "{text}");
+    }
+}
+
+#[test]
+fn lines_of_words_stand_above_the_points() {
+    let points = "1 0.5\n0.5 0.25\n0 0\n";
+    let of = |titles: &str| read(&format!("{titles}{points}"), &HINTS).unwrap();
+    let wing = of("SC(2)-0714\nmeasured coordinates\n\nfrom TP-2890, of 1990\n");
+    assert_eq!(wing.name.as_deref(), Some("SC(2)-0714"));
+    assert_eq!((wing.points.len(), wing.lines[0]), (3, 5));
+    assert!(wing.notices[0].contains("3 lines of words"));
+    let table = of("by hand\ny x\n");
+    assert_eq!(table.name.as_deref(), Some("by hand"));
+    assert_eq!((table.points.lane(0)[0], table.notices), (0.5, vec![]));
+    // Commas and tabs of a title are no columns of numbers between blanks.
+    for title in ["HM 55, by somebody", "HM 55\tby somebody"] {
+        let wing = read(&format!("{title}\n{points}by hand\n"), &HINTS).unwrap();
+        assert_eq!(wing.name.unwrap(), title.replace('\t', " "));
+    }
+    // A point with a coordinate that is none is no title, and many words are another format.
+    assert_eq!(
+        mistakes("NACA 23021\n1.0 .....\n1.0 (0.2)\n0.9 0.1\n"),
+        [
+            (Some(2), "column 2: \".....\" is no number".to_owned()),
+            (Some(3), "column 2: \"(0.2)\" is no number".to_owned())
+        ]
+    );
+    assert_eq!(mistakes("1.0 oops\n0.9 0.1\n0.8 0.2\n")[0].0, Some(1));
+    let head = "ply\nformat ascii 1.0\nelement vertex 2\nend_header\n0 0 0\n1 1 1\n";
+    assert_eq!(mistakes(head)[0].0, Some(4));
+}
+
+#[test]
+fn files_of_mses_have_a_domain_and_one_element() {
+    let wing = "N+3 T100\n -2.0 3.0 -2.5 3.5\n1 0.5\n0.5 0.25\n0 0\n";
+    let imported = read(wing, &HINTS).unwrap();
+    assert_eq!((imported.points.len(), imported.lines[0]), (3, 3));
+    let notice = "\"-2.0 3.0 -2.5 3.5\", is the domain";
+    assert!(imported.notices[0].contains(notice));
+    let flap = format!("{wing}999. 999.\n1.1 0\n1.2 0.1\n");
+    let wrong = mistakes(&flap);
+    assert_eq!((wrong.len(), wrong[0].0), (1, Some(6)));
+    assert!(wrong[0].1.contains("another element"), "{wrong:?}");
+    // Points with four columns, and what is no domain.
+    let cloud = read("a scan\n1 2 3 4\n5 6 7 8\n", &HINTS).unwrap();
+    assert_eq!(cloud.points.len(), 2);
+    assert_eq!(mistakes("N+3\n3 -2 -2.5 3.5\n1 0.5\n0 0\n")[0].0, Some(3));
+    assert_eq!(mistakes("-2.0 3.0 -2.5 3.5\n1 0.5\n0 0\n")[0].0, Some(2));
+}

@@ -1,0 +1,118 @@
+//! Ephemeral edits: fits that are computed for one stream and leave nothing behind.
+
+use std::sync::Arc;
+
+use super::Jobs;
+use super::refused::{Refused, check_work};
+use super::sessions::SessionTurn;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
+use crate::job::Job;
+use crate::job::frame::Frame;
+use crate::job::memory::Permit;
+use crate::job::outline::{Label, Outline};
+use crate::job::peer::Peer;
+use crate::job::run::SharedSystem;
+use crate::job::run::attached::Attached;
+use crate::job::scheduler::WorkLane;
+use crate::job::state::Status;
+use crate::job::store::nowhere::Nowhere;
+use crate::job::store::{Record, StoreError};
+
+/// A fit for one stream. Whoever drops it has to ask the job to end.
+pub struct Ephemeral {
+    pub job: Arc<Job>,
+    /// The run, held from before its first level: no frame is lost.
+    pub run: Attached,
+    /// The level of the parent that it starts from, which the client has.
+    pub before: Arc<Frame>,
+    /// Held by nobody else once the run has ended.
+    pub system: Arc<SharedSystem>,
+    /// The memory that all this takes; `None` if it was replaced before it began.
+    pub room: Option<Permit>,
+}
+
+impl Jobs {
+    /// The place of a new edit of this job in a drag.
+    pub fn session(&self, parent: &Job, name: String) -> SessionTurn {
+        self.sessions.next(parent.id(), Peer::current(), name)
+    }
+
+    /// Keeps the points and the collocation matrix of a job that is edited again and again at hand: reading
+    /// and computing them would take longer than the edit.
+    pub async fn keep_at_hand(
+        &self,
+        job: &Arc<Job>,
+        shared: &Arc<SharedSystem>,
+    ) -> Result<(), StoreError> {
+        if self.recent.has_points(job.id()) {
+            return Ok(());
+        }
+        let (lane, made) = (WorkLane::of(job.outline().step_cost), Arc::clone(shared));
+        let system = self.resources.scheduler.compute(lane, move || made.get());
+        let system = system.await?;
+        self.recent.keep_edited(job, Arc::clone(shared), system);
+        Ok(())
+    }
+
+    /// Begins a fit that is neither stored nor listed, as soon as there is memory for it. One that is
+    /// replaced by a newer one of its session is cancelled.
+    pub async fn begin_ephemeral(
+        self: &Arc<Self>,
+        label: Label,
+        problem: Problem,
+        similar: Option<Arc<System>>,
+        before: Arc<Frame>,
+        mut turn: Option<SessionTurn>,
+    ) -> Result<Ephemeral, Refused> {
+        let outline = Outline::new(label, &problem);
+        self.admit(&outline)?;
+        check_work(&problem)?;
+        let peer = Peer::current();
+        let slot = self.slots.take(peer)?;
+        let share = self.share(&outline);
+        let room = tokio::select! {
+            biased;
+            () = replaced(&mut turn) => None,
+            room = share.take(outline.memory) => room,
+        };
+        let record = Record {
+            outline,
+            status: Status::running(),
+            crashes: 0,
+            watched: false,
+        };
+        let resources = Arc::clone(&self.resources);
+        let job = Arc::new(Job::new(record, Arc::new(Nowhere), false, resources));
+        if room.is_none() {
+            job.request_cancel();
+        }
+        let system = Arc::new(SharedSystem::new(Arc::new(problem), similar));
+        let run = job.begin(Arc::clone(&system), None);
+        let attached = Attached::to_new(Arc::clone(&run), 0, peer);
+        let (jobs, driven) = (Arc::clone(self), Arc::clone(&job));
+        tokio::spawn(async move {
+            tokio::select! {
+                () = replaced(&mut turn) => driven.request_cancel(),
+                _ = driven.ended() => {}
+            }
+        });
+        tokio::spawn(jobs.drive(Arc::clone(&job), Some(run), slot));
+        self.resources.counters.ephemeral.inc();
+        Ok(Ephemeral {
+            job,
+            run: attached,
+            before,
+            system,
+            room,
+        })
+    }
+}
+
+/// Completes when there is a newer edit; never without a session.
+async fn replaced(turn: &mut Option<SessionTurn>) {
+    match turn {
+        Some(turn) => turn.replaced().await,
+        None => std::future::pending().await,
+    }
+}

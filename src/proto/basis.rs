@@ -1,0 +1,146 @@
+//! The basis and the parameters of a direction, and their messages, both ways.
+
+use std::sync::Arc;
+
+use super::messages as pb;
+use super::values::{count, known};
+use crate::fit::basis::{Polynomial, knots::Knots};
+use crate::fit::direction::BasisChoice;
+use crate::fit::parameters::Parametrization;
+use crate::model::mistakes::Mistake;
+use crate::model::shape::{AxisSpec, BasisKind, BasisSpec};
+
+/// The basis and the parameters of one direction of the field `root`.
+pub fn axis(
+    basis: Option<pb::Basis>,
+    parameters: Option<pb::Parameters>,
+    closed: bool,
+    root: &str,
+) -> Result<AxisSpec, Mistake> {
+    Ok(AxisSpec {
+        basis: Ok(basis_spec(
+            basis.unwrap_or_default(),
+            &format!("{root}.basis"),
+        )?),
+        parameters: parameters_spec(
+            parameters.unwrap_or_default(),
+            &format!("{root}.parameters"),
+        )?,
+        closed,
+        ends: Ok(None),
+    })
+}
+
+fn basis_spec(basis: pb::Basis, field: &str) -> Result<BasisSpec, Mistake> {
+    let kind = match known(basis.kind, &format!("{field}.kind"))? {
+        pb::BasisKind::Unspecified | pb::BasisKind::Bspline => BasisKind::Bspline,
+        pb::BasisKind::Bernstein => BasisKind::Bernstein,
+        pb::BasisKind::SaidBall => BasisKind::SaidBall,
+        pb::BasisKind::WangBall => BasisKind::WangBall,
+    };
+    let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
+        pb::KnotRule::Unspecified => Chosen::Any,
+        pb::KnotRule::Explicit => Chosen::Explicit,
+        pb::KnotRule::Data => Chosen::Rule(Knots::Data, "data"),
+        pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged, "averaged"),
+        pb::KnotRule::Spread => Chosen::Rule(Knots::Spread, "spread"),
+        pb::KnotRule::PieglTiller => Chosen::Rule(Knots::PieglTiller, "piegl_tiller"),
+    };
+    Ok(BasisSpec {
+        kind,
+        degree: basis.degree.map(|degree| degree as usize),
+        knots: rule.of(basis.knots, Knots::Explicit, &format!("{field}.knots"))?,
+    })
+}
+
+fn parameters_spec(parameters: pb::Parameters, field: &str) -> Result<Parametrization, Mistake> {
+    let rule = match known(parameters.rule, &format!("{field}.rule"))? {
+        pb::ParameterRule::Unspecified => Chosen::Any,
+        pb::ParameterRule::Explicit => Chosen::Explicit,
+        pb::ParameterRule::ChordLength => {
+            Chosen::Rule(Parametrization::ChordLength, "chord_length")
+        }
+        pb::ParameterRule::Centripetal => Chosen::Rule(Parametrization::Centripetal, "centripetal"),
+        pb::ParameterRule::Uniform => Chosen::Rule(Parametrization::Uniform, "uniform"),
+    };
+    let field = format!("{field}.values");
+    let chosen = rule.of(parameters.values, Parametrization::Explicit, &field)?;
+    Ok(chosen.unwrap_or(Parametrization::ChordLength))
+}
+
+/// The rule by which numbers are chosen.
+enum Chosen<R> {
+    /// As the numbers say, if there are any.
+    Any,
+    Explicit,
+    /// A rule, and its name.
+    Rule(R, &'static str),
+}
+
+impl<R> Chosen<R> {
+    fn of(
+        self,
+        numbers: Vec<f64>,
+        explicit: impl Fn(Arc<Vec<f64>>) -> R,
+        field: &str,
+    ) -> Result<Option<R>, Mistake> {
+        match (self, numbers.is_empty()) {
+            (Self::Any, true) => Ok(None),
+            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(explicit(Arc::new(numbers)))),
+            (Self::Rule(rule, _), true) => Ok(Some(rule)),
+            (Self::Rule(_, name), false) => {
+                let detail = format!("numbers are given, but the rule is {name:?}");
+                Err(Mistake::at_text(field, detail))
+            }
+        }
+    }
+}
+
+/// The message of a basis.
+pub fn message(choice: &BasisChoice) -> pb::Basis {
+    let kind = basis_kind(choice).into();
+    let BasisChoice::BSpline { degree, knots } = choice else {
+        return pb::Basis {
+            kind,
+            ..pb::Basis::default()
+        };
+    };
+    let (rule, knots) = match knots {
+        Knots::Usual => (pb::KnotRule::Unspecified, Vec::new()),
+        Knots::Data => (pb::KnotRule::Data, Vec::new()),
+        Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
+        Knots::Spread => (pb::KnotRule::Spread, Vec::new()),
+        Knots::PieglTiller => (pb::KnotRule::PieglTiller, Vec::new()),
+        Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
+    };
+    pb::Basis {
+        kind,
+        degree: Some(count(*degree)),
+        knot_rule: rule.into(),
+        knots,
+    }
+}
+
+/// The message of parameters.
+pub fn parameters_message(choice: &Parametrization) -> pb::Parameters {
+    let (rule, values) = match choice {
+        Parametrization::ChordLength => (pb::ParameterRule::ChordLength, Vec::new()),
+        Parametrization::Centripetal => (pb::ParameterRule::Centripetal, Vec::new()),
+        Parametrization::Uniform => (pb::ParameterRule::Uniform, Vec::new()),
+        Parametrization::Explicit(values) => (pb::ParameterRule::Explicit, values.to_vec()),
+    };
+    pb::Parameters {
+        rule: rule.into(),
+        values,
+    }
+}
+
+/// The kind of a basis that was asked for.
+fn basis_kind(choice: &BasisChoice) -> pb::BasisKind {
+    match choice {
+        BasisChoice::BSpline { .. } => pb::BasisKind::Bspline,
+        BasisChoice::Polynomial(Polynomial::Bernstein) => pb::BasisKind::Bernstein,
+        BasisChoice::Polynomial(Polynomial::SaidBall) => pb::BasisKind::SaidBall,
+        BasisChoice::Polynomial(Polynomial::WangBall) => pb::BasisKind::WangBall,
+    }
+}

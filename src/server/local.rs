@@ -1,0 +1,37 @@
+//! A server without a port: its resources are asked by the program that it is a part of.
+
+use std::io;
+use std::sync::Arc;
+
+use axum::Router;
+use tokio::sync::watch;
+
+use super::{CloseOnDrop, limits, open, resources};
+use crate::api::app::App;
+use crate::api::http::host::Hosts;
+use crate::api::http::router;
+use crate::config::Config;
+use crate::job::service::Jobs;
+
+/// A server that only this program reaches. Its jobs end when it is dropped.
+pub struct Local {
+    /// What answers requests.
+    pub router: Router,
+    _stop: watch::Sender<bool>,
+    _closed_at_the_end: CloseOnDrop,
+}
+
+/// Starts a server with these settings, of which those of connections have no meaning here.
+pub async fn start(config: Config) -> io::Result<Local> {
+    let resources = resources(&config)?;
+    let closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
+    let store = open(&config, &resources.counters).await?;
+    let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
+    let (stop, stopping) = watch::channel(false);
+    let hosts = Hosts::new(&[], true);
+    Ok(Local {
+        router: router::router(App::new(jobs, config, stopping), hosts),
+        _stop: stop,
+        _closed_at_the_end: closed_at_the_end,
+    })
+}

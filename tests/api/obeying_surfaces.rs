@@ -1,0 +1,195 @@
+//! Surfaces that choose their knots, and obey and weigh more than distances.
+
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::rpc::flat;
+use crate::support::{Server, Story};
+
+/// Franke's function.
+fn franke(x: f64, y: f64) -> f64 {
+    let (x, y) = (9.0 * x, 9.0 * y);
+    0.75 * (-((x - 2.0).powi(2) + (y - 2.0).powi(2)) / 4.0).exp()
+        + 0.75 * (-(x + 1.0).powi(2) / 49.0 - (y + 1.0) / 10.0).exp()
+        + 0.5 * (-((x - 7.0).powi(2) + (y - 3.0).powi(2)) / 4.0).exp()
+        - 0.2 * (-(x - 4.0).powi(2) - (y - 7.0).powi(2)).exp()
+}
+
+/// Points of it with errors of at most `noise`.
+fn noisy(count: usize, noise: f64) -> Value {
+    let point = |i: usize| {
+        let i = i as f64;
+        let (x, y) = ((0.754_877_666 * i).fract(), (0.569_840_291 * i).fract());
+        // The fractions of large products look random.
+        let error = 2.0 * (43_758.545 * (12.9898 * i).sin()).rem_euclid(1.0) - 1.0;
+        json!([x, y, franke(x, y) + noise * error])
+    };
+    (1..=count).map(point).collect()
+}
+
+fn scattered(points: &Value, method: Value, tolerance: f64) -> Value {
+    let mut method = method;
+    method["kind"] = json!("least_squares");
+    method["control_points"] = json!("auto");
+    json!({
+        "surface": {"scattered": points, "parameters": {"project": "xy"}},
+        "method": method,
+        "stop": {"tolerance": tolerance},
+    })
+}
+
+/// The root of the mean of the squared differences from Franke's function, of the last surface.
+async fn from_truth(server: &Server, story: &Story) -> f64 {
+    let result = story.end["links"]["result"].as_str().unwrap();
+    let samples = server
+        .json(&format!("{result}?view=samples&samples=40x40"))
+        .await;
+    let points = flat(&samples["samples"]);
+    let squares = points
+        .chunks_exact(3)
+        .map(|point| (point[2] - franke(point[0], point[1])).powi(2));
+    (squares.sum::<f64>() / 1600.0).sqrt()
+}
+
+/// Where the tolerance is near the noise the surface follows it; fairness keeps it nearer to the truth.
+#[tokio::test]
+async fn fair_surfaces_of_scans_are_nearer_to_the_truth() {
+    let server = Server::start().await;
+    let points = noisy(1500, 0.05);
+    let mut found = Vec::new();
+    for fairness in [0.0, 1e-2] {
+        let story = server
+            .stream(&scattered(&points, json!({"fairness": fairness}), 0.058))
+            .await;
+        assert_eq!(story.state(), "converged", "{}", story.end);
+        let last = story.iterations.len() - 1;
+        assert!(story.error(last) <= 0.058, "{}", story.end);
+        found.push(from_truth(&server, &story).await);
+    }
+    let [plain, fair] = found[..] else {
+        panic!("two fits")
+    };
+    assert!(fair < 0.5 * plain, "{fair} {plain}");
+}
+
+/// Where fairness keeps a surface away from its data, more control points are not tried for long.
+#[tokio::test]
+async fn what_fairness_does_not_allow_ends() {
+    let server = Server::start().await;
+    for job in [
+        scattered(&noisy(1500, 0.0), json!({"fairness": 10}), 1e-3),
+        json!({
+            "surface": {"points": data::peaks(30)},
+            "method": {"kind": "least_squares", "control_points": "auto", "fairness": 100},
+            "stop": {"tolerance": 1e-3},
+        }),
+    ] {
+        let job = server.fit(&job).await;
+        assert_eq!(
+            (&job["state"], &job["reason"]),
+            (&json!("converged"), &json!("stationary"))
+        );
+        // Far fewer than it takes to try as many control points as there are data.
+        assert!(job["iteration"].as_u64().unwrap() < 30, "{job}");
+    }
+}
+
+/// The bending energy and the distances of grids: with little fairness as without.
+#[tokio::test]
+async fn fair_grids() {
+    let server = Server::start().await;
+    for (fairness, order) in [(1e-9, 2), (1e-9, 3), (1e-5, 2)] {
+        let job = json!({
+            "surface": {"points": data::peaks(31)},
+            "method": {"kind": "least_squares", "control_points": "auto", "fairness": fairness, "fairness_order": order},
+            "stop": {"tolerance": 0.05},
+        });
+        let story = server.stream(&job).await;
+        assert_eq!(story.state(), "converged", "{}", story.end);
+        assert!(story.end["reason"].is_null(), "{}", story.end);
+        // Corners are interpolated at each level.
+        for iteration in &story.iterations {
+            let net = iteration["control_points"].as_array().unwrap();
+            let corner = flat(&net[0][0]);
+            let expected = flat(&data::peaks(31)[0][0]);
+            for (x, y) in corner.iter().zip(expected) {
+                assert!((x - y).abs() < 1e-12, "{corner:?}");
+            }
+        }
+    }
+}
+
+/// Points and derivatives that each level has, from the first one on.
+#[tokio::test]
+async fn every_level_obeys() {
+    let server = Server::start().await;
+    let (point, slope) = ([-0.1, -0.1, 0.9], [1.2, 0.0, -0.5]);
+    let constraints = json!([
+        {"at": {"parameter": [0, 0]}, "point": point},
+        {"at": {"parameter": [0, 0]}, "derivative_u": slope},
+        {"index": 700},
+    ]);
+    // Its corner is that of the domain.
+    let mut points = noisy(1500, 0.0);
+    points[3] = json!([0, 0, franke(0.0, 0.0)]);
+    let job = scattered(&points, json!({"constraints": constraints}), 0.2);
+    let story = server.stream(&job).await;
+    assert_eq!(story.state(), "converged", "{}", story.end);
+    let mut knots = story.job["knots"].clone();
+    for iteration in &story.iterations {
+        if !iteration["knots"].is_null() {
+            knots = iteration["knots"].clone();
+        }
+        let net = iteration["control_points"].as_array().unwrap();
+        let [corner, beside] = [flat(&net[0][0]), flat(&net[1][0])];
+        let u = flat(&knots["u"]);
+        let width = u[4] - u[3];
+        for c in 0..3 {
+            assert!((corner[c] - point[c]).abs() < 1e-12, "{corner:?}");
+            let derivative = 3.0 * (beside[c] - corner[c]) / width;
+            assert!((derivative - slope[c]).abs() < 1e-11, "{derivative}");
+        }
+    }
+}
+
+/// Points that count more are nearer.
+#[tokio::test]
+async fn data_weights_of_surfaces() {
+    let server = Server::start().await;
+    let points = noisy(800, 0.1);
+    let mut near = Vec::new();
+    for weight in [1.0, 1e4] {
+        let weights: Vec<f64> = (0..800)
+            .map(|i| if i == 400 { weight } else { 1.0 })
+            .collect();
+        let method = json!({"data_weights": weights, "max_control_points": 7});
+        let job = server.fit(&scattered(&points, method, 1e-3)).await;
+        assert_eq!(job["state"], "exhausted", "{job}");
+        let result = job["links"]["result"].as_str().unwrap();
+        let errors = server.json(&format!("{result}?view=errors")).await;
+        near.push(errors["error"]["max"].as_f64().unwrap());
+        let input = server
+            .json(&format!("{}/input", crate::support::base(&job)))
+            .await;
+        assert_eq!(input["method"]["data_weights"][400].as_f64(), Some(weight));
+    }
+    assert_ne!(near[0], near[1]);
+}
+
+/// Knots along a boundary change, and with them the number of control points there.
+#[tokio::test]
+async fn boundaries_have_a_number_of_control_points() {
+    let server = Server::start().await;
+    let row: Vec<[f64; 3]> = (0..4).map(|i| [f64::from(i), 0.0, 0.0]).collect();
+    let job = json!({
+        "surface": {"points": data::peaks(12)},
+        "method": {
+            "kind": "least_squares", "control_points": "auto",
+            "constraints": [{"at": {"boundary": "u_start"}, "control_points": row}],
+        },
+    });
+    let reason = "with control_points \"auto\" the knots along a boundary change";
+    server
+        .assert_refused(&job, "/method/constraints/0", reason)
+        .await;
+}

@@ -1,0 +1,105 @@
+//! Streams of events that break off.
+
+use serde_json::Value;
+
+use crate::door::{Break, Door};
+use crate::remote::Server;
+use crate::support::{Folder, Told, curve};
+
+/// The end of the first whole event of an iteration, with a part of what follows it.
+fn after_an_iteration(answer: &[u8]) -> Option<usize> {
+    let event = find(answer, b"{\"event\":\"iteration\"")?;
+    let length = answer[event..].iter().position(|byte| *byte == b'\n')?;
+    Some(event + length + 1)
+}
+
+/// In the middle of the first event, which describes the job.
+fn inside_of_the_job(answer: &[u8]) -> Option<usize> {
+    Some(find(answer, b"{\"event\":\"job\"")? + 20).filter(|end| *end <= answer.len())
+}
+
+fn find(text: &[u8], part: &[u8]) -> Option<usize> {
+    text.windows(part.len()).position(|it| it == part)
+}
+
+/// Many slow iterations.
+const SLOW: [&str; 6] = [
+    "--method",
+    "weighted",
+    "--set",
+    "method.omega=0.05",
+    "--tolerance",
+    "1e-9",
+];
+
+/// What a fit behind a door whose connections break so gives, beside a fit in the process.
+fn same_behind(door: impl Fn(&str, &[Break]) -> Door, breaks: &[Break]) -> (String, String) {
+    let folder = Folder::new();
+    folder.write("curve.csv", &curve(300));
+    let server = Server::start(&folder);
+    let door = door(&server.1, breaks);
+    folder.write("authorities.pem", &door.authority);
+    let here = folder.result(&[&["curve.csv"], &SLOW[..]].concat());
+    let mut command = folder.command(&["fit", "curve.csv", "--server", &door.url]);
+    command.args(SLOW);
+    command.env("SSL_CERT_FILE", folder.path("authorities.pem"));
+    let told = Told::of(command.output().unwrap());
+    assert_eq!(told.status, 0, "{}", told.err);
+    let there = told.json();
+    for part in ["control_points", "error", "iteration"] {
+        assert_eq!(here[part], there[part]);
+    }
+    door.seen()
+}
+
+/// The numbers of the iterations that have gone through.
+fn iterations(answered: &str) -> Vec<u64> {
+    let events = answered
+        .lines()
+        .filter(|line| line.starts_with("{\"event\":\"iteration\""));
+    let events = events.map(|line| serde_json::from_str::<Value>(line).unwrap());
+    events
+        .map(|event| event["data"]["iteration"].as_u64().unwrap())
+        .collect()
+}
+
+#[test]
+fn a_stream_that_breaks_goes_on_after_its_last_iteration() {
+    for door in [Door::that_breaks, Door::plain_that_breaks] {
+        let breaks: [Break; 4] = [
+            after_an_iteration,
+            inside_of_the_job,
+            after_an_iteration,
+            inside_of_the_job,
+        ];
+        let (asked, answered) = same_behind(door, &breaks);
+        let posts = asked.matches("POST /v1/jobs/stream?").count();
+        assert_eq!(posts, 1, "{asked}");
+        // Each time from the last iteration on that had come.
+        let seen = iterations(&answered);
+        let resumed: Vec<u64> = asked
+            .split("&last_event_id=")
+            .skip(1)
+            .map(|rest| rest.split(' ').next().unwrap().parse().unwrap())
+            .collect();
+        assert_eq!(resumed, [seen[0], seen[0], seen[1], seen[1]], "{asked}");
+        assert!(
+            seen.is_sorted_by(|before, after| before < after),
+            "{seen:?}"
+        );
+    }
+}
+
+#[test]
+fn a_stream_that_breaks_before_the_job_is_known_is_a_failure() {
+    let folder = Folder::with_curve();
+    let server = Server::start(&folder);
+    let door = Door::plain_that_breaks(&server.1, &[inside_of_the_job]);
+    let told = folder.fit(&["curve.csv", "--server", &door.url]);
+    assert_eq!(told.status, 1);
+    assert!(
+        told.err.contains("the stream of events broke off"),
+        "{}",
+        told.err
+    );
+}

@@ -1,0 +1,164 @@
+//! Every kind of output, and what is told.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::support::{Folder, field};
+
+/// How a file of each ending begins.
+const BEGINNINGS: [(&str, &[u8]); 12] = [
+    ("json", b"{\"id\":"),
+    ("step", b"ISO-10303-21;"),
+    ("STP", b"ISO-10303-21;"),
+    ("igs", b""),
+    ("iges", b""),
+    ("obj", b""),
+    ("glb", b"glTF"),
+    ("gltf", b"glTF"),
+    ("stl", b""),
+    ("dxf", b""),
+    ("svg", b"<?xml"),
+    ("csv", b"u,v,x,y,z\n"),
+];
+
+#[test]
+fn files_are_of_the_format_of_their_ending() {
+    let folder = Folder::new();
+    folder.write("field.csv", &field(""));
+    let names = BEGINNINGS.map(|(ending, _)| format!("out.{ending}"));
+    let mut arguments = vec!["field.csv", "--plot", "picture.svg", "--units", "m"];
+    for name in &names {
+        arguments.extend(["-o", name]);
+    }
+    let told = folder.fit(&arguments);
+    assert_eq!((told.status, told.out.len()), (0, 0), "{}", told.err);
+    for (name, (_, beginning)) in names.iter().zip(BEGINNINGS) {
+        let bytes = folder.read(name);
+        assert!(!bytes.is_empty() && bytes.starts_with(beginning), "{name}");
+        assert!(
+            told.err.contains(&format!("wrote {name} (")),
+            "{}",
+            told.err
+        );
+    }
+    assert!(folder.read("picture.svg").starts_with(b"<?xml"));
+    assert_eq!(folder.names().len(), names.len() + 2);
+}
+
+#[test]
+fn results_go_to_the_standard_output() {
+    let folder = Folder::with_curve();
+    let told = folder.fit(&["curve.csv", "--format", "step"]);
+    assert!(told.out.starts_with(b"ISO-10303-21;"));
+    let told = folder.fit(&["curve.csv", "-o", "-", "-o", "out.csv"]);
+    assert_eq!(told.json()["state"], "converged");
+    assert!(folder.read("out.csv").starts_with(b"t,x,y\n"));
+    // The format that is said is that of all names.
+    let told = folder.fit(&["curve.csv", "-o", "out.txt", "--format", "csv"]);
+    assert_eq!(told.status, 0, "{}", told.err);
+    assert_eq!(folder.read("out.txt"), folder.read("out.csv"));
+}
+
+#[test]
+fn files_that_are_there_are_replaced() {
+    let folder = Folder::with_curve();
+    folder.write("old.step", "what was here");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(folder.path("old.step"), folder.path("link.step")).unwrap();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        fs::set_permissions(folder.path("old.step"), fs::Permissions::from_mode(0o640)).unwrap();
+        assert_eq!(folder.fit(&["curve.csv", "-o", "link.step"]).status, 0);
+        assert!(
+            fs::symlink_metadata(folder.path("link.step"))
+                .unwrap()
+                .is_symlink()
+        );
+        let mode = fs::metadata(folder.path("old.step"))
+            .unwrap()
+            .permissions()
+            .mode();
+        assert_eq!(mode & 0o777, 0o640);
+    }
+    assert!(folder.read("old.step").starts_with(b"ISO-10303-21;"));
+    // Devices stay what they are.
+    assert_eq!(
+        folder
+            .fit(&["curve.csv", "--format", "step", "-o", "/dev/null"])
+            .status,
+        0
+    );
+}
+
+#[test]
+fn iterations_are_files_too() {
+    let folder = Folder::with_curve();
+    let told = folder.fit(&["curve.csv", "--iterations", "all", "-o", "out.json"]);
+    let last = serde_json::from_slice::<Value>(&folder.read("out.json")).unwrap();
+    let last = last["iteration"].as_u64().unwrap();
+    let count = fs::read_dir(folder.path("all")).unwrap().count() as u64;
+    assert_eq!(count, last + 1, "{}", told.err);
+    let first: Value = serde_json::from_slice(&folder.read("all/iteration-0.json")).unwrap();
+    assert_eq!(first["iteration"], 0);
+    folder.fit(&[
+        "curve.csv",
+        "--iterations",
+        "some",
+        "--every",
+        "4",
+        "--max-iterations",
+        "6",
+        "--tolerance",
+        "1e-14",
+        "-o",
+        "out.igs",
+    ]);
+    for k in [0, 4, 6] {
+        assert!(
+            folder.path(&format!("some/iteration-{k}.igs")).exists(),
+            "{k}"
+        );
+    }
+    assert_eq!(fs::read_dir(folder.path("some")).unwrap().count(), 3);
+}
+
+#[test]
+fn the_status_says_whether_it_has_converged() {
+    let folder = Folder::with_curve();
+    let told = folder.fit(&["curve.csv", "--max-iterations", "1", "-o", "out.step"]);
+    assert_eq!(told.status, 1);
+    assert!(
+        told.err.contains("exhausted after 1 iteration"),
+        "{}",
+        told.err
+    );
+    assert!(folder.path("out.step").exists());
+    // A format that cannot hold the result keeps no other back.
+    let told = folder.fit(&["curve.csv", "-o", "out.stl", "-o", "out.obj"]);
+    assert_eq!(told.status, 1);
+    assert!(told.err.contains("out.stl: stl files hold"), "{}", told.err);
+    assert!(folder.path("out.obj").exists() && !folder.path("out.stl").exists());
+}
+
+#[test]
+fn progress_and_a_summary_are_told_unless_it_is_quiet() {
+    let folder = Folder::with_curve();
+    let told = folder.fit(&["curve.csv", "-o", "out.step"]);
+    for words in [
+        " of about ",
+        "curve.csv: curve of degree 3 (bspline), 40 points, 42 control points, method global",
+        "converged after",
+        "wrote out.step",
+    ] {
+        assert!(told.err.contains(words), "{words}: {}", told.err);
+    }
+    for arguments in [
+        vec!["-o", "out.step"],
+        vec!["--max-iterations", "1", "-o", "out.step"],
+    ] {
+        let told = folder.fit(&[vec!["curve.csv", "--quiet"], arguments].concat());
+        assert_eq!((told.err.as_str(), told.out.len()), ("", 0));
+    }
+}

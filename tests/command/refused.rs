@@ -1,0 +1,95 @@
+//! What is wrong, at its line or flag, before anything is written.
+
+use crate::support::Folder;
+
+#[test]
+fn mistakes_in_files_are_told_at_their_lines() {
+    let folder = Folder::new();
+    folder.write("bad.csv", "x,y\n1,2\n\n3,oops\n4,5,6\n");
+    folder.write("twice.csv", "x,y\n1,2\n3,4\n3,4\n5,6\n");
+    folder.write("comma.json", "[[0, 0],\n [1, 1],\n]");
+    folder.write("points.json", "[[0,0],\n[1,2],\n[2,1],\n[2,1],\n[3,3]]");
+    folder.write(
+        "job.json",
+        "{\"curve\": {\n \"points\": [[0,0],[1,1],\n  [1,1],[2,0]]},\n \"method\": \"fast\"}",
+    );
+    folder.write("empty.csv", "");
+    for (name, expected) in [
+        (
+            "bad.csv",
+            "bad.csv:4: column 2: \"oops\" is no number\nbad.csv:5: 3 columns here",
+        ),
+        ("twice.csv", "twice.csv:4: point 2 equals point 1"),
+        ("comma.json", "comma.json:3: "),
+        ("points.json", "points.json:4: point 3 equals point 2"),
+        ("job.json", "job.json:4: /method"),
+        ("empty.csv", "empty.csv"),
+        ("missing.csv", "missing.csv: No such file"),
+    ] {
+        let told = folder.fit(&[name, "-o", "out.step"]);
+        assert_eq!(told.status, 2, "{name}: {}", told.err);
+        assert!(told.err.starts_with(expected), "{name}: {}", told.err);
+        assert!(!folder.path("out.step").exists());
+    }
+    let told = folder.fit_from("1,2\nx,y\n", &["-"]);
+    assert!(told.err.starts_with("<stdin>:2: "), "{}", told.err);
+}
+
+#[test]
+fn mistakes_in_flags_are_told_with_them() {
+    let folder = Folder::with_curve();
+    for (arguments, expected) in [
+        (
+            vec!["--method", "fast"],
+            "--method: \"fast\" is no kind of method",
+        ),
+        (vec!["--degree", "0"], "--degree: "),
+        (vec!["--degree", "three"], "--degree: "),
+        (vec!["--basis", "nurbs"], "--basis: "),
+        (vec!["--tolerance", "small"], "--tolerance: "),
+        (vec!["--tolerance", "-1"], "--tolerance: "),
+        (vec!["--max-iterations", "many"], "--max-iterations: "),
+        (vec!["--control-points", "few"], "--control-points: "),
+        (vec!["--ends", "loose"], "--ends: "),
+        (vec!["--surface", "7x7"], ""),
+        (vec!["--set", "method.speed=9"], "--set method.speed: "),
+        (vec!["--set", "degree"], "--set degree: "),
+        (
+            vec!["--set", "stop.tolerance=1", "--tolerance", "1"],
+            "--set stop.tolerance: it is given twice",
+        ),
+        (vec!["--json", "missing.json"], "missing.json: No such file"),
+        (
+            vec!["-o", "out.foo"],
+            "out.foo: its ending is none of json, step",
+        ),
+        (vec!["-o", "out"], "out: its ending is none of"),
+        (
+            vec!["-o", "nowhere/out.step"],
+            "nowhere/out.step: there is no directory nowhere",
+        ),
+        (
+            vec!["-o", "out.step", "-o", "out.step"],
+            "out.step: it is asked for twice",
+        ),
+        (
+            vec!["--format", "foo"],
+            "--format foo: there are json, step",
+        ),
+        (vec!["--units", "m", "-o", "out.obj"], "--units m: "),
+        (vec!["--units", "miles"], "error: invalid value 'miles'"),
+        (vec!["--every", "2"], "error: "),
+        (vec!["--server", "fits"], "--server fits: "),
+        (vec!["--iterations", "no/where"], "--iterations no/where: "),
+    ] {
+        let told = folder.fit(&[vec!["curve.csv"], arguments.clone()].concat());
+        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
+        assert!(
+            told.err.starts_with(expected),
+            "{arguments:?}: {}",
+            told.err
+        );
+        assert!(told.out.is_empty());
+    }
+    assert_eq!(folder.names(), ["curve.csv"]);
+}

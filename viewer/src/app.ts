@@ -1,0 +1,37 @@
+/** What the parts of the page share. */
+
+import type { Client, Job, api } from "piad";
+
+import type { Fit } from "./fit/fit.js";
+import type { View } from "./state.js";
+import type { Store } from "./store.js";
+
+/** Whether a job takes the place of those on the screen, or stands beside them. */
+export type How = "replace" | "compare";
+
+export interface App {
+  /** The server that the page came from. */
+  readonly client: Client;
+  readonly view: Store<View>;
+  /** The jobs on the screen, in their order. */
+  readonly fits: Fits;
+  /** Shows a job from its beginning: by its id, or as the server has just told of it. */
+  open(job: string | Job, how?: How): void;
+  /** Takes a job off the screen. */
+  close(id: string): void;
+  /** Makes a job and shows it; gives its id. What the server refuses is thrown. */
+  fit(request: api.JobRequest, how?: How): Promise<string>;
+  /** Says a sentence, on the screen and to screen readers. */
+  say(sentence: string, kind?: "info" | "error"): void;
+}
+
+/** The jobs on the screen. */
+export interface Fits {
+  readonly shown: readonly Fit[];
+  of(id: string): Fit | undefined;
+  /** Calls when jobs come, go on or go, at most once a frame. */
+  subscribe(listener: () => void): () => void;
+}
+
+/** A part of the page. It takes the element over that it is given. */
+export type Panel = (root: HTMLElement, app: App) => void;

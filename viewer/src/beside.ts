@@ -1,0 +1,23 @@
+/** What is beside the scene: the chart and the panels. It is a script of its own, which the first picture does not wait for. */
+
+import type { App } from "./app.js";
+import { byId } from "./html.js";
+import { bring } from "./panels/bring.js";
+import { jobs } from "./panels/jobs.js";
+import { take } from "./panels/take.js";
+import { chart } from "./ui/chart.js";
+
+/** Makes it piece by piece, so that nobody waits for it. */
+export async function beside(app: App): Promise<void> {
+  chart(app);
+  await rest();
+  bring(byId("bring"), app);
+  jobs(byId("jobs"), app);
+  take(byId("take"), app);
+  await rest();
+}
+
+/** Lets the browser show what there is. */
+function rest(): Promise<void> {
+  return new Promise((resolve) => setTimeout(resolve, 30));
+}

@@ -1,0 +1,165 @@
+/** A job on the screen: what is known of it. */
+
+import type { Client, Job, api } from "piad";
+import { ApiError, ConnectionLost } from "piad";
+
+import type { Axes } from "./axes.js";
+import { type Data, MOST_POINTS, dataOf, unseen } from "./data.js";
+import { Gallery } from "./gallery.js";
+
+/** The errors of an iteration. */
+export interface Level {
+  readonly error: api.FitError;
+  readonly moved: number;
+}
+
+// After a lost connection, in milliseconds.
+const AGAIN = 3000;
+
+/** A job that is followed from its first iteration to its end. */
+export class Fit {
+  readonly id: string;
+  /** The job as the server knows it; null until it has answered. */
+  job: Job | null = null;
+  /** What stays from iteration to iteration. */
+  head: api.JobEvent | null = null;
+  /** How it ended. */
+  end: api.EndEvent | null = null;
+  /** The iterations that have come, by their numbers. */
+  readonly levels: Level[] = [];
+  /** Why there is nothing more to see. */
+  problem: unknown = null;
+  /** Where its data are; null until they are here. */
+  axes: Axes | null = null;
+  readonly gallery = new Gallery(this);
+  readonly #client: Client;
+  readonly #changed: () => void;
+  readonly #axes: () => readonly Axes[];
+  readonly #closing = new AbortController();
+  readonly #begun: Promise<api.JobEvent>;
+  #hasBegun: (head: api.JobEvent) => void = () => {};
+  #hasFailed: (error: unknown) => void = () => {};
+  #job: Promise<Job> | null = null;
+  #input: Promise<api.JobRequest> | null = null;
+  #data: Promise<Data> | null = null;
+
+  /** `axes` are those of the jobs on the screen. */
+  constructor(client: Client, job: Job | string, changed: () => void, axes: () => readonly Axes[]) {
+    this.#client = client;
+    this.id = typeof job === "string" ? job : job.id;
+    if (typeof job !== "string") this.#job = Promise.resolve(job);
+    this.#changed = changed;
+    this.#axes = axes;
+    this.#begun = new Promise((resolve, reject) => {
+      this.#hasBegun = resolve;
+      this.#hasFailed = reject;
+    });
+    this.#begun.catch(() => {});
+    void this.#follow();
+  }
+
+  /** The number of the newest iteration; -1 before the first. */
+  get latest(): number {
+    return this.levels.length - 1;
+  }
+
+  get signal(): AbortSignal {
+    return this.#closing.signal;
+  }
+
+  get title(): string {
+    return this.head?.name ?? this.job?.status.name ?? this.id.slice(0, 8);
+  }
+
+  /** The job as it was asked for, asked once. */
+  input(): Promise<api.JobRequest> {
+    if (this.#input === null) {
+      const asked = this.known().then((job) => job.input({ signal: this.signal }));
+      this.#input = asked;
+      asked.catch(() => (this.#input = null));
+    }
+    return this.#input;
+  }
+
+  /** The data points, read once. */
+  data(): Promise<Data> {
+    this.#data ??= this.#read().then((data) => {
+      this.axes = data.axes;
+      return data;
+    });
+    this.#data.catch(() => {});
+    return this.#data;
+  }
+
+  /** Forgets the job; the server goes on. */
+  close(): void {
+    this.#closing.abort();
+  }
+
+  /** The job, asked once. */
+  known(): Promise<Job> {
+    if (this.#job === null) {
+      const asked = this.#client.job(this.id, { signal: this.signal });
+      this.#job = asked;
+      asked.catch(() => (this.#job = null));
+    }
+    return this.#job;
+  }
+
+  /** Waits as long as the job has not begun or the server is away. */
+  async #read(): Promise<Data> {
+    const early = this.known()
+      .then((job) => (job.status.points <= MOST_POINTS ? this.input() : null))
+      .catch(() => null);
+    const head = await this.#begun;
+    if (head.points <= MOST_POINTS) return dataOf((await early) ?? (await this.input()), head, this.#axes());
+    const job = await this.known();
+    const samples = head.kind === "surface" ? "60x60" : 2000;
+    const level = await job.iteration(0, { view: "samples", samples, encoding: "base64", signal: this.signal });
+    return unseen(level.samples.data, head, this.#axes());
+  }
+
+  /** Follows the job to its end, over lost connections. */
+  async #follow(): Promise<void> {
+    for (;;) {
+      try {
+        await this.#run();
+        return;
+      } catch (error) {
+        if (this.signal.aborted) return this.#hasFailed(error);
+        this.problem = error;
+        this.#changed();
+        if (!(error instanceof ConnectionLost)) return this.#hasFailed(error);
+      }
+      await new Promise((resolve) => {
+        setTimeout(resolve, AGAIN);
+        addEventListener("online", resolve, { once: true });
+      });
+    }
+  }
+
+  async #run(): Promise<void> {
+    const { signal } = this;
+    const job = (this.job = await this.known());
+    // Iterations are read by it; asked for now, it is here when they are.
+    job.shape({ signal }).catch(() => {});
+    const stream = job.iterations({ view: "errors", every: 1, milestones: [], pace: "all", changed: false, encoding: "json", digits: "full", after: this.latest < 0 ? undefined : this.latest, signal });
+    for await (const { event, data } of stream.events()) {
+      this.problem = null;
+      if (event === "job") {
+        this.head = data;
+        this.#hasBegun(data);
+      }
+      if (event === "iteration") this.levels[data.iteration] = { error: data.error, moved: data.moved };
+      if (event === "end") this.end = data;
+      this.#changed();
+    }
+    await job.refresh({ signal });
+    this.#changed();
+  }
+}
+
+/** Whether the server does not know the job. */
+export function isGone(error: unknown): boolean {
+  return error instanceof ApiError && error.status === 404;
+}

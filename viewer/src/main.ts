@@ -1,0 +1,78 @@
+/** The page: a client of the server it came from. */
+
+import "./app.css";
+
+import type { App } from "./app.js";
+import { card } from "./edit/card.js";
+import { Drag } from "./edit/drag.js";
+import { History } from "./edit/history.js";
+import { byId, el } from "./html.js";
+import { Hall } from "./scene/hall.js";
+import { Stage } from "./scene/stage.js";
+import { client, fits, open, view } from "./session.js";
+import { examples } from "./ui/examples.js";
+import { labels } from "./ui/labels.js";
+import { player } from "./ui/player.js";
+import { pointer } from "./ui/pointer.js";
+import { scrub } from "./ui/scrub.js";
+import { tabs } from "./ui/tabs.js";
+import { tools } from "./ui/tools.js";
+import { trouble } from "./ui/trouble.js";
+import { createVoice } from "./ui/voice.js";
+
+const app: App = {
+  client,
+  view,
+  fits,
+  open,
+  say: createVoice(byId("voice")),
+  close(id) {
+    view.set({ jobs: view.value.jobs.filter((job) => job !== id), selection: null });
+  },
+  async fit(request, how) {
+    const job = await client.create(request);
+    open(job, how);
+    return job.id;
+  },
+};
+
+examples(app);
+trouble(app);
+scrub(app);
+tabs(byId("panels"));
+const root = byId("stage");
+const hall = new Hall(app, new Stage(root));
+tools(app, hall);
+labels(app, hall, root);
+const drag = new Drag(app, hall, new History(app));
+card(app, hall, drag, root);
+pointer(app, hall, root, () => drag.isBusy);
+player(app, hall);
+
+// What is beside the first picture comes after it, unless there is none for a while.
+let isWhole = false;
+hall.onFirst = () => void whole();
+setTimeout(() => void whole(), 1000);
+
+/** Makes the rest of the page, piece by piece, so that nobody waits for it. */
+async function whole(): Promise<void> {
+  if (isWhole) return;
+  isWhole = true;
+  try {
+    const { beside } = await import("./beside.js");
+    await beside(app);
+  } catch (error) {
+    app.say("A part of the page could not be loaded. Load the page again.", "error");
+    console.error(error);
+  }
+  // Without the script, as without WebGL, fits are drawn plainly.
+  const script = await import("./scene/webgl.js").catch(() => null);
+  if (script === null) return;
+  try {
+    await hall.stage.begin(script.WebGL);
+  } catch (error) {
+    const sentence = "This browser has no WebGL, or it is turned off: fits are drawn plainly.";
+    root.append(el("p", { class: "plainly" }, sentence));
+    console.warn(error);
+  }
+}

@@ -1,0 +1,197 @@
+/** Data points, and how they are fitted. */
+
+import { ApiError, type api } from "piad";
+
+import type { App, How, Panel } from "../app.js";
+import { byId, el } from "../html.js";
+import { Store } from "../store.js";
+import { sentence as told } from "../ui/sentence.js";
+import { Description, sentence } from "./description.js";
+import { dataOf, editable, words } from "./draft.js";
+import { type Brought, listen, open } from "./drop.js";
+import { excerpt } from "./excerpt.js";
+import { type Draft, Form } from "./form.js";
+import type { Fields } from "./pointer.js";
+import { Unreadable, read } from "./reading.js";
+import { RequestText } from "./request.js";
+import { STARTERS } from "./starters.js";
+
+export const bring: Panel = (root, app) => {
+  const draft = new Store<Draft>({ request: {}, touched: false });
+  const data = el("div", { class: "data", "aria-live": "polite" });
+  const wrong = el("div", {});
+  const source = sources(app, draft, data, wrong);
+  const settings = el("div", {}, el("p", { class: "hint" }, "Asking the server what it can do …"));
+  root.replaceChildren(source, settings);
+  draft.subscribe(({ request }, before) => {
+    if (dataOf(request)?.count !== dataOf(before.request)?.count || words(request) !== words(before.request)) source.dispatchEvent(new Event("points"));
+  });
+
+  const begin = (): void => {
+    Description.of(app.client).then(
+      (description) => settings.replaceWith(editor(app, draft, description)),
+      (error: Error) => {
+        const again = el("button", { type: "button", class: "plain", onclick: begin }, "Try again");
+        settings.replaceChildren(el("p", { class: "hint" }, `The server does not say what it can do. ${error.message}`), again);
+      },
+    );
+  };
+  begin();
+  follow(app, draft);
+};
+
+/** While nobody has changed anything, the request is that of the newest job on the screen. */
+function follow(app: App, draft: Store<Draft>): void {
+  let followed = "";
+  const update = () => {
+    const fit = app.fits.shown.at(-1);
+    if (fit === undefined || fit.id === followed || draft.value.touched) return;
+    followed = fit.id;
+    fit.input().then(
+      (request) => {
+        if (!draft.value.touched && followed === fit.id) draft.set({ request: editable(request) });
+      },
+      () => {},
+    );
+  };
+  app.fits.subscribe(update);
+  update();
+}
+
+/** Where points come from: files, the clipboard, a text, or jobs that are ready. */
+function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLElement): HTMLElement {
+  let reading = new AbortController();
+  let notices: readonly string[] = [];
+  const show = () => {
+    const { request } = draft.value;
+    data.replaceChildren(...(dataOf(request) === null ? [] : [el("p", {}, el("b", {}, words(request)))]), ...notices.map((notice) => el("p", { class: "hint" }, notice)));
+  };
+
+  async function take({ name, text }: Brought): Promise<void> {
+    byId("tab-bring").click();
+    reading.abort();
+    const { signal } = (reading = new AbortController());
+    wrong.replaceChildren();
+    try {
+      const result = await read(text, name?.replace(/\.[^.]*$/, "") ?? null, signal);
+      notices = result.notices;
+      draft.set({ request: editable(result.request as api.JobRequest), touched: true });
+      show();
+      typed.open = false;
+      app.say(`${name ?? "The text"} is read: ${words(draft.value.request)}.`);
+    } catch (error) {
+      if (signal.aborted) return;
+      const faults = error instanceof Unreadable ? error.faults : [{ detail: error instanceof Error ? error.message : String(error), line: null, column: null }];
+      wrong.replaceChildren(excerpt(name ?? "The text", text, faults));
+      wrong.scrollIntoView({ block: "nearest" });
+    }
+  }
+
+  const input = el("input", { type: "file", id: "file", class: "aside", tabindex: -1, "aria-label": "A file of points", accept: ".csv,.dat,.txt,.xyz,.json,.tsv,text/*,application/json" });
+  input.addEventListener("change", () => {
+    const [file] = input.files ?? [];
+    input.value = "";
+    if (file !== undefined) open(file).then(take, (error: Error) => app.say(error.message, "error"));
+  });
+  const area = el("textarea", { id: "typed", rows: 6, spellcheck: "false", placeholder: "0, 0\n1, 2\n3, 3" });
+  const typed = el(
+    "details",
+    { class: "typed" },
+    el("summary", {}, "Type or paste points"),
+    el("label", { for: "typed", class: "aside" }, "Points, one a line"),
+    area,
+    el("button", { type: "button", class: "plain", onclick: () => void take({ name: null, text: area.value }) }, "Read"),
+  );
+  const ready = el("details", { class: "ready" }, el("summary", {}, "Take a job that is ready"), el("ul", {}, ...STARTERS.map((starter) => {
+    const start = () => {
+      notices = [];
+      wrong.replaceChildren();
+      draft.set({ request: editable(starter.request()), touched: false });
+      app.fit(starter.request()).catch((error: Error) => app.say(error.message, "error"));
+    };
+    return el("li", {}, el("button", { type: "button", onclick: start }, el("b", {}, starter.name), el("span", {}, starter.about)));
+  })));
+  listen((brought) => void take(brought), (sentence) => app.say(sentence, "error"));
+  const element = el(
+    "div",
+    { class: "sources" },
+    el("div", { class: "row" }, el("button", { type: "button", class: "plain", onclick: () => input.click() }, "Choose a file"), el("p", { class: "hint" }, "or drop or paste it anywhere: CSV, .dat, XYZ, JSON"), input),
+    typed,
+    ready,
+    wrong,
+    data,
+  );
+  element.addEventListener("points", () => {
+    if (!draft.value.touched) notices = [];
+    show();
+  });
+  return element;
+}
+
+/** The fields, the request, and the buttons that send it. */
+function editor(app: App, draft: Store<Draft>, description: Description): HTMLElement {
+  const form = new Form(description, draft);
+  const text = new RequestText(app, draft);
+  const said = el("ul", { class: "wrong", hidden: true });
+  const help = el("p", { class: "help", "aria-hidden": "true" });
+  const fit = el("button", { type: "submit", class: "primary" }, "Fit");
+  const beside = el("button", { type: "button", class: "plain", title: "Fit, and compare with what is on the screen", onclick: () => void send("compare") }, "Fit beside");
+  const element = el("form", { novalidate: true, autocomplete: "off" }, form.element, text.element, el("div", { role: "alert" }, said), el("footer", {}, help, el("div", { class: "row" }, fit, beside)));
+
+  element.addEventListener("submit", (event) => {
+    event.preventDefault();
+    void send("replace");
+  });
+  element.addEventListener("focusin", ({ target }) => {
+    const field = target instanceof Element ? target.closest(".field") : null;
+    help.textContent = field?.querySelector("[id$=-help]")?.textContent ?? "";
+  });
+  draft.subscribe(update);
+  update();
+
+  function update(): void {
+    form.refresh();
+    text.refresh();
+    const none = dataOf(draft.value.request) === null && Object.keys(draft.value.request).length === 0;
+    fit.disabled = beside.disabled = none;
+  }
+
+  async function send(how: How): Promise<void> {
+    const { request } = draft.value;
+    form.clear();
+    said.replaceChildren();
+    said.hidden = true;
+    element.setAttribute("aria-busy", "true");
+    try {
+      await app.fit(request as unknown as api.JobRequest, how);
+      if (draft.value.request === request) draft.set({ touched: false });
+    } catch (error) {
+      refused(error, request);
+    } finally {
+      element.removeAttribute("aria-busy");
+    }
+  }
+
+  /** Each thing that is wrong at its field; what has none above the buttons. */
+  function refused(error: unknown, request: Fields): void {
+    const errors = error instanceof ApiError && error.errors.length > 0 ? error.errors : [{ detail: told(error) }];
+    const homeless = errors.filter(({ pointer, detail }) => pointer === undefined || !form.tell(pointer, detail));
+    said.replaceChildren(...homeless.map(({ pointer, detail }) => el("li", {}, placed(pointer, request), sentence(detail))));
+    said.hidden = homeless.length === 0;
+    const first = element.querySelector<HTMLElement>("[aria-invalid=true]");
+    first?.closest("details")?.setAttribute("open", "");
+    if (first !== null) first.focus();
+    else said.scrollIntoView({ block: "nearest" });
+  }
+
+  return element;
+}
+
+/** The place of a mistake in words: data points by their numbers, all else as its pointer. */
+function placed(pointer: string | undefined, request: Fields): Node | null {
+  if (pointer === undefined || pointer === "") return null;
+  const points = dataOf(request)?.pointer;
+  const rest = points !== undefined && pointer.startsWith(`${points}/`) ? pointer.slice(points.length + 1).split("/") : null;
+  const place = rest === null ? pointer : points === "/surface/points" ? `Row ${rest[0]}, column ${rest[1] ?? "–"}` : `Point ${rest[0]}`;
+  return el("b", {}, `${place}: `);
+}

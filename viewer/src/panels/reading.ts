@@ -1,0 +1,113 @@
+/** From the text of a file to a request. JSON is what the API speaks; all else is read by the server. */
+
+import type { Problem, api } from "piad";
+
+import { type Fields, type Json, isFields } from "./pointer.js";
+
+/** What a file says. */
+export interface Reading {
+  readonly request: Fields;
+  /** What was found out about the file, in words. */
+  readonly notices: readonly string[];
+}
+
+/** Where a file is wrong. */
+export interface Fault {
+  readonly detail: string;
+  /** From 1; null where it is no line that is wrong. */
+  readonly line: number | null;
+  readonly column: number | null;
+}
+
+/** A file that could not be read, and why. */
+export class Unreadable extends Error {
+  readonly faults: readonly Fault[];
+  readonly text: string;
+
+  constructor(text: string, faults: readonly Fault[]) {
+    super(faults[0]?.detail ?? "The file could not be read.");
+    this.text = text;
+    this.faults = faults;
+  }
+}
+
+/** Reads the text of a file. `name` is that of the file without its ending, for the job. */
+export async function read(text: string, name: string | null, signal: AbortSignal): Promise<Reading> {
+  const { request, notices } = /^\s*[[{]/.test(text) ? json(text) : await byServer(text, signal);
+  // What a file calls itself goes before how the file is called.
+  return { request: name === null || "name" in request ? request : { name, ...request }, notices };
+}
+
+/** Points, or a whole job. */
+function json(text: string): Reading {
+  let value: Json;
+  try {
+    value = JSON.parse(text) as Json;
+  } catch (error) {
+    throw new Unreadable(text, [{ detail: `This is not JSON: ${message(error)}.`, ...placeOf(text, message(error)) }]);
+  }
+  if (isFields(value)) {
+    const request = "points" in value && !("curve" in value) && !("surface" in value) ? geometry(value["points"]!) : value;
+    if ("curve" in request || "surface" in request) return { request, notices: [] };
+    throw new Unreadable(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
+  }
+  return { request: geometry(value), notices: [] };
+}
+
+/** Rows of rows are a surface. */
+function geometry(points: Json): Fields {
+  const first = Array.isArray(points) ? (points[0] as Json) : null;
+  const grid = Array.isArray(first) && first.some((part) => Array.isArray(part));
+  return grid ? { surface: { points } } : { curve: { points } };
+}
+
+/** Where a parser of JSON stopped, which engines say in their own words. */
+function placeOf(text: string, words: string): { line: number | null; column: number | null } {
+  const lined = /line (\d+) column (\d+)/.exec(words);
+  if (lined !== null) return { line: Number(lined[1]), column: Number(lined[2]) };
+  const position = /position (\d+)/.exec(words)?.[1];
+  const end = /end of (JSON|data)|Unexpected end/i.test(words) ? text.length : null;
+  const found = position === undefined ? end : Number(position);
+  if (found === null) return { line: null, column: null };
+  const before = text.slice(0, found).split("\n");
+  return { line: before.length, column: (before.at(-1)?.length ?? 0) + 1 };
+}
+
+async function byServer(text: string, signal: AbortSignal): Promise<Reading> {
+  const headers = { "Content-Type": "text/plain; charset=utf-8", Accept: "application/json, application/problem+json" };
+  const response = await fetch(new URL("v1/points", document.baseURI), { method: "POST", headers, body: text, signal });
+  const body = (await response.json().catch(() => null)) as Json;
+  if (response.ok && isFields(body)) {
+    const { notices, ...request } = body;
+    return { request, notices: Array.isArray(notices) ? notices.map(sentence) : [] };
+  }
+  if (response.status === 404 || response.status === 405) {
+    throw new Unreadable(text, [{ detail: "This server reads points as JSON only.", line: null, column: null }]);
+  }
+  throw new Unreadable(text, faultsOf(body as Partial<Problem> | null, response.status));
+}
+
+/** What a problem object says about lines. */
+function faultsOf(problem: Partial<Problem> | null, status: number): Fault[] {
+  const errors = (problem?.errors ?? []) as readonly (api.FieldError & { line?: number; column?: number })[];
+  const faults = errors.map(({ detail, line, column }) => {
+    const said = /\blines? (\d+)(?:,? column (\d+))?/.exec(detail);
+    return { detail, line: line ?? numberOf(said?.[1]), column: column ?? numberOf(said?.[2]) };
+  });
+  if (faults.length > 0) return faults;
+  const detail = problem?.detail ?? `The server answered ${status}.`;
+  return [{ detail, line: numberOf(/\bline (\d+)/.exec(detail)?.[1]), column: null }];
+}
+
+function numberOf(text: string | undefined): number | null {
+  return text === undefined ? null : Number(text);
+}
+
+function sentence(notice: unknown): string {
+  if (typeof notice === "string") return notice;
+  return isFields(notice) ? String(notice["detail"] ?? JSON.stringify(notice)) : String(notice);
+}
+
+function message(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}

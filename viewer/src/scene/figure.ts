@@ -1,0 +1,204 @@
+/** One fit as it is drawn. */
+
+import { type Object3D, Group, Scene } from "three";
+
+import { type Data, among, drawnIndexOf, drawnOf } from "../fit/data.js";
+import type { Points, Samples } from "../fit/geometry.js";
+import type { Layers } from "../state.js";
+import { Dots } from "./dots.js";
+import { FatLine } from "./fatline.js";
+import { Morph } from "./morph.js";
+import { Net } from "./net.js";
+import { type Palette, seriesColor } from "./palette.js";
+import { Surface } from "./surface.js";
+
+/** Everything that is drawn of an iteration. */
+export interface Picture {
+  readonly samples: Samples;
+  readonly control: Points | null;
+  /** Pairs of points: from the fit at the parameter of a data point to that, enlarged. */
+  readonly spikes: Float32Array | null;
+  /** Pairs of points, from the curve outwards, and the line through their ends. */
+  readonly comb: { readonly teeth: Float32Array; readonly edge: Float32Array } | null;
+  readonly heat: Float32Array | null;
+}
+
+export class Figure {
+  readonly scene = new Scene();
+  picture: Picture | null = null;
+  readonly #group = new Group();
+  readonly #curve = new FatLine(3, 2e-5);
+  readonly #surface = new Surface();
+  readonly #data = new Dots(6e-5);
+  readonly #polygon = new FatLine(1.25, 1e-5);
+  readonly #net = new Net();
+  readonly #control = new Dots(4e-5);
+  readonly #spikes = new FatLine(1.75, 3e-5);
+  readonly #teeth = new FatLine(1, 0);
+  readonly #edge = new FatLine(1.25, 0);
+  readonly #marker = new Dots(9e-5);
+  readonly #morph = new Morph();
+  readonly #controlMorph = new Morph();
+  #crowd = 0;
+  #lined: string | null = null;
+  #source: Data | null = null;
+  #ownData: Float32Array | null = null;
+
+  constructor() {
+    // What comes later lies over what came before, where both are at the same depth.
+    const order: Object3D[] = [this.#surface, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#control, this.#data, this.#marker];
+    order.forEach((object, i) => {
+      object.renderOrder = i;
+      object.visible = false;
+      this.#group.add(object);
+    });
+    this.#marker.material.depthTest = false;
+    this.scene.add(this.#group);
+  }
+
+  /** Where scene coordinates are: the data in a box of radius one. */
+  get group(): Group {
+    return this.#group;
+  }
+
+  /** Whether a surface is drawn. */
+  get isSurface(): boolean {
+    return this.#surface.visible;
+  }
+
+  /** Whether it has stripes, which only a shader draws. */
+  get isStriped(): boolean {
+    return this.#surface.isStriped;
+  }
+
+  setData(data: Data): void {
+    const { axes } = data;
+    this.#group.scale.setScalar(1 / axes.radius);
+    const [x, y, z] = axes.centre.map((c, i) => -(c - (axes.origin[i] ?? 0)) / axes.radius) as [number, number, number];
+    this.#group.position.set(x, y, z);
+    this.#crowd = data.positions.length / 3;
+    this.#ownData = drawnOf(data);
+    this.#data.setPoints(this.#ownData);
+    this.#lined = null;
+    this.#source = data;
+  }
+
+  /** Shows a data point elsewhere, as long as the data are not set again. */
+  movePoint(index: number, point: readonly [number, number, number]): void {
+    // Where not all are drawn, the mark stands for those that are not.
+    const at = this.#source === null ? -1 : drawnIndexOf(this.#source, index);
+    if (this.#ownData !== null && at >= 0) {
+      this.#ownData.set(point, at * 3);
+      this.#data.setPoints(this.#ownData);
+    }
+    this.mark(point);
+  }
+
+  /** Shows an iteration, and takes so many milliseconds to get there from the one before. */
+  setPicture(picture: Picture, lasts: number, now: number): void {
+    this.picture = picture;
+    const { samples, control } = picture;
+    this.#morph.go(samples.positions, lasts, now);
+    if (control !== null) this.#controlMorph.go(control.positions, lasts, now);
+    if (picture.spikes !== null) this.#spikes.setSegments(picture.spikes);
+    if (picture.comb !== null) {
+      this.#teeth.setSegments(picture.comb.teeth);
+      this.#edge.setPoints(picture.comb.edge);
+    }
+    this.#place();
+    if (samples.rows > 1) {
+      this.#surface.setHeat(picture.heat);
+      this.#lines(samples);
+    }
+  }
+
+  /** Goes on to the newest picture; true while there is a way to go. */
+  step(now: number): boolean {
+    if (!this.#morph.moves && !this.#controlMorph.moves) return false;
+    this.#morph.step(now);
+    this.#controlMorph.step(now);
+    this.#place();
+    return true;
+  }
+
+  /** A point that is looked at, in scene coordinates. */
+  mark(point: readonly [number, number, number] | null): void {
+    this.#marker.visible = point !== null;
+    if (point !== null) this.#marker.setPoints(Float32Array.from(point));
+  }
+
+  setLayers(layers: Layers): void {
+    const { picture } = this;
+    const isSurface = (picture?.samples.rows ?? 1) > 1;
+    this.#curve.visible = picture !== null && !isSurface;
+    this.#surface.visible = picture !== null && isSurface;
+    this.#surface.setZebra(layers.zebra);
+    this.#data.visible = layers.data;
+    const controlled = layers.polygon && picture?.control != null;
+    this.#polygon.visible = controlled && !isSurface;
+    this.#net.visible = controlled && isSurface;
+    this.#control.visible = controlled;
+    this.#spikes.visible = layers.spikes && picture?.spikes != null;
+    this.#teeth.visible = this.#edge.visible = layers.comb && picture?.comb != null;
+  }
+
+  setColors(palette: Palette, index: number, crowd: number): void {
+    const { color } = palette;
+    const own = seriesColor(color, crowd > 1 ? index : 0);
+    this.#surface.setColors(palette);
+    this.#curve.setColor(own);
+    this.#polygon.setColor(color.net, 0.75);
+    this.#net.setColor(color.net, 0.65);
+    this.#spikes.setColor(palette.heat[3] ?? color.accent);
+    this.#teeth.setColor(own, 0.28);
+    this.#edge.setColor(own, 0.55);
+  }
+
+  setSize(width: number, height: number, ratio: number, palette: Palette): void {
+    const slim = Math.min(width, height) < 420 ? 0.85 : 1;
+    this.#curve.setSize(width, height, ratio, 3.25 * slim);
+    this.#polygon.setSize(width, height, ratio, 1.25);
+    this.#spikes.setSize(width, height, ratio, 1.75);
+    this.#teeth.setSize(width, height, ratio, 1);
+    this.#edge.setSize(width, height, ratio, 1.25);
+    const { color } = palette;
+    const dot = (this.#crowd > 20_000 ? 1.5 : this.#crowd > 2000 ? 2.5 : this.#crowd > 500 ? 4 : 6.5) * slim;
+    this.#data.setLook(color.ink, color.paper, dot * ratio, dot > 4 ? 1.1 * ratio : 0, dot < 4 ? 0.7 : 1);
+    this.#control.setLook(color.paper, color.net, 5.5 * ratio, 1.25 * ratio);
+    this.#marker.setLook(color.paper, color.accent, 15 * ratio, 4 * ratio);
+  }
+
+  dispose(): void {
+    this.#group.traverse((object) => {
+      const { geometry, material } = object as Partial<FatLine>;
+      geometry?.dispose();
+      material?.dispose();
+    });
+  }
+
+  /** The rows and columns of the data on the surface. */
+  #lines({ parameters, rows, columns }: Samples): void {
+    const key = `${rows} ${columns}`;
+    if (this.#lined === key) return;
+    this.#lined = key;
+    const data = this.#source;
+    const [us, vs] = parameters;
+    if (data === null || data.isScattered || vs === undefined) return this.#surface.setLines(null);
+    const line = (samples: Float64Array, own: Float64Array) => Float32Array.from(samples, (t) => among(own, t, samples.at(-1)!));
+    this.#surface.setLines([line(us, data.parameters[0]!), line(vs, data.parameters[1]!)]);
+  }
+
+  /** Puts the shown numbers into the buffers. */
+  #place(): void {
+    const { picture } = this;
+    if (picture === null) return;
+    const { samples, control } = picture;
+    if (samples.rows > 1) this.#surface.setSamples(this.#morph.shown, samples.rows, samples.columns);
+    else this.#curve.setPoints(this.#morph.shown);
+    if (control === null) return;
+    const { shown } = this.#controlMorph;
+    this.#control.setPoints(shown);
+    if (control.rows === 1) return this.#polygon.setPoints(shown);
+    this.#net.setPoints(shown, control.rows, control.columns);
+  }
+}

@@ -1,0 +1,131 @@
+/** What has to be known of an iteration to draw it. */
+
+import { curvature, round125 } from "../fit/comb.js";
+import { type Data, chosen } from "../fit/data.js";
+import type { Fit } from "../fit/fit.js";
+import { type Points, type Samples, sampling } from "../fit/geometry.js";
+import { type Distances, distances, heatAt } from "../fit/judge.js";
+import type { Layers } from "../state.js";
+import type { Picture } from "./figure.js";
+
+/** How an iteration is looked at. */
+export interface Look {
+  readonly layers: Layers;
+  readonly zoom: number;
+  readonly cells: number;
+  /** The largest distance of all fits that are drawn; 0 with one of them, and where there are no spikes. */
+  readonly largest: number;
+}
+
+/** A picture, and the numbers behind it. */
+export interface Judged extends Picture {
+  readonly k: number;
+  readonly distances: Distances | null;
+  /** How much longer spikes are than the distances; 0 without. */
+  readonly spikeScale: number;
+  /** How long the tooth of a curvature of one is, in units of the data; 0 without. */
+  readonly combScale: number;
+}
+
+// How long the longest spikes and teeth may be, in radii of the data.
+const SPIKE = 0.22;
+const TOOTH = 0.26;
+// More spikes are a fur.
+const MOST_SPIKES = 20_000;
+// A longer edge would be more than anybody sees.
+const TEETH = 1500;
+
+/** Asks for what is drawn of an iteration. */
+export async function pictureOf(fit: Fit, data: Data, k: number, look: Look): Promise<Judged> {
+  const { layers } = look;
+  const [samples, control] = await Promise.all([
+    fit.gallery.samples(k, samplesOf(data, look), precise(data, layers), data.axes),
+    layers.polygon && data.dimension > 1 ? fit.gallery.control(k, data.axes) : null,
+  ]);
+  return judged(fit, data, k, samples, control, layers, look.largest);
+}
+
+/** What is drawn of samples that are here. */
+export function judged(fit: Fit, data: Data, k: number, samples: Samples, control: Points | null, layers: Layers, largest = 0): Judged {
+  const level = fit.levels[k];
+  const needed = (layers.spikes || layers.heat) && data.exact.length > 0;
+  const far = needed && level !== undefined ? distances(data, samples, level.error.max ?? Infinity) : null;
+  const [near, most] = range(fit);
+  const spikes = layers.spikes && far !== null ? spikesOf(data, far, Math.max(largest, level?.error.max ?? 1)) : null;
+  const comb = layers.comb && !data.isSurface ? combOf(data, samples) : null;
+  const heat = layers.heat && far !== null && data.isSurface ? heatAt(data, far.lengths, samples, near, most) : null;
+  return {
+    k,
+    samples,
+    control,
+    distances: far,
+    spikes: spikes?.segments ?? null,
+    spikeScale: spikes?.scale ?? 0,
+    comb,
+    combScale: comb?.scale ?? 0,
+    heat,
+  };
+}
+
+/** How finely an iteration is sampled. */
+export function samplesOf(data: Data, { zoom, cells }: Pick<Look, "zoom" | "cells">): string | number {
+  const [rows, columns] = data.controls;
+  return sampling(data.isSurface ? [rows, columns] : [columns], zoom, cells);
+}
+
+/** Whether 64 bits are needed; a curve always has them, since its curvature is read from it. */
+export function precise(data: Data, layers: Layers): boolean {
+  return !data.isSurface || layers.heat || layers.spikes;
+}
+
+/** The distances at the two ends of the scale of colours. */
+export function range({ levels, head }: Fit): [number, number] {
+  const most = levels.reduce((most, level) => Math.max(most, level?.error.max ?? 0), 0) || 1;
+  const least = levels.at(-1)?.error.max ?? most;
+  const tolerance = head?.stop.tolerance ?? 0;
+  return [Math.min(Math.max(tolerance, most * 1e-12), most / 10) || least, most];
+}
+
+function spikesOf(data: Data, { at }: Distances, largest: number): { segments: Float32Array; scale: number } {
+  const { axes, dimension, rows, columns } = data;
+  const scale = Math.max(1, round125((SPIKE * axes.radius) / largest));
+  const grid = { rows, columns, dimension };
+  const from = axes.positions(at, grid, data.parameters as never);
+  const shown = chosen(data, MOST_SPIKES);
+  const segments = new Float32Array(shown.length * 6);
+  for (let to = 0; to < shown.length; to++) {
+    const i = shown[to]!;
+    for (let axis = 0; axis < 3; axis++) {
+      const foot = from[i * 3 + axis]!;
+      // 32 bits do not tell near points apart: the difference is that of the exact numbers.
+      const value = dimension === 1 ? (axis === (data.isSurface ? 2 : 1) ? 0 : -1) : axis < dimension ? axis : -1;
+      const way = value < 0 ? 0 : data.exact[i * dimension + value]! - at[i * dimension + value]!;
+      segments[to * 6 + axis] = foot;
+      segments[to * 6 + 3 + axis] = foot + way * scale;
+    }
+  }
+  return { segments, scale };
+}
+
+function combOf(data: Data, samples: Samples): { teeth: Float32Array; edge: Float32Array; scale: number } {
+  const { positions, exact, dimension } = samples;
+  const { vectors, most } = curvature(dimension === 1 ? positions : threeOf(exact, dimension));
+  const scale = most > 0 ? round125((TOOTH * data.axes.radius) / most) : 0;
+  const edge = positions.slice();
+  for (let i = 0; i < edge.length; i++) edge[i] = edge[i]! - vectors[i]! * scale;
+  const count = positions.length / 3;
+  const every = Math.max(1, Math.floor(count / Math.min(TEETH, 240)));
+  const teeth = new Float32Array(Math.ceil(count / every) * 6);
+  for (let i = 0, to = 0; i < count; i += every, to += 6) {
+    teeth.set(positions.subarray(i * 3, i * 3 + 3), to);
+    teeth.set(edge.subarray(i * 3, i * 3 + 3), to + 3);
+  }
+  return { teeth, edge, scale };
+}
+
+function threeOf(exact: Float64Array | Float32Array, dimension: number): Float64Array {
+  const count = exact.length / dimension;
+  const three = new Float64Array(count * 3);
+  for (let i = 0; i < count; i++) for (let axis = 0; axis < dimension; axis++) three[i * 3 + axis] = exact[i * dimension + axis]!;
+  return three;
+}

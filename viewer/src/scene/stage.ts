@@ -1,0 +1,164 @@
+/** The canvas: one camera, up to four figures side by side, drawn when something has changed. */
+
+import { ColorManagement } from "three";
+
+import type { Figure } from "./figure.js";
+import { Plain } from "./plain.js";
+import { type Palette, palette } from "./palette.js";
+import { Rig } from "./rig.js";
+import type { WebGL } from "./webgl.js";
+
+// Finer screens are not worth their pixels.
+const FINEST = 2;
+
+/** A part of the canvas, in pixels of the page from its upper left corner. */
+export interface Cell {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+// Pictures that follow each other within so many milliseconds, from the end of one on, are a movement.
+const REST = 160;
+
+ColorManagement.enabled = false;
+
+/**
+ * Draws plainly at first, and with WebGL as soon as that is ready. Where WebGL is slow, because the processor does
+ * its work, moving surfaces are still drawn plainly, and so are curves, which look the same.
+ */
+export class Stage {
+  readonly canvas = document.createElement("canvas");
+  readonly rig: Rig;
+  /** The colours of the moment. */
+  palette: Palette = palette();
+  /** Called after each drawing. */
+  onDraw: () => void = () => {};
+  readonly #plain = new Plain();
+  readonly #root: HTMLElement;
+  #webgl: WebGL | null = null;
+  #figures: readonly Figure[] = [];
+  #frame = 0;
+  #width = 1;
+  #height = 1;
+  #ratio = 0;
+  #drawn = -Infinity;
+  #rest = 0;
+
+  constructor(root: HTMLElement) {
+    this.#root = root;
+    this.canvas.setAttribute("role", "img");
+    root.prepend(this.canvas, this.#plain.canvas);
+    this.rig = new Rig(this.canvas, this.invalidate);
+    this.canvas.addEventListener("webglcontextrestored", this.invalidate);
+    new ResizeObserver(() => this.#resize()).observe(root);
+    this.#resize();
+  }
+
+  /**
+   * Goes over to WebGL, without waiting for anything but the context: shaders are made while the scene is drawn
+   * plainly. Throws where there is no WebGL.
+   */
+  async begin(Drawer: typeof WebGL): Promise<void> {
+    const webgl = new Drawer(this.canvas);
+    await webgl.prepare(this.#figures, this.rig.camera);
+    webgl.setSize(this.#width, this.#height, this.#ratio);
+    this.#webgl = webgl;
+    this.#drawn = -Infinity;
+    this.#draw();
+    performance.mark("first picture of WebGL");
+  }
+
+  get figures(): readonly Figure[] {
+    return this.#figures;
+  }
+
+  show(figures: readonly Figure[]): void {
+    this.#figures = figures;
+    this.#reshape();
+    this.invalidate();
+  }
+
+  /** Draws with the next frame. */
+  readonly invalidate = (): void => {
+    this.#frame ||= requestAnimationFrame(() => {
+      this.#frame = 0;
+      this.#draw();
+    });
+  };
+
+  /** Where the figures are. */
+  cells(): Cell[] {
+    const count = this.#figures.length;
+    const upright = this.#height > this.#width;
+    const columns = count <= 1 ? 1 : count === 2 && upright ? 1 : 2;
+    const rows = Math.max(1, Math.ceil(count / columns));
+    const [width, height] = [this.#width / columns, this.#height / rows];
+    return this.#figures.map((_, i) => ({ x: (i % columns) * width, y: Math.floor(i / columns) * height, width, height }));
+  }
+
+  #resize(): void {
+    const width = Math.max(1, this.#root.clientWidth);
+    const height = Math.max(1, this.#root.clientHeight);
+    const ratio = Math.min(FINEST, devicePixelRatio || 1);
+    // Observers tell of the size that there was from the beginning, and each new one costs new buffers.
+    if (width === this.#width && height === this.#height && ratio === this.#ratio) return;
+    [this.#width, this.#height, this.#ratio] = [width, height, ratio];
+    this.#webgl?.setSize(width, height, ratio);
+    this.#reshape();
+    // The canvas is empty now, and would be seen so until the next frame.
+    this.#draw();
+  }
+
+  #reshape(): void {
+    const [cell] = this.cells();
+    if (cell !== undefined) this.rig.setShape(cell.width, cell.height, Math.min(cell.height * 0.3, this.#figures.length > 1 ? 60 : 44));
+  }
+
+  #draw(): void {
+    const isMoving = performance.now() - this.#drawn < REST;
+    const webgl = this.#webgl;
+    const isPlain = webgl === null || (webgl.isSlow && this.#figures.every(({ isSurface, isStriped }) => !isSurface || (isMoving && !isStriped)));
+    if (webgl === null || isPlain) this.#sketch(isMoving);
+    else this.#render(webgl, isMoving);
+    // Both canvases change with the same frame.
+    this.#plain.canvas.style.opacity = isPlain ? "1" : "0";
+    this.canvas.style.opacity = isPlain ? "0" : "1";
+    this.#drawn = performance.now();
+    if (isPlain && isMoving) this.#wait();
+    this.onDraw();
+  }
+
+  /** Draws once more, with care, when nothing moves. */
+  #wait(): void {
+    clearTimeout(this.#rest);
+    this.#rest = window.setTimeout(() => {
+      this.#drawn = -Infinity;
+      this.invalidate();
+    }, REST);
+  }
+
+  #sketch(isMoving: boolean): void {
+    // Each pixel of a surface costs time; lines are fine where the screen is.
+    const ratio = this.#figures.some(({ isSurface }) => isSurface) ? 1 : this.#ratio;
+    this.#plain.clear(this.#width, this.#height, ratio);
+    this.#each(1, (figure, cell) => this.#plain.draw(figure, this.rig.camera, cell, isMoving));
+  }
+
+  #render(webgl: WebGL, isMoving: boolean): void {
+    const begin = performance.now();
+    webgl.clear(this.#width, this.#height);
+    this.#each(this.#ratio, (figure, cell) => webgl.draw(figure, this.rig.camera, cell));
+    if (!isMoving || webgl.isUndecided) webgl.time(begin);
+  }
+
+  #each(ratio: number, draw: (figure: Figure, cell: Cell) => void): void {
+    this.cells().forEach((cell, i) => {
+      const figure = this.#figures[i];
+      if (figure === undefined) return;
+      figure.setSize(cell.width, cell.height, ratio, this.palette);
+      draw(figure, cell);
+    });
+  }
+}

@@ -1,0 +1,119 @@
+/** What stands beside each figure: its name, how it is fitted, how it stands, and the scales of what is drawn. */
+
+import type { api } from "piad";
+
+import type { App } from "../app.js";
+import { type Fit, isGone } from "../fit/fit.js";
+import { el } from "../html.js";
+import type { Exhibit } from "../scene/exhibit.js";
+import type { Hall } from "../scene/hall.js";
+import { range } from "../scene/picture.js";
+import { icon } from "./icons.js";
+import { count, short } from "./numbers.js";
+
+const STATES: Readonly<Record<api.JobState, string>> = {
+  queued: "waits",
+  running: "running",
+  converged: "converged",
+  exhausted: "not yet converged",
+  stalled: "stalled",
+  failed: "failed",
+  cancelled: "cancelled",
+};
+
+// In a figure that is not so wide the error is that of the iteration that is shown alone; in pixels.
+const NARROW = 300;
+
+export function labels(app: App, hall: Hall, root: HTMLElement): void {
+  const layer = el("div", { class: "labels" });
+  root.append(layer);
+  const update = () => {
+    const cells = hall.stage.cells();
+    const many = hall.exhibits.length > 1;
+    layer.replaceChildren(
+      ...hall.exhibits.map((exhibit, i) => {
+        const cell = cells[i];
+        const label = el("section", { class: "label", "data-series": many ? i + 1 : null, "aria-label": exhibit.fit.title }, ...about(app, exhibit, many, (cell?.width ?? 0) < NARROW));
+        if (cell !== undefined) {
+          label.style.left = `${cell.x}px`;
+          label.style.top = `${cell.y}px`;
+          label.style.width = `${cell.width}px`;
+          label.style.height = `${cell.height}px`;
+        }
+        return label;
+      }),
+    );
+    const seen = hall.exhibits.map((exhibit) => `${exhibit.fit.title} at iteration ${exhibit.wantedOf(app.view.value)}`);
+    hall.stage.canvas.setAttribute("aria-label", seen.join(", ") || "Nothing yet");
+    document.title = `${app.fits.shown[0]?.title ?? "Fits"} – piad`;
+  };
+  let frame = 0;
+  const later = () => {
+    frame ||= requestAnimationFrame(() => {
+      frame = 0;
+      update();
+    });
+  };
+  app.fits.subscribe(later);
+  app.view.subscribe(later);
+  hall.onPicture = later;
+  new ResizeObserver(later).observe(root);
+  later();
+}
+
+function about(app: App, exhibit: Exhibit, many: boolean, isNarrow: boolean): Node[] {
+  const { fit } = exhibit;
+  const close = el("button", { type: "button", class: "icon", "aria-label": `Take ${fit.title} off the screen`, onclick: () => app.close(fit.id) }, icon("close"));
+  const head = el("div", { class: "head" }, el("h2", {}, fit.title), many && close);
+  const k = exhibit.wantedOf(app.view.value);
+  const stands = isNarrow ? (standing(fit, null).split(", error ")[0] ?? "") : standing(fit, many ? k : null);
+  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(fit) }, stands);
+  const advice = fit.latest < 0 && isGone(fit.problem) && el("p", {}, "It may have been deleted. Open an example, another job, or points of your own.");
+  const warnings = many ? [] : (fit.job?.status.warnings ?? []).map(({ detail }) => el("p", { class: "warning" }, detail));
+  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${short(fit.levels[k]?.error.max)}`)] : []), ...scales(app, exhibit)];
+}
+
+/** "Bicubic B-spline surface, 24 × 18 control points, global". */
+function how({ head }: Fit): string {
+  if (head === null) return "";
+  const names: Readonly<Record<api.BasisKind, string>> = { bspline: "B-spline", bernstein: "Bézier", said_ball: "Said–Ball", wang_ball: "Wang–Ball" };
+  const of = <T,>(value: T | { u: T; v: T }): T => (typeof value === "object" && value !== null && "u" in value ? value.u : value);
+  const degree = typeof head.degree === "number" ? String(head.degree) : `${head.degree.u} × ${head.degree.v}`;
+  const control = typeof head.control_points === "number" ? count(head.control_points) : `${count(head.control_points.u)} × ${count(head.control_points.v)}`;
+  const method = head.method.kind.replace("_", " ");
+  return `${names[of(head.basis)]} ${head.kind} of degree ${degree}, ${control} control points, ${method}`;
+}
+
+function stateOf({ end, job }: Fit): api.JobState {
+  return end?.state ?? job?.status.state ?? "queued";
+}
+
+/** How it stands; beside others also how it was at the iteration that is shown. */
+function standing(fit: Fit, k: number | null): string {
+  const { end, latest, levels } = fit;
+  if (latest < 0) return fit.problem === null ? "…" : isGone(fit.problem) ? "not there" : "not reached";
+  const error = short(levels[latest]?.error.max);
+  if (end === null) return `running, iteration ${count(latest)}, error ${error}`;
+  const now = k !== null && k < latest ? `, ${short(levels[k]?.error.max)} here` : "";
+  const reason = end.state === "stalled" || end.state === "failed" ? (end.problem?.detail ?? end.detail) : null;
+  return `${STATES[end.state]} in ${count(end.iterations)} ${end.iterations === 1 ? "iteration" : "iterations"}, error ${error}${now}${reason ? `: ${reason}` : ""}`;
+}
+
+/** How much things are enlarged, and what colours mean. */
+function scales(app: App, { fit, shown, data }: Exhibit): Node[] {
+  const { layers } = app.view.value;
+  const notes: Node[] = [];
+  if (layers.spikes && shown !== null && shown.spikeScale > 0) notes.push(el("p", { class: "scale" }, `spikes × ${big(shown.spikeScale)}`));
+  if (layers.comb && shown !== null && shown.combScale > 0) notes.push(el("p", { class: "scale" }, `curvature 1 is drawn ${short(shown.combScale)} long`));
+  if (layers.heat && data?.isSurface && app.fits.shown[0] === fit) {
+    const [near, far] = range(fit);
+    const middle = Math.sqrt(near * far);
+    const ticks = [near, middle, far].map((value) => el("span", {}, short(value, 2)));
+    notes.push(el("div", { class: "legend", role: "img", "aria-label": `Distance from the data, from ${short(near)} to ${short(far)}` }, el("div", { class: "ramp" }), el("div", { class: "ticks" }, ...ticks)));
+  }
+  return notes;
+}
+
+function big(value: number): string {
+  return value >= 1 && value < 1e6 ? count(value) : short(value);
+}

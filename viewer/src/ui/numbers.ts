@@ -1,0 +1,27 @@
+/** Numbers as they are read. */
+
+/** Two or three digits that matter, with a real minus sign and a power of ten where it is shorter. */
+export function short(value: number | null | undefined, digits = 3): string {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (!Number.isFinite(value)) return "∞";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-3) {
+    const [lead = "", power = "0"] = value.toExponential(digits - 1).split("e");
+    return `${minus(lead.replace(/\.?0+$/, ""))}·10${superscript(Number(power))}`;
+  }
+  return minus(String(Number(value.toPrecision(digits + (size >= 1 ? 1 : 0)))));
+}
+
+/** A count, with thin spaces between thousands. */
+export function count(value: number): string {
+  return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}
+
+export function superscript(power: number): string {
+  return [...String(power)].map((sign) => (sign === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(sign)])).join("");
+}
+
+function minus(text: string): string {
+  return text.replace("-", "−");
+}

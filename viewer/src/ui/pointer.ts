@@ -1,0 +1,145 @@
+/** Numbers under the pointer. */
+
+import type { App } from "../app.js";
+import { placeOf } from "../fit/data.js";
+import { el } from "../html.js";
+import type { Exhibit } from "../scene/exhibit.js";
+import type { Hall } from "../scene/hall.js";
+import type { Place } from "../state.js";
+import { short } from "./numbers.js";
+
+// How near the pointer has to come, in pixels.
+export const NEAR = 13;
+
+/** What is under the pointer. */
+export interface Found {
+  readonly exhibit: Exhibit;
+  readonly what: "data" | "sample";
+  /** The number of the point. */
+  readonly index: number;
+  /** In scene coordinates of the figure. */
+  readonly position: readonly [number, number, number];
+}
+
+/** The data point or the point of the fit that is seen nearest to a place on the canvas. */
+export function find(hall: Hall, x: number, y: number, only?: "data", reach = NEAR): Found | null {
+  const cells = hall.stage.cells();
+  const at = cells.findIndex((cell) => x >= cell.x && x < cell.x + cell.width && y >= cell.y && y < cell.y + cell.height);
+  const exhibit = hall.exhibits[at];
+  const cell = cells[at];
+  if (exhibit === undefined || cell === undefined || exhibit.data === null || exhibit.shown === null) return null;
+  const { figure, data, shown } = exhibit;
+  const look = (positions: Float32Array, pull: number) => nearest(hall, figure.group.matrixWorld.elements, positions, x - cell.x, y - cell.y, cell, reach, pull);
+  const point = look(data.positions, 0.02);
+  const sample = only === "data" ? null : look(shown.samples.positions, 0);
+  // A data point that lies on the fit or before it is meant rather than the fit.
+  if (point !== null && (sample === null || point.depth <= sample.depth + 0.03)) return { exhibit, what: "data", ...point };
+  return sample === null ? null : { exhibit, what: "sample", ...sample };
+}
+
+interface Near {
+  readonly index: number;
+  readonly position: readonly [number, number, number];
+  readonly depth: number;
+}
+
+/** Of the points within reach those in front count most. */
+function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
+  const { camera } = hall.stage.rig;
+  camera.updateMatrixWorld();
+  const m = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse).elements;
+  const s = world[0]!;
+  const [tx, ty, tz] = [world[12]!, world[13]!, world[14]!];
+  let best = -1;
+  let score = Infinity;
+  let depth = 0;
+  for (let i = 0; i < positions.length; i += 3) {
+    const px = positions[i]! * s + tx;
+    const py = positions[i + 1]! * s + ty;
+    const pz = positions[i + 2]! * s + tz;
+    const w = m[3]! * px + m[7]! * py + m[11]! * pz + m[15]!;
+    if (!(w > 0)) continue;
+    const dx = (((m[0]! * px + m[4]! * py + m[8]! * pz + m[12]!) / w) * 0.5 + 0.5) * cell.width - x;
+    const dy = (0.5 - ((m[1]! * px + m[5]! * py + m[9]! * pz + m[13]!) / w) * 0.5) * cell.height - y;
+    const away = Math.hypot(dx, dy);
+    if (away > reach) continue;
+    const now = (away / reach) * 0.08 + w - pull;
+    if (now >= score) continue;
+    [best, score, depth] = [i, now, w];
+  }
+  if (best < 0) return null;
+  return { index: best / 3, position: [positions[best]!, positions[best + 1]!, positions[best + 2]!], depth };
+}
+
+/** Shows the numbers of what the pointer is over. */
+export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => boolean): void {
+  const tip = el("div", { class: "tip", id: "tip", hidden: true });
+  root.append(tip);
+  const { canvas } = hall.stage;
+  let last: PointerEvent | null = null;
+  let frame = 0;
+  let marked: Exhibit | null = null;
+  const clear = () => {
+    last = null;
+    tip.hidden = true;
+    if (isBusy()) return;
+    marked?.figure.mark(null);
+    if (marked !== null) hall.stage.invalidate();
+    marked = null;
+    canvas.classList.remove("grabs");
+  };
+  const show = () => {
+    frame = 0;
+    if (last === null || isBusy()) return;
+    const { offsetX: x, offsetY: y } = last;
+    const found = last.buttons === 0 ? find(hall, x, y) : null;
+    canvas.classList.toggle("grabs", found?.what === "data");
+    if (marked !== null || found !== null) hall.stage.invalidate();
+    if (marked !== found?.exhibit) marked?.figure.mark(null);
+    marked = found?.exhibit ?? null;
+    found?.exhibit.figure.mark(found.position);
+    tip.hidden = found === null;
+    if (found === null) return;
+    tip.replaceChildren(...facts(found).map(([name, value]) => el("div", {}, el("span", {}, name), el("b", {}, value))));
+    const right = x > root.clientWidth - tip.offsetWidth - 30;
+    tip.style.left = `${right ? x - tip.offsetWidth - 14 : x + 18}px`;
+    tip.style.top = `${Math.max(4, Math.min(y + 14, root.clientHeight - tip.offsetHeight - 8))}px`;
+  };
+  canvas.addEventListener("pointermove", (event) => {
+    last = event;
+    frame ||= requestAnimationFrame(show);
+  });
+  app.view.subscribe((now, before) => now.jobs !== before.jobs && clear());
+  canvas.addEventListener("pointerleave", clear);
+  canvas.addEventListener("pointerdown", clear);
+}
+
+function facts({ exhibit, what, index }: Found): [string, string][] {
+  const { data, shown, fit } = exhibit;
+  if (data === null || shown === null) return [];
+  const coordinates = (list: ArrayLike<number>, at: number, dimension: number) =>
+    Array.from({ length: dimension }, (_, axis) => [["x", "y", "z"][axis]!, short(list[at * dimension + axis], 5)] as [string, string]);
+  if (what === "data") {
+    const place = placeOf(data, index);
+    const weight = data.weights?.[index];
+    const far = shown.distances?.lengths[index];
+    const worst = samePlace(fit.levels[shown.k]?.error.at as Place | undefined, place);
+    return [
+      ["point", typeof place === "number" ? String(place) : `${place[0]}, ${place[1]}`],
+      ...coordinates(data.exact, index, data.dimension),
+      ...(weight === undefined ? [] : [["weight", short(weight)] as [string, string]]),
+      ...(far === undefined && !worst ? [] : [["error", short(worst ? fit.levels[shown.k]?.error.max : far)] as [string, string]]),
+      ...(worst ? [["", "the largest"] as [string, string]] : []),
+    ];
+  }
+  const { samples } = shown;
+  const [u, v] = samples.parameters;
+  const parameters: [string, string][] = v === undefined
+    ? [["t", short(u[index], 5)]]
+    : [["u", short(u[Math.floor(index / samples.columns)], 5)], ["v", short(v[index % samples.columns], 5)]];
+  return [...parameters, ...coordinates(samples.exact, index, samples.dimension)];
+}
+
+function samePlace(a: Place | readonly number[] | null | undefined, b: Place): boolean {
+  return a !== null && a !== undefined && String(a) === String(b);
+}

@@ -1,0 +1,24 @@
+/** Says when jobs are not there or the server is not. */
+
+import { ConnectionLost } from "piad";
+
+import type { App } from "../app.js";
+import { isGone } from "../fit/fit.js";
+import { sentence } from "./sentence.js";
+
+export function trouble(app: App): void {
+  let said = "";
+  app.fits.subscribe(() => {
+    const now = app.fits.shown.flatMap(({ id, problem }) => {
+      if (problem === null) return [];
+      if (isGone(problem)) return [`There is no job ${id}: it may have been deleted.`];
+      if (problem instanceof ConnectionLost) return ["The server cannot be reached. The page tries again until it can."];
+      return [sentence(problem)];
+    });
+    const sentences = [...new Set(now)].join(" ");
+    if (sentences === said) return;
+    if (sentences !== "") app.say(sentences, "error");
+    else app.say("The server is there again.");
+    said = sentences;
+  });
+}
