@@ -292,6 +292,14 @@ async fn frame_of(app: &App, base: &BaseSpec) -> Result<Result<Arc<Frame>, Mista
     };
     let place = match base.iteration {
         Some(_) => SpecPart::FootPointsIteration,
+        // The surface would depend on how far the job happens to be.
+        None if !job.status().state.is_final() => {
+            let detail = format!(
+                "the job is {}: wait until it has ended, or name an iteration that it has reached",
+                job.status().state
+            );
+            return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
+        }
         None => SpecPart::FootPoints,
     };
     let frame = start(&job, base.iteration).await?;

@@ -366,3 +366,31 @@ async fn what_cannot_be_is_refused() {
         "{problem}"
     );
 }
+
+/// The last surface of a job is known when it has ended; before, an iteration has to be named.
+#[tokio::test]
+async fn a_running_job_has_no_last_surface() {
+    let server = Server::start().await;
+    let endless = json!({
+        "surface": {"points": data::peaks(12)},
+        "method": {"kind": "weighted", "omega": 1e-9},
+        "stop": {"tolerance": 0, "max_iterations": 1_000_000_000},
+    });
+    let job = server.create(&endless).await;
+    let points = listed(&data::peaks(9));
+    let pointer = "/surface/parameters/foot_points/job";
+    let reason = "wait until it has ended, or name an iteration";
+    server
+        .assert_refused(&on(&job, &points, few()), pointer, reason)
+        .await;
+    let frame = server
+        .get(&format!("{}/iterations/3", base(&job)))
+        .send()
+        .await
+        .unwrap();
+    assert_eq!(frame.status(), 200);
+    let mut named = on(&job, &points, few());
+    named["surface"]["parameters"]["foot_points"]["iteration"] = json!(3);
+    let fitted = server.fit(&named).await;
+    assert_eq!(parameters(&server, &fitted).await.len(), 81);
+}

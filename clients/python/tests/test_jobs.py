@@ -57,7 +57,9 @@ def test_scattered_points_are_fitted(client: piad.Client) -> None:
         assert result.surface.degrees == (3, 3)
         assert result.error.max < 0.002
         assert isinstance(result.error.at, int)
-    base = {"foot_points": {"job": client.create(points, scattered=True, parameters=uv, method=method).id}}
+    rough = client.create(points, scattered=True, parameters=uv, method=method)
+    assert rough.wait(60).ended
+    base = {"foot_points": {"job": rough.id}}
     assert client.fit(points, scattered=True, parameters=base, method=method).error.max < 0.002
     job = client.create(points, scattered=True, parameters=uv, method=method)
     assert np.array_equal(job.input()["surface"]["scattered"], points)

@@ -1019,7 +1019,7 @@ export interface components {
         FootPointsRequest: {
             /** @description The id of the job whose surface it is, with as many coordinates as the points. */
             job: string;
-            /** @description The iteration of that job, which it has reached. */
+            /** @description An iteration that the job has reached; without it, the last one of a job that has ended. */
             iteration?: components["schemas"]["IterationChoice"] | null;
         };
         /**

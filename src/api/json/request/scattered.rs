@@ -141,7 +141,7 @@ fn own(scattered: Scattered) -> SurfaceParameters {
 pub(in crate::api) struct FootPointsRequest {
     /// The id of the job whose surface it is, with as many coordinates as the points.
     job: String,
-    /// The iteration of that job, which it has reached.
+    /// An iteration that the job has reached; without it, the last one of a job that has ended.
     iteration: Option<IterationRequest>,
 }
 
