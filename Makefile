@@ -1,4 +1,4 @@
-.PHONY: run test bench tolerance fuzz lint tools fmt openapi types files interop contract python typescript browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api programs bench tolerance fuzz lint tools fmt openapi types files interop contract python typescript browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -14,10 +14,30 @@ NODE_IS_NEW := process.exit(process.versions.node.split(".")[0] < 20 ? 1 : 0)
 run:
 	cargo run --release
 
+# What fetches something is tried three times.
+RETRY := $(CURDIR)/tests/retry
+INSTALL := $(RETRY) sh -c 'apt-get update && apt-get install -y --no-install-recommends "$$@"' install
+
 # Everything that a change must pass; installs what that needs.
-test: tools lint
-	cargo test --locked
-	$(MAKE) files interop contract python typescript browser page
+test:
+	@tests/steps tools lint library api programs files interop contract python typescript browser page
+
+# What to run while working: a few minutes after a small change.
+check:
+	@tests/steps tools lint library api
+
+# Unit tests, and the examples of the documentation.
+library: tools
+	cargo nextest run --locked --lib --bins
+	cargo test --locked --doc
+
+# A server, by its API.
+api: tools
+	cargo nextest run --locked --test api
+
+# `piad fit`, and the files that `make files` reads.
+programs: tools
+	cargo nextest run --locked --test command --test export
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others; offset, thickened and joined by OpenCASCADE.
 files: $(VENV)/installed
@@ -55,7 +75,7 @@ typescript: chromium node $(TYPESCRIPT)/node_modules/.package-lock.json
 	cd $(TYPESCRIPT) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/debug/piad npm test --silent
 
 $(TYPESCRIPT)/node_modules/.package-lock.json: $(TYPESCRIPT)/package-lock.json | node
-	cd $(TYPESCRIPT) && $(WITH_NODE) npm ci --silent
+	cd $(TYPESCRIPT) && $(WITH_NODE) $(RETRY) npm ci --silent
 	touch $@
 
 # Types for it, from docs/openapi.json.
@@ -81,19 +101,19 @@ paint turn: chromium node $(VIEWER)/node_modules/.package-lock.json
 	cd $(VIEWER) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/release/piad npm run --silent $@
 
 $(VIEWER)/node_modules/.package-lock.json: $(VIEWER)/package-lock.json | node
-	cd $(VIEWER) && $(WITH_NODE) npm ci --silent
+	cd $(VIEWER) && $(WITH_NODE) $(RETRY) npm ci --silent
 	touch $@
 
 # Node 20 or later and npm: of the system, or a Node of the registry where that of the system is older.
 node:
-	@command -v npm >/dev/null || { apt-get update && apt-get install -y --no-install-recommends nodejs npm; }
-	@$(WITH_NODE) node -e '$(NODE_IS_NEW)' || npm install --silent --no-save --prefix target/node node@22
+	@command -v npm >/dev/null || $(INSTALL) nodejs npm
+	@$(WITH_NODE) node -e '$(NODE_IS_NEW)' || $(RETRY) npm install --silent --no-save --prefix target/node node@22
 	@$(WITH_NODE) node -e '$(NODE_IS_NEW)' || \
 	  { echo "clients/typescript needs Node 20 or later, and this is $$(node --version): https://nodejs.org" >&2; exit 1; }
 
 chromium:
 	@command -v chromium >/dev/null && command -v chromedriver >/dev/null || \
-	  { apt-get update && apt-get install -y --no-install-recommends chromium chromium-driver; }
+	  $(INSTALL) chromium chromium-driver
 
 # Kernels, HTTP and other programs, measured side by side: about ten minutes on a quiet machine.
 bench: $(VENV)/benches
@@ -109,16 +129,16 @@ tolerance: $(VENV)/tolerance
 
 $(VENV)/tolerance: benches/tolerance/requirements.txt
 	@python3 -m venv $(VENV) && ldconfig -p | grep -q libGL.so.1 || \
-	  { apt-get update && apt-get install -y --no-install-recommends python3-venv libgl1; }
+	  $(INSTALL) python3-venv libgl1
 	python3 -m venv $(VENV)
-	$(PYTHON) -m pip install --quiet -r $<
+	$(RETRY) $(PYTHON) -m pip install --quiet -r $<
 	touch $@
 
 $(VENV)/benches: benches/requirements.txt
 	@python3 -m venv $(VENV) && command -v wrk >/dev/null || \
-	  { apt-get update && apt-get install -y --no-install-recommends python3-venv wrk; }
+	  $(INSTALL) python3-venv wrk
 	python3 -m venv $(VENV)
-	$(PYTHON) -m pip install --quiet -r benches/requirements.txt
+	$(RETRY) $(PYTHON) -m pip install --quiet -r benches/requirements.txt
 	touch $@
 
 # Each decoder with bytes that nobody would send, for ten minutes; needs a nightly toolchain and
@@ -140,18 +160,19 @@ lint: tools
 fmt:
 	cargo fmt
 
-# A linker and kill(1) from the system, the formatter and the linter of the toolchain.
+# A linker and kill(1) from the system, the formatter and the linter of the toolchain, the runner of tests.
 tools:
 	@command -v cc >/dev/null && command -v kill >/dev/null || \
-	  { apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev procps; }
+	  $(INSTALL) gcc libc6-dev procps
 	@cargo fmt --version >/dev/null 2>&1 && cargo clippy --version >/dev/null 2>&1 || \
-	  rustup component add rustfmt clippy
+	  $(RETRY) rustup component add rustfmt clippy
+	@cargo nextest --version >/dev/null 2>&1 || $(RETRY) cargo install --locked cargo-nextest@0.9.143
 
 # cairosvg needs the cairo library, and OpenCASCADE an OpenGL library, of the system.
 REQUIREMENTS := tests/python/requirements.txt clients/python/tests/requirements.txt
 $(VENV)/installed: $(REQUIREMENTS) clients/python/pyproject.toml
 	@python3 -m venv $(VENV) && ldconfig -p | grep -q libcairo.so.2 && ldconfig -p | grep -q libGL.so.1 || \
-	  { apt-get update && apt-get install -y --no-install-recommends python3-venv libcairo2 libgl1; }
+	  $(INSTALL) python3-venv libcairo2 libgl1
 	python3 -m venv $(VENV)
-	$(PYTHON) -m pip install --quiet $(REQUIREMENTS:%=-r %) -e clients/python
+	$(RETRY) $(PYTHON) -m pip install --quiet $(REQUIREMENTS:%=-r %) -e clients/python
 	touch $@

@@ -1,12 +1,13 @@
 """As few control points as a tolerance needs: piad over HTTP beside scipy and OpenCASCADE, in one run.
 
-    compare.py PROGRAM [PART …]     # PROGRAM is target/release/piad; parts: curves airfoils times surfaces terrain
+    compare.py PROGRAM [PART …]     # PROGRAM is target/release/piad; parts: curves airfoils times surfaces grid terrain
 
 - curves: five published and common ones at four tolerances, each with cubics of all three, and with degrees that are
   free (piad's quintics beside OpenCASCADE's degrees up to 8);
 - airfoils: all those of UIUC in the package aerosandbox, at 1e-3 and 1e-4 of the chord;
-- times: 10,000 and 100,000 points, exact and with noise, until the last event is there;
+- times: 10,000 and 100,000 points, exact, to 1e-4 of their size and finer, and with noise, until the last event is there;
 - surfaces: Franke's function at 1500 scattered points;
+- grid: 200 × 150 elevations, within 1 % of their range, beside scipy with the smoothing factor found by bisection;
 - terrain: 100,000 elevations, at what scipy reaches and below.
 
 scipy is given the best of twenty smoothing factors. That piad's distances are what it says, by scipy, is checked in
@@ -101,7 +102,7 @@ def airfoils(base: str) -> None:
 
 def times(base: str) -> None:
     table("data", "tolerance", "", "control points", "largest distance / tolerance", "first within it, s", "all, s", "times as long as piad")
-    for points_of, noise, tolerance in ((10_000, 0, 1e-3), (10_000, 1e-3, 6e-3), (100_000, 0, 1e-3), (100_000, 1e-3, 6e-3)):
+    for points_of, noise, tolerance in ((100_000, 0, 3e-3), (10_000, 0, 1e-3), (10_000, 1e-3, 6e-3), (100_000, 0, 1e-3), (100_000, 1e-3, 6e-3)):
         points = shapes.spiral(points_of, noise)
         name = f"{points_of:,} points, {f'noise of {noise}' if noise else 'exact'}"
         runs: dict[str, list[Fit | None]] = {"piad, over HTTP": [], "scipy": []}
@@ -143,6 +144,21 @@ def surfaces(base: str) -> None:
     print()
 
 
+def grid(base: str) -> None:
+    points = shapes.elevations()
+    heights = points[..., 2]
+    tolerance = 0.01 * np.ptp(heights)
+    piad = fits.piad(base, {"surface": {"points": points, "parameters": "uniform"}}, tolerance)
+    scipy, runs, seconds = fits.bisected_grid(points, tolerance)
+    table("200 × 150 elevations", "tolerance", "control points", "largest distance", "seconds")
+    row("piad, over HTTP", f"{tolerance:.2f} m", shape(piad), f"{piad.largest:.2f} m", f"{piad.seconds:.2f}")
+    row("scipy, the last run", f"{tolerance:.2f} m", shape(scipy), f"{scipy.largest:.2f} m", f"{scipy.seconds:.2f}")
+    row(f"scipy, {runs} runs", "", "", "", f"{seconds:.2f}")
+    print()
+    if piad.ended != "converged" or piad.count > scipy.count:
+        wrong.append(f"grid: {piad}, scipy {scipy}")
+
+
 def terrain(base: str) -> None:
     points = shapes.terrain()
     table("100,000 elevations, tolerance", "piad", "largest distance", "ended", "seconds", "scipy", "largest distance", "seconds")
@@ -175,7 +191,7 @@ def terrain(base: str) -> None:
     print()
 
 
-PARTS = {part.__name__: part for part in (curves, airfoils, times, surfaces, terrain)}
+PARTS = {part.__name__: part for part in (curves, airfoils, times, surfaces, grid, terrain)}
 
 
 def main() -> int:

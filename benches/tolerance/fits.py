@@ -18,7 +18,7 @@ from OCP.GeomAbs import GeomAbs_C2
 from OCP.GeomAPI import GeomAPI_PointsToBSpline
 from OCP.gp import gp_Pnt
 from OCP.TColgp import TColgp_Array1OfPnt
-from scipy.interpolate import BSpline, NdBSpline, SmoothBivariateSpline, splprep
+from scipy.interpolate import BSpline, NdBSpline, RectBivariateSpline, SmoothBivariateSpline, splprep
 from scipy.spatial import KDTree
 
 
@@ -148,6 +148,28 @@ def smoothed_surface(points: np.ndarray, factor: float) -> Fit:
 def scipy_surface(points: np.ndarray, tolerance: float) -> Fit | None:
     """As `scipy_curve`."""
     return fewest([smoothed_surface(points, factor) for factor in factors(len(points), tolerance)], tolerance)
+
+
+def bisected_grid(points: np.ndarray, tolerance: float) -> tuple[Fit, int, float]:
+    """Bicubic, over rows and columns: the largest smoothing factor that bisection finds within the tolerance, the number
+    of runs that this took, and their seconds in all."""
+    x, y, z = points[:, 0, 0], points[0, :, 1], points[..., 2]
+    low, high = 0.0, z.size * tolerance**2
+    best, seconds, runs = None, 0.0, 0
+    while best is None or high > 1.02 * low:
+        factor = (low + high) / 2 if low == 0 else np.sqrt(low * high)
+        begin = time.perf_counter()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            surface = RectBivariateSpline(x, y, z, s=factor)
+        took = time.perf_counter() - begin
+        seconds, runs = seconds + took, runs + 1
+        largest = np.abs(surface(x, y) - z).max()
+        if largest <= tolerance:
+            low, best = factor, Fit(tuple(len(knots) - 4 for knots in surface.get_knots()), largest, took)
+        else:
+            high = factor
+    return best, runs, seconds
 
 
 # ---------------------------------------------------------------- OpenCASCADE

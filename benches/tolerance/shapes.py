@@ -104,6 +104,18 @@ def franke() -> np.ndarray:
     return np.c_[x, y, z]
 
 
+def elevations() -> np.ndarray:
+    """200 × 150 elevations of the same model, at places between its rows and columns (bilinear): x, y and z in metres."""
+    from matplotlib import cbook
+    from scipy.interpolate import RegularGridInterpolator
+
+    elevation = cbook.get_sample_data("jacksboro_fault_dem.npz")["elevation"].astype(float)
+    rows, columns = (np.arange(count) for count in elevation.shape)
+    places = np.meshgrid(np.linspace(0, rows[-1], 200), np.linspace(0, columns[-1], 150), indexing="ij")
+    heights = RegularGridInterpolator((rows, columns), elevation)(tuple(places))
+    return np.stack([90.0 * places[0], 74.0 * places[1], heights], axis=-1)
+
+
 def terrain() -> np.ndarray:
     """100,000 of the 138,632 elevations of the Jacksboro fault that come with matplotlib, in whole metres from 236 to
     1076, as x, y and z in metres: rows are 90 m apart, columns 74 m."""

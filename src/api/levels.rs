@@ -7,15 +7,24 @@ use super::language::Language;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode;
+use crate::fit::foot;
+use crate::fit::foot::deviation::Deviation;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
+use crate::job::scheduler::WorkLane;
 use crate::job::state::{Levels, Status};
 use crate::model::stream::form::{Form, View};
 
 /// Bytes of memory for each data point while an input is written.
 const BYTES_PER_POINT: usize = 160;
+
+/// Bytes of memory for each data point while distances are computed and written.
+const BYTES_PER_DISTANCE: usize = 64;
+
+/// To find a nearest point takes about as long as so many multiplications.
+const OPERATIONS_PER_DISTANCE: usize = 5000;
 
 /// The frame of a level, or without a number that of the last level so far.
 pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Problem> {
@@ -36,6 +45,25 @@ pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Probl
             };
             Err(Problem::new(Kind::NoSuchIteration, detail))
         }
+    }
+}
+
+/// How far the data are from a level, or without a number from the last level so far.
+pub async fn deviation(
+    job: &Arc<Job>,
+    k: Option<usize>,
+) -> Result<(Arc<Frame>, Deviation), Problem> {
+    let frame = frame(job, k).await?;
+    let count = frame.problem.grid().count();
+    let needed = foot::memory(&frame.problem) + count * BYTES_PER_DISTANCE;
+    let resources = job.resources();
+    let _room = resources.memory.files.take(needed).await;
+    let lane = WorkLane::of_wire(count.saturating_mul(OPERATIONS_PER_DISTANCE));
+    let level = Arc::clone(&frame);
+    let compute = move || Deviation::of(&level.problem, &level.control_points);
+    match resources.scheduler.compute(lane, compute).await? {
+        Ok(deviation) => Ok((frame, deviation)),
+        Err(reason) => Err(Problem::new(Kind::NoDeviation, reason.to_string())),
     }
 }
 

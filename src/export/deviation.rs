@@ -51,7 +51,7 @@ impl Deviations {
 fn grid(problem: &Problem, nurbs: &Nurbs, across: Option<(&Direction, &KnotVector)>) -> Deviations {
     let Grid { rows, columns } = problem.grid();
     let points = &problem.request().points;
-    let stride = stride(rows, columns);
+    let stride = stride(problem.grid(), MOST_MEASURED);
     let some = |count: usize| (0..count).step_by(stride);
     let u: Vec<f64> = some(rows).map(|i| problem.u().parameters[i]).collect();
     let v = across.map(|(direction, _)| some(columns).map(|j| direction.parameters[j]).collect());
@@ -82,10 +82,10 @@ fn grid(problem: &Problem, nurbs: &Nurbs, across: Option<(&Direction, &KnotVecto
     }
 }
 
-/// Of which rows and columns the distance is computed: of every so many-th.
-fn stride(rows: usize, columns: usize) -> usize {
+/// Of every so many-th row and column there are at most so many points.
+pub(super) fn stride(Grid { rows, columns }: Grid, most: usize) -> usize {
     let mut stride = 1;
-    while rows.div_ceil(stride) * columns.div_ceil(stride) > MOST_MEASURED {
+    while rows.div_ceil(stride) * columns.div_ceil(stride) > most {
         stride += 1;
     }
     stride

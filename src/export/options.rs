@@ -46,6 +46,11 @@ impl Format {
         self == Self::Svg
     }
 
+    /// Whether files of this format consist of samples: the others hold the exact curve or surface.
+    pub fn has_samples(self) -> bool {
+        !matches!(self, Self::Step | Self::Iges | Self::Obj)
+    }
+
     /// Whether files of this format declare a unit of length that can be chosen. That of glTF is always
     /// the metre.
     pub fn has_unit(self) -> bool {

@@ -33,6 +33,15 @@ impl KnotVector {
         }
     }
 
+    /// The one function that is constant on [0, 1].
+    pub(super) fn constant() -> Self {
+        Self {
+            degree: 0,
+            knots: vec![0.0, 1.0],
+            closed: false,
+        }
+    }
+
     /// The number of control points.
     pub fn count(&self) -> usize {
         self.knots.len() - self.degree - 1

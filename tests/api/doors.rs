@@ -11,10 +11,8 @@ use tokio::net::TcpStream;
 use tokio::time::{sleep, timeout};
 
 use crate::data;
-use crate::support::{PATIENCE, Server, base, events};
+use crate::support::{NEVER, PATIENCE, Server, base, events};
 
-/// What no connection of a test waits for.
-const NEVER: Duration = Duration::from_secs(3600);
 const SOON: Duration = Duration::from_millis(300);
 
 async fn connect(server: &Server) -> TcpStream {

@@ -11,7 +11,7 @@ use tokio::time::sleep;
 use crate::data;
 use crate::data::small_job;
 use crate::program::Program;
-use crate::support::{Server, Story, base, events, problem};
+use crate::support::{Server, Story, base, events, eventually, problem};
 
 fn path(job: &Value) -> &str {
     job["links"]["self"].as_str().unwrap()
@@ -192,13 +192,8 @@ async fn a_job_that_was_running_in_three_crashes_is_not_tried_again() {
 }
 
 async fn wait_for(program: &Program, path: &str, state: &str) {
-    for _ in 0..1000 {
-        if program.json(path).await["state"] == state {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(5)).await;
-    }
-    panic!("{path} is never {state}");
+    let what = format!("{path} is {state}");
+    eventually(&what, async || program.json(path).await["state"] == state).await;
 }
 
 /// Everything is there or nothing: a process killed in the middle of a commit leaves the file as it
@@ -509,14 +504,10 @@ async fn jobs_can_be_deleted_when_the_disk_is_full() {
 #[tokio::test(flavor = "multi_thread")]
 async fn the_past_is_kept_within_age_and_size_but_never_a_running_job() {
     let gone = async |program: &Program, job: &Value| {
-        for _ in 0..1000 {
-            let response = program.get(path(job)).send().await.unwrap();
-            if response.status() == 404 {
-                return;
-            }
-            tokio::time::sleep(Duration::from_millis(10)).await;
-        }
-        panic!("{job} is still there");
+        eventually("the job is gone", async || {
+            program.get(path(job)).send().await.unwrap().status() == 404
+        })
+        .await;
     };
     let data = tempfile::tempdir().unwrap();
     let program = Program::with(data.path(), &["--retain-age", "1s"]);

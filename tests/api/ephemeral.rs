@@ -6,10 +6,11 @@ use std::time::Duration;
 use futures_util::StreamExt;
 use reqwest::Response;
 use serde_json::{Value, json};
+use tokio::time::timeout;
 
 use crate::changed::apply;
 use crate::data;
-use crate::support::{Server, Story, base, events, problem};
+use crate::support::{NEVER, PATIENCE, Server, Story, base, events, problem};
 
 /// Asks for the stream of an edit.
 async fn send(server: &Server, parent: &Value, query: &str, body: &Value) -> Response {
@@ -207,40 +208,29 @@ async fn an_edit_replaces_the_one_before_of_its_session() {
 async fn an_edit_ends_with_its_connection() {
     // There is memory for one of these fits at a time.
     let server = Server::with(|config| config.memory = Some(bytesize::ByteSize::kib(240))).await;
-    let mut running = Vec::new();
     let job = server
         .fit(&json!({"curve": {"points": data::wave(100)}}))
         .await;
-    let edit = endless("a");
-    for session in ["a", "b", "c"] {
-        let mut edit = edit.clone();
-        edit["session"] = json!(session);
-        let response = tokio::time::timeout(
-            Duration::from_millis(300),
-            send(&server, &job, "?pace=latest", &edit),
-        );
-        // Those for which there is no memory wait for it, and go when their clients do.
-        if let Ok(response) = response.await {
-            running.push(tokio::spawn(response.bytes()));
-        }
-    }
-    assert!(
-        !running.is_empty() && running.len() < 3,
-        "{}",
-        running.len()
-    );
-    let count = running.len() as f64;
-    server.until("piad_jobs_running", count).await;
-    // A newer edit of the session gets the memory of the one before.
-    let newer = send(&server, &job, "?pace=latest", &edit);
-    let newer = tokio::time::timeout(Duration::from_secs(10), newer)
-        .await
-        .unwrap();
+    let read = |session: &str| {
+        let path = format!("{}/edits/stream?pace=latest", base(&job));
+        let answer = server.post(&path).json(&endless(session)).send();
+        tokio::spawn(async { answer.await.unwrap().bytes().await })
+    };
+    let running = read("a");
+    server.until("piad_jobs_running", 1.0).await;
+    // Those for which there is no memory wait for it, and go when their clients do.
+    let waiting = ["b", "c"].map(read);
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    assert!(waiting.iter().all(|it| !it.is_finished()));
+    assert_eq!(server.metrics().await["piad_jobs_running"], 1.0);
+    waiting.iter().for_each(|it| it.abort());
+    // A newer edit of the session gets the memory of the one before, which its stream tells.
+    let newer = send(&server, &job, "?pace=latest", &endless("a")).await;
     assert_eq!(newer.status(), 200);
+    let told = timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
+    assert!(String::from_utf8_lossy(&told).contains("\"state\":\"cancelled\""));
+    server.until("piad_jobs_running", 1.0).await;
     drop(newer);
-    // That one was cancelled, which its stream has told; the others go on until they are left.
-    server.until("piad_jobs_running", count - 1.0).await;
-    running.iter().for_each(|it| it.abort());
     server.until("piad_jobs_running", 0.0).await;
     server.until("piad_streams_open", 0.0).await;
     assert_eq!(
@@ -252,13 +242,12 @@ async fn an_edit_ends_with_its_connection() {
 
 #[tokio::test]
 async fn a_server_that_stops_ends_them() {
-    let server = Server::start().await;
+    // Who waits for the grace period waits for ever.
+    let server = Server::with(|config| config.grace = NEVER).await;
     let job = server.fit(&parent()).await;
     let mut events = events(send(&server, &job, "?pace=latest", &endless("a")).await);
     events.next().await.unwrap();
-    tokio::time::timeout(Duration::from_secs(10), server.stop())
-        .await
-        .expect("it does not wait for them");
+    server.stop().await;
 }
 
 #[tokio::test]

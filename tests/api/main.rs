@@ -29,6 +29,7 @@ mod damage;
 mod data;
 mod deleting;
 mod description;
+mod deviation;
 mod digits;
 mod doors;
 mod durable;

@@ -105,9 +105,14 @@ impl Program {
         self.status("VmRSS:")
     }
 
-    /// The most memory that it has had so far.
+    /// The most memory that it has had since it started, or since [`Self::forget_most_memory`].
     pub fn most_memory(&self) -> usize {
         self.status("VmHWM:")
+    }
+
+    /// The most memory is counted from now on.
+    pub fn forget_most_memory(&self) {
+        std::fs::write(format!("/proc/{}/clear_refs", self.id()), "5").unwrap();
     }
 
     /// A size that the operating system tells about the process, in bytes.
@@ -150,7 +155,7 @@ impl Program {
 
     /// Posts a job and waits for its end.
     pub async fn fit(&self, job: &Value) -> Value {
-        let request = self.post("/v1/jobs").header("prefer", "wait=50");
+        let request = self.post("/v1/jobs").header("prefer", "wait=100");
         let response = request.json(job).send().await.unwrap();
         assert_eq!(response.status(), 201, "{job}");
         response.json().await.unwrap()
@@ -179,7 +184,7 @@ impl Program {
             if let Some(status) = self.child.try_wait().unwrap() {
                 return status;
             }
-            assert!(begin.elapsed() < Duration::from_secs(8), "it does not stop");
+            assert!(begin.elapsed() < PATIENCE, "it does not stop");
             std::thread::sleep(Duration::from_millis(10));
         }
     }

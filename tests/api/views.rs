@@ -1,7 +1,5 @@
 //! What streams show, and at which pace.
 
-use std::time::{Duration, Instant};
-
 use futures_util::StreamExt;
 use serde_json::json;
 
@@ -86,7 +84,7 @@ async fn the_latest_pace_of_every_tenth() {
     for _ in 0..30 {
         let iteration = stream.next().await.unwrap();
         assert!(iteration.id.ends_with('0'), "{}", iteration.id);
-        tokio::time::sleep(Duration::from_millis(1)).await;
+        tokio::time::sleep(std::time::Duration::from_millis(1)).await;
     }
     server.stop().await;
 }
@@ -114,7 +112,7 @@ async fn the_latest_pace_skips_what_is_old() {
         }
         last = Some(k);
         // Slower than the fit.
-        tokio::time::sleep(Duration::from_millis(2)).await;
+        tokio::time::sleep(std::time::Duration::from_millis(2)).await;
     }
     server.stop().await;
 }
@@ -131,11 +129,7 @@ async fn a_job_may_end_with_its_client() {
         stream.next().await.unwrap();
         drop(stream);
         let path = job["links"]["self"].as_str().unwrap();
-        let begin = Instant::now();
-        while server.json(path).await["state"] != expected {
-            assert!(begin.elapsed() < Duration::from_secs(10), "{option}");
-            tokio::time::sleep(Duration::from_millis(5)).await;
-        }
+        server.until_state(path, expected).await;
     }
     // A client that stays to the end has nothing to cancel.
     let request = server
@@ -188,17 +182,10 @@ async fn readers_do_not_end_the_job_of_another() {
         drop(stream);
     }
     // The others are gone as soon as nobody reads but the one that made it.
-    let begin = Instant::now();
-    while server.metrics().await["piad_streams_open"] != 1.0 {
-        assert!(begin.elapsed() < Duration::from_secs(20));
-        tokio::time::sleep(Duration::from_millis(5)).await;
-    }
+    server.until("piad_streams_open", 1.0).await;
     assert_eq!(server.json(&path).await["state"], "running");
     drop(own);
-    while server.json(&path).await["state"] != "cancelled" {
-        assert!(begin.elapsed() < Duration::from_secs(20));
-        tokio::time::sleep(Duration::from_millis(5)).await;
-    }
+    server.until_state(&path, "cancelled").await;
     server.stop().await;
 }
 

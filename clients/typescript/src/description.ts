@@ -512,6 +512,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/jobs/{id}/deviation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Measure how far the data are
+         * @description Distances of the data from the nearest points of the curve or surface (foot points), of the last iteration so far or of any other. The errors of iterations are distances at the parameters of the data, which are larger.
+         */
+        get: operations["getDeviation"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs/{id}/limit": {
         parameters: {
             query?: never;
@@ -2074,7 +2094,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/no-result" | "/problems/no-limit" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/no-result" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -3053,6 +3073,85 @@ export interface components {
             max: number;
         };
         /**
+         * @description Distances of the data from the nearest points of the curve or surface. They are never larger than the
+         *     `error` of the iteration, which is taken at the parameters of the data.
+         * @example {
+         *       "iteration": 12,
+         *       "max": 0.0021,
+         *       "rms": 0.0009,
+         *       "at": 41,
+         *       "percentiles": {
+         *         "50": 0.0007,
+         *         "90": 0.0016,
+         *         "95": 0.0018,
+         *         "99": 0.002
+         *       }
+         *     }
+         */
+        Deviation: {
+            /**
+             * Format: int64
+             * @description The number of the iteration.
+             */
+            iteration: number;
+            /**
+             * Format: double
+             * @description The largest distance.
+             */
+            max: number;
+            /**
+             * Format: double
+             * @description The root mean square of the distances.
+             */
+            rms: number;
+            /** @description The data point with the largest distance. */
+            at: components["schemas"]["PointIndex"];
+            /** @description Distances that so many per cent of the data do not exceed. */
+            percentiles: components["schemas"]["Percentiles"];
+            /** @description The distance of each data point; with `list=true`. */
+            distances?: components["schemas"]["Distances"];
+        };
+        /**
+         * @description Distances that so many per cent of the data do not exceed.
+         * @example {
+         *       "50": 0.0007,
+         *       "90": 0.0016,
+         *       "95": 0.0018,
+         *       "99": 0.002
+         *     }
+         */
+        Percentiles: {
+            /**
+             * Format: double
+             * @description The median.
+             */
+            50: number;
+            /**
+             * Format: double
+             * @description Of 90 per cent.
+             */
+            90: number;
+            /**
+             * Format: double
+             * @description Of 95 per cent.
+             */
+            95: number;
+            /**
+             * Format: double
+             * @description Of 99 per cent.
+             */
+            99: number;
+        };
+        /**
+         * @description Distances in the order of the data: a list, or rows and columns of a grid; null where a point is missing.
+         * @example [
+         *       0.002,
+         *       0.0004,
+         *       0.0011
+         *     ]
+         */
+        Distances: number[] | (number | null)[][];
+        /**
          * @description How fast classical PIA converges with each basis at the same parameters.
          * @example {
          *       "points": 3,
@@ -3536,6 +3635,16 @@ export interface components {
          */
         tolerance: number;
         /**
+         * @description Which iteration is measured: its number, or `last`: the last one so far.
+         * @example last
+         */
+        iteration: number | "last";
+        /**
+         * @description Whether the distance of each data point is told.
+         * @example true
+         */
+        list: boolean;
+        /**
          * @description What is shown: control points, samples, or the errors alone.
          * @example samples
          */
@@ -3762,6 +3871,9 @@ export type FilePoints = components['schemas']['FilePoints'];
 export type CurvePoints = components['schemas']['CurvePoints'];
 export type SurfacePoints = components['schemas']['SurfacePoints'];
 export type Limit = components['schemas']['Limit'];
+export type Deviation = components['schemas']['Deviation'];
+export type Percentiles = components['schemas']['Percentiles'];
+export type Distances = components['schemas']['Distances'];
 export type Rates = components['schemas']['Rates'];
 export type BasisRate = components['schemas']['BasisRate'];
 export type ProblemTypes = components['schemas']['ProblemTypes'];
@@ -3789,6 +3901,8 @@ export type ParameterPoints = components['parameters']['points'];
 export type ParameterParameters = components['parameters']['parameters'];
 export type ParameterDegree = components['parameters']['degree'];
 export type ParameterTolerance = components['parameters']['tolerance'];
+export type ParameterIteration = components['parameters']['iteration'];
+export type ParameterList = components['parameters']['list'];
 export type ParameterView = components['parameters']['view'];
 export type ParameterSamples = components['parameters']['samples'];
 export type ParameterEncoding = components['parameters']['encoding'];
@@ -6045,6 +6159,98 @@ export interface operations {
              * @description - `/problems/no-result`: The job has not ended yet, or it ended without any geometry.
              *     - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead.
              */
+            409: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+            500: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getDeviation: {
+        parameters: {
+            query?: {
+                /**
+                 * @description Which iteration is measured: its number, or `last`: the last one so far.
+                 * @example last
+                 */
+                iteration?: components["parameters"]["iteration"];
+                /**
+                 * @description Whether the distance of each data point is told.
+                 * @example true
+                 */
+                list?: components["parameters"]["list"];
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description The id of the job.
+                 * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
+                 */
+                id: components["parameters"]["id"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The distances. */
+            200: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Deviation"];
+                };
+            };
+            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
+            400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
+             *     - `/problems/not-found`: The path is not one of this API.
+             *     - `/problems/no-such-iteration`: The job ended before it reached this iteration.
+             */
+            404: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
+            406: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/no-deviation`: Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way. */
             409: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];

@@ -110,6 +110,12 @@ export class Job {
     return this.#get("/input", {}, options);
   }
 
+  /** How far the data are from the nearest points of an iteration, by default the last; with `list` also for each point. */
+  deviation(options: Cancellable & { readonly iteration?: api.ParameterK | undefined; readonly list?: boolean | undefined } = {}): Promise<api.Deviation> {
+    const { iteration, list } = options;
+    return this.#get("/deviation", { iteration, list }, options);
+  }
+
   /** Where the points that a local fit does not adjust end. */
   limit(options: Cancellable = {}): Promise<api.Limit> {
     return this.#get("/limit", {}, options);

@@ -275,6 +275,21 @@ impl FittingService for Service {
         Ok(Response::new(Encoded::response(bytes)))
     }
 
+    async fn get_deviation(
+        &self,
+        request: Request<pb::GetDeviationRequest>,
+    ) -> Reply<pb::GetDeviationResponse> {
+        let message = request.into_inner();
+        let job = jobs::find(&self.0, &message.id).await?;
+        let (frame, deviation) = levels::deviation(&job, message.iteration.map(level)).await?;
+        let iteration = frame.level.iteration;
+        Ok(Response::new(view::deviation(
+            iteration,
+            deviation,
+            message.list,
+        )))
+    }
+
     async fn get_input(&self, request: Request<pb::GetInputRequest>) -> Reply<Encoded> {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
         let bytes = levels::input_content(&job, Language::Protobuf).await?;

@@ -11,9 +11,10 @@ use super::export::{self, Representation};
 use super::file_name::{Part, named};
 use super::negotiate;
 use super::path::InPath;
-use super::query::IterationQuery;
+use super::query::{DeviationQuery, IterationQuery};
 use crate::api::app::App;
 use crate::api::jobs;
+use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::limit::LimitView;
 use crate::api::json::view::to_bytes;
 use crate::api::language::{JSON, Language};
@@ -25,6 +26,7 @@ use crate::export::{Format, Options, UnknownFormat};
 use crate::fit::iteration::Iteration;
 use crate::fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 use crate::job::Job;
+use crate::job::content::Content;
 use crate::job::scheduler::WorkLane;
 use crate::model::short::quoted;
 use crate::model::stream::form::{Digits, Encoding, Form};
@@ -52,11 +54,7 @@ pub(super) async fn iteration_file(
 }
 
 async fn show_iteration(job: &Arc<Job>, k: &str, wanted: Wanted) -> Result<Response, Problem> {
-    let k = match k {
-        "last" => None,
-        k => Some(level_number(k)?),
-    };
-    let frame = levels::frame(job, k).await?;
+    let frame = levels::frame(job, level(k)?).await?;
     let part = Part::Iteration(frame.level.iteration);
     match wanted {
         Wanted::Form(form) => {
@@ -168,6 +166,28 @@ pub(super) async fn limit(
     })
 }
 
+/// `GET /v1/jobs/{id}/deviation`: how far the data are from the nearest points of a level.
+pub(super) async fn deviation(
+    State(app): State<App>,
+    InPath(id): InPath<String>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    negotiate::json(&headers)?;
+    let query: DeviationQuery = negotiate::query(&uri)?;
+    let (k, list) = query.choices()?;
+    let job = jobs::find(&app, &id).await?;
+    let (frame, deviation) = levels::deviation(&job, k).await?;
+    let numbers = if list { deviation.distances.len() } else { 1 };
+    let write = move || {
+        let iteration = frame.level.iteration;
+        let view = DeviationView::new(&frame.problem, iteration, &deviation, list);
+        Content::from(to_bytes(&view))
+    };
+    let content = encode::off_network(&job, numbers, write).await?;
+    Ok(answer(&job, content, JSON))
+}
+
 /// How a level is wanted: as JSON or a message, or as a file.
 enum Wanted {
     Form(Form),
@@ -221,8 +241,12 @@ async fn job_and_file(
     Ok((job, Wanted::File(format, options)))
 }
 
-fn level_number(text: &str) -> Result<usize, Problem> {
-    plain_number(text).ok_or_else(|| {
+/// The number of an iteration; `None` is the last one so far.
+fn level(text: &str) -> Result<Option<usize>, Problem> {
+    if text == "last" {
+        return Ok(None);
+    }
+    plain_number(text).map(Some).ok_or_else(|| {
         let detail = format!(
             "{} is no iteration: they are numbered from 0; there is also \"last\"",
             quoted(text)

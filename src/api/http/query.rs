@@ -26,6 +26,36 @@ pub struct IterationQuery {
     units: Option<String>,
 }
 
+/// The query of a deviation.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DeviationQuery {
+    iteration: Option<String>,
+    list: Option<String>,
+}
+
+impl DeviationQuery {
+    /// The iteration, without one the last, and whether each distance is listed.
+    pub(super) fn choices(&self) -> Result<(Option<usize>, bool), Problem> {
+        let iteration = match self.iteration.as_deref() {
+            None | Some("last") => None,
+            Some(text) => Some(plain_number(text).ok_or_else(|| {
+                let detail = format!("{} is neither a number nor \"last\"", quoted(text));
+                Problem::at_parameter("iteration", detail)
+            })?),
+        };
+        let list = match self.list.as_deref() {
+            None | Some("false") => false,
+            Some("true") => true,
+            Some(text) => {
+                let detail = format!("{} is neither \"true\" nor \"false\"", quoted(text));
+                return Err(Problem::at_parameter("list", detail));
+            }
+        };
+        Ok((iteration, list))
+    }
+}
+
 /// The parameters of an event stream.
 pub(super) const OF_STREAMS: [&str; 11] = [
     "last_event_id",
@@ -95,6 +125,11 @@ impl IterationQuery {
         if self.units.is_some() && !format.has_unit() {
             let error = ExportError::NoUnit { format };
             return Err(Problem::at_parameter("units", error.to_string()));
+        }
+        if self.samples.is_some() && !format.has_samples() {
+            let detail =
+                format!("{format} files hold the exact curve or surface and have no samples");
+            return Err(Problem::at_parameter(Choice::Samples.name(), detail));
         }
         let grid = |text: &String| {
             let grid = Samples::of_text(text).and_then(|samples| samples.grid(surface));

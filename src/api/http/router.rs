@@ -131,6 +131,11 @@ fn resources() -> DescribedRoutes {
             geometry::result_file,
             of_geometry::result_file(),
         )
+        .get(
+            "/v1/jobs/{id}/deviation",
+            geometry::deviation,
+            of_geometry::deviation(),
+        )
         .get("/v1/jobs/{id}/limit", geometry::limit, of_geometry::limit())
 }
 

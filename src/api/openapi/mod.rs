@@ -28,6 +28,7 @@ use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
 use crate::api::json::request::edit::EditRequest;
 use crate::api::json::request::job::JobRequest;
 use crate::api::json::schema::plain::simplify;
+use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
 use crate::api::json::view::limit::LimitView;
@@ -121,6 +122,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<FitResult<'_>>();
     answers.subschema_for::<PointsView>();
     answers.subschema_for::<LimitView>();
+    answers.subschema_for::<DeviationView>();
     answers.subschema_for::<RatesView>();
     answers.subschema_for::<ProblemBody>();
     answers.subschema_for::<ProblemTypes>();

@@ -60,11 +60,15 @@ fn parameter(place: &str, name: &str, description: &str, schema: Value, example:
     })
 }
 
-fn paths() -> Vec<Value> {
-    let iteration = json!({"oneOf": [
+/// The number of an iteration, or `last`.
+fn iteration() -> Value {
+    json!({"oneOf": [
         {"type": "integer", "minimum": 0, "maximum": LARGEST},
         {"type": "string", "const": "last"},
-    ]});
+    ]})
+}
+
+fn paths() -> Vec<Value> {
     let path =
         |name, description, schema, example| parameter("path", name, description, schema, example);
     vec![
@@ -77,7 +81,7 @@ fn paths() -> Vec<Value> {
         path(
             "k",
             "The number of an iteration, from 0, or `last`: the last one so far.",
-            iteration,
+            iteration(),
             json!("last"),
         ),
         path(
@@ -175,6 +179,18 @@ fn comparisons() -> Vec<Value> {
 /// Of single iterations, results and streams.
 fn views() -> Vec<Value> {
     vec![
+        query(
+            "iteration",
+            "Which iteration is measured: its number, or `last`: the last one so far.",
+            iteration(),
+            json!("last"),
+        ),
+        query(
+            "list",
+            "Whether the distance of each data point is told.",
+            json!({"type": "boolean", "default": false}),
+            json!(true),
+        ),
         query(
             "view",
             "What is shown: control points, samples, or the errors alone.",

@@ -90,6 +90,11 @@ kinds! {
         "The job has no limit to be computed",
         "The closed form of the limit is for local fits that adjust not too many points."
     }
+    NoDeviation {
+        "no-deviation", CONFLICT, FailedPrecondition,
+        "The curve or surface has no nearest points",
+        "Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way."
+    }
     NoExport {
         "no-export", CONFLICT, FailedPrecondition,
         "The curve or surface cannot be written in this format",

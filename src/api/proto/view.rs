@@ -12,6 +12,7 @@ use crate::api::problem::{self as api, Words};
 use crate::api::rates::Rates;
 use crate::fit::direction::Direction;
 use crate::fit::ends::{End, Ends};
+use crate::fit::foot::deviation::Deviation;
 use crate::fit::iteration::Level;
 use crate::fit::method::Method;
 use crate::fit::norms::FitError;
@@ -176,6 +177,22 @@ pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
         points: count(rates.points),
         tolerance: rates.tolerance,
         bases: rates.bases.iter().map(basis).collect(),
+    }
+}
+
+/// How far the data are from a level, with the distances of all points if they are wanted.
+pub fn deviation(iteration: usize, deviation: Deviation, list: bool) -> pb::GetDeviationResponse {
+    pb::GetDeviationResponse {
+        iteration: iteration as u64,
+        max: deviation.max,
+        rms: deviation.rms,
+        at: count(deviation.at),
+        percentiles: deviation.percentiles.to_vec(),
+        distances: if list {
+            deviation.distances
+        } else {
+            Vec::new()
+        },
     }
 }
 

@@ -5,7 +5,7 @@ use super::numbers::{power, short};
 use crate::export::text::Text;
 
 /// The height of the plot with its labels.
-pub(super) const HEIGHT: f64 = 210.0;
+const HEIGHT: f64 = 210.0;
 
 /// Where the plot is, within its height.
 const LEFT: f64 = 72.0;
@@ -18,22 +18,61 @@ const MOST_LEVELS: usize = 2000;
 /// The most labels of an axis.
 const MOST_LABELS: usize = 7;
 
-/// Draws the errors of levels 0, 1, … below `top`. Levels whose error is zero, or infinite, have no
-/// place on the scale.
-pub(super) fn draw(text: &mut Text, errors: &[f64], top: f64) {
-    let shown: Vec<(usize, f64)> = levels(errors)
-        .filter(|(_, error)| *error > 0.0 && error.is_finite())
-        .map(|(level, error)| (level, error.log10()))
-        .collect();
-    let low = shown.iter().map(|(_, y)| *y).fold(f64::INFINITY, f64::min);
-    let high = shown
-        .iter()
-        .map(|(_, y)| *y)
-        .fold(f64::NEG_INFINITY, f64::max);
-    if shown.is_empty() {
-        return;
+/// What stands below the caption.
+pub(super) enum History<'a> {
+    /// A plot of the errors of levels 0, 1, …, and the levels and logarithms that are drawn: errors that
+    /// are zero or infinite have no place on the scale.
+    Plot(&'a [f64], Vec<(usize, f64)>),
+    /// The errors are not known.
+    Unknown,
+    /// One step, or none, is no history.
+    Nothing,
+}
+
+impl<'a> History<'a> {
+    /// The history of these errors; of none, the reason why there is no plot.
+    pub(super) fn of(errors: &'a [f64]) -> Self {
+        if errors.is_empty() {
+            return Self::Unknown;
+        }
+        let shown: Vec<(usize, f64)> = levels(errors)
+            .filter(|(_, error)| *error > 0.0 && error.is_finite())
+            .map(|(level, error)| (level, error.log10()))
+            .collect();
+        match errors.len() > 2 && !shown.is_empty() {
+            true => Self::Plot(errors, shown),
+            false => Self::Nothing,
+        }
     }
-    let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+
+    /// The height with labels, in pixels.
+    pub(super) fn height(&self) -> f64 {
+        match self {
+            Self::Plot(..) => HEIGHT,
+            Self::Unknown => 28.0,
+            Self::Nothing => 0.0,
+        }
+    }
+
+    /// Draws it below `top`.
+    pub(super) fn draw(&self, text: &mut Text, top: f64) {
+        match self {
+            Self::Plot(errors, shown) => plot(text, errors, shown, top),
+            Self::Unknown => text.put(format_args!(
+                "<text x=\"{MARGIN}\" y=\"{:.1}\">no plot of the distances: the iterations \
+                 would take too long to compute again</text>\n",
+                top + 12.0
+            )),
+            Self::Nothing => {}
+        }
+    }
+}
+
+fn plot(text: &mut Text, errors: &[f64], shown: &[(usize, f64)], top: f64) {
+    let logarithms = || shown.iter().map(|(_, y)| *y);
+    let low = logarithms().fold(f64::INFINITY, f64::min).floor();
+    let high = logarithms().fold(f64::NEG_INFINITY, f64::max);
+    let high = high.ceil().max(low + 1.0);
     let last = (errors.len() - 1).max(1);
     let right = WIDTH - MARGIN;
     let x = |level: usize| LEFT + (right - LEFT) * level as f64 / last as f64;
@@ -110,11 +149,15 @@ mod tests {
     #[test]
     fn errors_without_a_logarithm_are_left_out() {
         let mut text = Text::default();
-        draw(&mut text, &[1.0, f64::INFINITY, 0.1, 0.0], 0.0);
+        History::of(&[1.0, f64::INFINITY, 0.1, 0.0]).draw(&mut text, 0.0);
         assert!(!text.as_str().contains("NaN") && !text.as_str().contains("inf"));
-        let mut none = Text::default();
-        draw(&mut none, &[0.0, 0.0], 0.0);
-        assert_eq!(none.as_str(), "");
+        assert!(matches!(History::of(&[0.0, 0.0, 0.0]), History::Nothing));
+    }
+
+    #[test]
+    fn a_single_step_has_no_plot() {
+        assert!(matches!(History::of(&[1.0, 0.1]), History::Nothing));
+        assert!(matches!(History::of(&[1.0, 0.2, 0.1]), History::Plot(..)));
     }
 
     #[test]

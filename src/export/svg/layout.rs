@@ -3,21 +3,31 @@
 use std::collections::HashMap;
 
 use super::view::{Canvas, Projected, Projection};
+use crate::export::deviation::stride;
 use crate::export::nurbs::{Nurbs, in_space};
 use crate::export::options::Dots;
 use crate::export::text::Text;
+use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 
 /// The width of the drawing.
 pub(super) const WIDTH: f64 = 800.0;
 /// Free space on all sides.
 pub(super) const MARGIN: f64 = 24.0;
-/// The most data points that are drawn, and the most control points of nets that are.
+/// The most data points that are drawn, and the most control points of polygons that are.
 const MOST_POINTS: usize = 2500;
+
+/// The most control points of nets that are drawn: the lines of more of them would cover the surface.
+const MOST_OF_NET: usize = 600;
 
 /// Whether the control polygon or net is drawn.
 pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
-    nurbs.points.len() <= MOST_POINTS
+    let most = if nurbs.v.is_some() {
+        MOST_OF_NET
+    } else {
+        MOST_POINTS
+    };
+    nurbs.points.len() <= most
 }
 
 /// Draws a polygon through these places, in pixels.
@@ -39,8 +49,9 @@ const MOST_COVERED: f64 = 1.0 / 3.0;
 /// The data points of the drawing.
 pub(super) struct DrawnData {
     pub(super) places: Vec<Projected>,
-    /// One in `stride` points is among them.
+    /// Every `stride`-th point of a curve, or row and column of a grid, is among them.
     stride: usize,
+    is_grid: bool,
     /// They are drawn as dots.
     pub(super) dots: bool,
 }
@@ -48,14 +59,17 @@ pub(super) struct DrawnData {
 impl DrawnData {
     pub(super) fn new(problem: &Problem, view: &Projection) -> Self {
         let points = &problem.request().points;
-        let count = problem.grid().count();
-        let stride = count.div_ceil(MOST_POINTS);
+        let Grid { rows, columns } = problem.grid();
+        let stride = stride(problem.grid(), MOST_POINTS);
         let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
         let place = |index| view.project(in_space(points.point(index)));
-        let indices = (0..count).step_by(stride).filter(known);
+        let some = (0..columns).step_by(stride);
+        let indices = (0..rows).step_by(stride);
+        let indices = indices.flat_map(|i| some.clone().map(move |j| i * columns + j));
         Self {
-            places: indices.map(place).collect(),
+            places: indices.filter(known).map(place).collect(),
             stride,
+            is_grid: columns > 1,
             dots: true,
         }
     }
@@ -85,9 +99,10 @@ impl DrawnData {
 
     /// What the dots are.
     pub(super) fn legend(&self) -> Option<String> {
-        let text = match self.stride {
-            1 => "data points".to_owned(),
-            stride => format!("data points, one in {stride}"),
+        let text = match (self.stride, self.is_grid) {
+            (1, _) => "data points".to_owned(),
+            (stride, false) => format!("data points, one in {stride}"),
+            (stride, true) => format!("data points, one in {stride} × {stride}"),
         };
         self.dots.then_some(text)
     }

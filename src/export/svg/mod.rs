@@ -2,7 +2,7 @@
 //!
 //! Curves of the plane are drawn as they are; curves and surfaces in space are seen from above and
 //! aside, with z upwards. Colours show how far the data are. Below the drawing stand what it shows and,
-//! if there are several levels, how the distance from the data has fallen. On pages that are dark, in
+//! if there are several steps, how the distance from the data has fallen. On pages that are dark, in
 //! browsers, drawings are dark, too.
 
 mod curve;
@@ -21,6 +21,7 @@ use super::error::ExportError;
 use super::fitted::Fitted;
 use super::nurbs::Nurbs;
 use super::text::{Text, one_line};
+use history::History;
 use layout::{DrawnData, MARGIN, WIDTH, shows_net};
 use numbers::rounded;
 use scene::Scene;
@@ -64,11 +65,10 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
     scene.finish(nurbs, &data);
     let heat = measured.map(|it| it.most);
     let legend = if heat.is_some() { scale::HEIGHT } else { 0.0 };
-    let with_history = fitted.errors.len() > 1;
-    let below = if with_history { history::HEIGHT } else { 0.0 };
+    let history = History::of(fitted.errors);
     let history_top = canvas.height() + CAPTION + legend;
     let mut text = Text::default();
-    open(&mut text, fitted, history_top + below);
+    open(&mut text, fitted, history_top + history.height());
     // The nested element cuts off what is beyond it.
     text.put(format_args!(
         "<svg width=\"{WIDTH}\" height=\"{:.1}\">\n",
@@ -89,9 +89,7 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
         let middle = (WIDTH - 56.0, canvas.height() + 40.0);
         view.draw_axes(&mut text, middle);
     }
-    if with_history {
-        history::draw(&mut text, fitted.errors, history_top);
-    }
+    history.draw(&mut text, history_top);
     text.push("</svg>\n");
     Ok(text.into_bytes())
 }
@@ -118,11 +116,15 @@ fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &DrawnData
     }
     let (title, description) = (escape(&title), fitted.description());
     let [first, second, third, fourth] = [18.0, 38.0, 56.0, 74.0].map(|line| top + line);
+    let count = match nurbs.v {
+        None => nurbs.rows().to_string(),
+        Some(_) => format!("{} x {}", nurbs.rows(), nurbs.columns()),
+    };
     let extent = extent(nurbs);
     text.put(format_args!(
         "<text class=\"title\" x=\"{MARGIN}\" y=\"{first:.1}\">{title}</text>\n\
          <text x=\"{MARGIN}\" y=\"{second:.1}\">{description}</text>\n\
-         <text x=\"{MARGIN}\" y=\"{third:.1}\">control points in {extent}</text>\n"
+         <text x=\"{MARGIN}\" y=\"{third:.1}\">{count} control points in {extent}</text>\n"
     ));
     let middle = fourth - 4.0;
     let mut left = MARGIN;
@@ -133,16 +135,30 @@ fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &DrawnData
             left + 4.0,
             left + 14.0,
         ));
-        left += 150.0;
+        left += 190.0;
     }
-    if shows_net(nurbs) {
+    let mut line = |class: &str, what: &str| {
         let to = left + 24.0;
-        let polygon = if nurbs.v.is_some() { "net" } else { "polygon" };
         text.put(format_args!(
-            "<path class=\"net\" d=\"M{left:.1} {middle:.1}H{to:.1}\"/>\
-             <text x=\"{:.1}\" y=\"{fourth:.1}\">control {polygon}</text>\n",
+            "<path class=\"{class}\" d=\"M{left:.1} {middle:.1}H{to:.1}\"/>\
+             <text x=\"{:.1}\" y=\"{fourth:.1}\">{what}</text>\n",
             to + 8.0,
         ));
+        left += 130.0;
+    };
+    if nurbs.v.is_none() {
+        line("curve", "curve");
+    }
+    if shows_net(nurbs) {
+        let is_surface = nurbs.v.is_some();
+        line(
+            "net",
+            if is_surface {
+                "control net"
+            } else {
+                "control polygon"
+            },
+        );
     }
 }
 

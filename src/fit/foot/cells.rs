@@ -141,8 +141,8 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The parameters of the point of the surface that is nearest to a point.
-    pub(super) fn foot_point(&mut self, point: [f64; 3]) -> [f64; 2] {
+    /// The parameters of the point of the surface that is nearest to a point, and its squared distance.
+    pub(super) fn foot_point(&mut self, point: [f64; 3]) -> ([f64; 2], f64) {
         let (mut best, mut pair) = (f64::INFINITY, [f64::NAN; 2]);
         for (cell, nearest) in self.cells.tree.nearest_neighbor_iter_with_distance_2(point) {
             if nearest > best * (1.0 + ROUNDING) {
@@ -160,7 +160,7 @@ impl Search<'_> {
             }
             best = best.min(foot.square);
         }
-        pair
+        (pair, best)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Foot points: the points of a surface that are nearest to others.
+//! Foot points: the points of a curve or surface that are nearest to others.
 //!
 //! ```text
 //! (u, v)(P) = argmin ‖S(u, v) − P‖
@@ -14,12 +14,13 @@
 //! tree O(log n) for n cells.
 
 mod cells;
+pub mod deviation;
 mod patch;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::nurbs::Nurbs;
+use super::nurbs::{KnotVector, Nurbs};
 use super::points::Points;
 use super::problem::Problem;
 use super::scaling::normalizing_scale;
@@ -27,6 +28,9 @@ use cells::Cells;
 
 /// The highest degree of a surface with foot points: the time of a step grows with its square.
 pub const MAX_DEGREE: usize = 32;
+
+/// The highest degree of a curve with foot points: the time to divide it grows with the fifth power.
+const MAX_DEGREE_OF_CURVES: usize = 64;
 
 /// The number of points that a thread does at a time.
 const CHUNK: usize = 256;
@@ -46,16 +50,31 @@ pub enum NoFootPoints {
         points: usize,
     },
     /// Polynomials of a high degree.
-    #[error(
-        "the surface of the job has degree {0}: foot points are found on surfaces of degree up to {MAX_DEGREE}"
-    )]
-    Degree(usize),
+    #[error("the fit of the job has degree {degree}: nearest points are found up to degree {most}")]
+    Degree {
+        /// Of the fit.
+        degree: usize,
+        /// The highest with foot points.
+        most: usize,
+    },
     /// A pole is possible.
-    #[error("the surface of the job has a weight that is not positive, so that it can have poles")]
+    #[error("the fit of the job has a weight that is not positive, so that it can have poles")]
     Weight,
     /// Infinite or NaN.
-    #[error("a control point of the job's surface is infinite or NaN")]
+    #[error("a control point of the job's fit is infinite or NaN")]
     NotFinite,
+    /// Values of a function.
+    #[error("points with one coordinate are values of a function: they have no nearest point")]
+    OneCoordinate,
+}
+
+/// The nearest points of a curve or surface.
+#[derive(Clone, Debug)]
+pub(super) struct FootPoints {
+    /// Their parameters (u, v); v of a curve is zero.
+    pairs: Vec<[f64; 2]>,
+    /// How far they are.
+    distances: Vec<f64>,
 }
 
 /// The parameters (u, v) of the foot points of all points. Points that are infinite or NaN have NaN.
@@ -64,29 +83,23 @@ pub enum NoFootPoints {
 ///
 /// The fit is no surface that has foot points.
 pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoints> {
-    let Some(v) = &surface.v else {
+    if surface.v.is_none() {
         return Err(NoFootPoints::Curve);
-    };
-    let (of_surface, of_points) = (surface.points.dimension(), points.dimension());
-    if of_surface != of_points {
-        return Err(NoFootPoints::Dimension {
-            surface: of_surface,
-            points: of_points,
-        });
     }
-    let degree = surface.u.degree.max(v.degree);
-    if degree > MAX_DEGREE {
-        return Err(NoFootPoints::Degree(degree));
-    }
-    if surface.bad_weight().is_some() {
-        return Err(NoFootPoints::Weight);
-    }
-    if surface.bad_coordinate().is_some() {
-        return Err(NoFootPoints::NotFinite);
-    }
+    let found = nearest(surface, points)?;
+    let lane = |k: usize| found.pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>();
+    Ok(Points::from_lanes([lane(0), lane(1)]))
+}
+
+/// The nearest points of a curve or surface to all points. Points that are infinite or NaN have NaN.
+fn nearest(fit: &Nurbs, points: &Points) -> Result<FootPoints, NoFootPoints> {
+    // A curve is a surface that does not depend on v.
+    let constant = KnotVector::constant();
+    let v = fit.v.as_ref().unwrap_or(&constant);
+    check(fit, v, points)?;
     // Near the origin, and of the order of one: neither sums nor squares leave the range of numbers.
-    let scale = normalizing_scale(surface.points.magnitude().max(points.magnitude()));
-    let origin: Vec<f64> = surface.points.point(0).map(|x| x * scale).collect();
+    let scale = normalizing_scale(fit.points.magnitude().max(points.magnitude()));
+    let origin: Vec<f64> = fit.points.point(0).map(|x| x * scale).collect();
     let place = |points: &Points, index: usize| {
         let mut place = [0.0; 3];
         let coordinates = points.point(index).zip(&origin);
@@ -95,36 +108,63 @@ pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoi
         }
         place
     };
-    let cells = Cells::new(surface, v, |index| place(&surface.points, index));
-    let mut pairs = vec![[f64::NAN; 2]; points.len()];
-    pairs
-        .par_chunks_mut(CHUNK)
-        .enumerate()
-        .for_each(|(chunk, pairs)| {
-            let mut search = cells.search();
-            for (i, pair) in pairs.iter_mut().enumerate() {
-                let point = place(points, chunk * CHUNK + i);
-                if point.iter().all(|x| x.is_finite()) {
-                    *pair = search.foot_point(point);
-                }
+    let cells = Cells::new(fit, v, |index| place(&fit.points, index));
+    let mut found = FootPoints {
+        pairs: vec![[f64::NAN; 2]; points.len()],
+        distances: vec![f64::NAN; points.len()],
+    };
+    let pairs = found.pairs.par_chunks_mut(CHUNK);
+    let chunks = pairs.zip(found.distances.par_chunks_mut(CHUNK)).enumerate();
+    chunks.for_each(|(chunk, (pairs, distances))| {
+        let mut search = cells.search();
+        for (i, (pair, distance)) in pairs.iter_mut().zip(distances).enumerate() {
+            let point = place(points, chunk * CHUNK + i);
+            if point.iter().all(|x| x.is_finite()) {
+                let (foot, square) = search.foot_point(point);
+                (*pair, *distance) = (foot, square.sqrt() / scale);
             }
-        });
-    let lane = |k: usize| pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>();
-    Ok(Points::from_lanes([lane(0), lane(1)]))
+        }
+    });
+    Ok(found)
 }
 
-/// About how many bytes the search on a surface takes: its control net in three forms, and its cells in
-/// the tree.
+/// Whether a fit has foot points.
+fn check(fit: &Nurbs, v: &KnotVector, points: &Points) -> Result<(), NoFootPoints> {
+    let (of_fit, of_points) = (fit.points.dimension(), points.dimension());
+    if of_fit != of_points {
+        return Err(NoFootPoints::Dimension {
+            surface: of_fit,
+            points: of_points,
+        });
+    }
+    let (degree, most) = match fit.v {
+        None => (fit.u.degree, MAX_DEGREE_OF_CURVES),
+        Some(_) => (fit.u.degree.max(v.degree), MAX_DEGREE),
+    };
+    if degree > most {
+        return Err(NoFootPoints::Degree { degree, most });
+    }
+    if fit.bad_weight().is_some() {
+        return Err(NoFootPoints::Weight);
+    }
+    if fit.bad_coordinate().is_some() {
+        return Err(NoFootPoints::NotFinite);
+    }
+    Ok(())
+}
+
+/// About how many bytes the search on a fit takes: its control net in three forms, the pieces of its knot
+/// spans with their matrices, and its cells in the tree.
 pub fn memory(problem: &Problem) -> usize {
     let counts = problem.directions().map(|direction| {
-        let functions = direction.basis.functions();
-        (
-            functions,
-            functions * cells::pieces(direction.basis.degree()),
-        )
+        let (functions, degree) = (direction.basis.functions(), direction.basis.degree());
+        let pieces = functions * cells::pieces(degree);
+        (functions, pieces, pieces * (56 + 8 * (degree + 1).pow(2)))
     });
-    let (points, cells) = counts.fold((1, 1), |(points, cells), (p, c)| (points * p, cells * c));
-    96 * points + 128 * cells
+    let (points, cells, pieces) = counts.fold((1, 1, 0), |sums, (points, cells, bytes)| {
+        (sums.0 * points, sums.1 * cells, sums.2 + bytes)
+    });
+    96 * points + 128 * cells + pieces
 }
 
 #[cfg(test)]

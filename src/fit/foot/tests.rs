@@ -303,6 +303,10 @@ fn refusals() {
         |i, j| [i as f64, j as f64, 0.0],
         None,
     );
-    assert_eq!(foot_points(&high, &one), Err(NoFootPoints::Degree(33)));
+    let degree = NoFootPoints::Degree {
+        degree: 33,
+        most: 32,
+    };
+    assert_eq!(foot_points(&high, &one), Err(degree));
     assert!(pairs(&cylinder(), [[f64::NAN; 3]])[0][0].is_nan());
 }

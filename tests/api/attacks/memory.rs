@@ -1,16 +1,13 @@
 //! The resident size of a server stays within what it may take and a constant of its own.
 
-use std::time::{Duration, Instant};
-
 use futures_util::future::join_all;
 use serde_json::{Value, json};
 use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
-use tokio::time::sleep;
 
 use super::{MIB, alone, iterations, post, spiral};
 use crate::program::Program;
-use crate::support::base;
+use crate::support::{base, eventually};
 
 /// What a server takes besides: the program, its stacks and the cache of the store, and what the
 /// allocator holds back.
@@ -61,14 +58,7 @@ async fn recent_frames_share_a_budget() {
         post(&program, "/v1/jobs", &job).await;
     }
     // Kept as they came, they would take some 700 bytes each.
-    let begin = Instant::now();
-    while iterations(&program).await < 500_000.0 {
-        assert!(
-            begin.elapsed() < Duration::from_secs(120),
-            "they do not run"
-        );
-        sleep(Duration::from_millis(200)).await;
-    }
+    eventually("they run", async || iterations(&program).await > 500_000.0).await;
     check(&program, 64 * MIB);
 }
 
@@ -195,24 +185,20 @@ async fn large_bodies_wait_for_each_other() {
     check(&program, 64 * MIB);
     // Whoever has stopped sending is given up, and then there is room again.
     let large = json!({"curve": {"points": spiral(60_000)}, "stop": {"max_iterations": 1}});
-    let begin = Instant::now();
-    loop {
+    eventually("there is room", async || {
         let answer = program.post("/v1/jobs").json(&large).send().await.unwrap();
         match answer.status().as_u16() {
-            201 => break,
+            201 => true,
             503 => {
                 assert_eq!(answer.headers()["retry-after"], "5");
                 let problem: Value = answer.json().await.unwrap();
                 assert_eq!(problem["type"], "/problems/busy");
+                false
             }
             status => panic!("{status}"),
         }
-        assert!(
-            begin.elapsed() < Duration::from_secs(60),
-            "there is no room"
-        );
-        sleep(Duration::from_millis(500)).await;
-    }
+    })
+    .await;
     drop(attacks);
 }
 
@@ -241,14 +227,10 @@ async fn samples_are_evaluated_as_they_are_sent() {
     check(&program, 128 * MIB);
 }
 
-/// The memory of a server with nothing to do comes down to a bound in this time.
+/// The memory of a server with nothing to do comes down to a bound.
 async fn settles(program: &Program, bound: usize) {
-    let end = Instant::now() + Duration::from_secs(5);
-    while program.memory() >= bound {
-        let (now, bound) = (program.memory() / MIB, bound / MIB);
-        assert!(Instant::now() < end, "{now} MiB, bound {bound} MiB");
-        sleep(Duration::from_millis(100)).await;
-    }
+    let what = format!("memory is below {} MiB", bound / MIB);
+    eventually(&what, async || program.memory() < bound).await;
 }
 
 /// Jobs that have gone leave nothing in the threads that worked for them: neither a large one, nor

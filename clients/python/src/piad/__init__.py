@@ -27,7 +27,7 @@ from .errors import (
     WaitTimeout,
 )
 from .geometry import Basis, Boundary, Curve, Surface
-from .iteration import BadWeight, Deviation, Iteration, Result, Samples, Shape, boundary
+from .iteration import BadWeight, Deviation, Distances, Iteration, Result, Samples, Shape, boundary
 from .job import Job, JobWarning, Status
 from .points import FilePoints
 
@@ -43,6 +43,7 @@ __all__ = [
     "ConnectionLost",
     "Curve",
     "Deviation",
+    "Distances",
     "FieldError",
     "FilePoints",
     "Iteration",

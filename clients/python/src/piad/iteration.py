@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Optional, Union
 
-from ._arrays import Array, as_array, as_lists, copy, from_base64, outer
+from ._arrays import Array, as_array, as_lists, copy, from_base64, np, outer
 from .errors import ProtocolError
 from .geometry import Basis, Boundary, Curve, Surface
 from .geometry.boundary import Side
@@ -18,8 +18,8 @@ Index = Union[int, tuple[int, int]]
 
 
 @dataclass(frozen=True)
-class Deviation:
-    """The distances of a curve or surface from its data points, in their units.
+class Distances:
+    """The distances of a curve or surface from its data points at their parameters, in their units.
 
     A distance is None where it is infinite, because a weight of a homogeneous fit is not positive.
     """
@@ -40,13 +40,41 @@ class Deviation:
     """Extended fits with `transformed_error`: how far a control point moves in the next iteration."""
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Deviation:
+    def from_json(cls, value: Mapping[str, Any]) -> Distances:
         """Reads `error`."""
         at = value["at"]
         names = ("fixed_max", "homogeneous", "gradient", "transformed")
         more = {name: value.get(name) for name in names}
-        place = (at[0], at[1]) if isinstance(at, list) else at
-        return cls(value["max"], value["rms"], value["sum"], place, **more)
+        return cls(value["max"], value["rms"], value["sum"], _index(at), **more)
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The distances of the data from the nearest points of a curve or surface, in their units."""
+
+    iteration: int
+    max: float
+    rms: float
+    """Root mean square."""
+    at: Index
+    """The point with the largest distance."""
+    percentiles: Mapping[int, float]
+    """What 50, 90, 95 and 99 per cent of the distances do not exceed."""
+    distances: Any = None
+    """Of each data point, if they were asked for: an array, or nested lists without numpy; of a missing point NaN or None."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Deviation:
+        """Reads the answer."""
+        percentiles = {int(name): number for name, number in value["percentiles"].items()}
+        distances = value.get("distances")
+        if np is not None and distances is not None:
+            distances = np.asarray(distances, dtype=float)
+        return cls(value["iteration"], value["max"], value["rms"], _index(value["at"]), percentiles, distances)
+
+
+def _index(value: Any) -> Index:
+    return (value[0], value[1]) if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)
@@ -163,7 +191,7 @@ class Iteration:
 
     number: int
     """From 0 on."""
-    error: Deviation
+    error: Distances
     moved: int
     """How many control points the step to this level has moved."""
     rate: Optional[float] = None
@@ -190,7 +218,7 @@ class Iteration:
         points, weights = _net(value, before)
         return cls(
             value["iteration"],
-            Deviation.from_json(value["error"]),
+            Distances.from_json(value["error"]),
             value["moved"],
             value.get("rate"),
             value.get("milestone"),
@@ -245,7 +273,7 @@ class Result:
     state: str
     """"converged", "exhausted", "stalled", "failed" or "cancelled"."""
     iteration: int
-    error: Deviation
+    error: Distances
     geometry: Geometry
     bad_weight: Optional[BadWeight] = None
 
@@ -260,7 +288,7 @@ class Result:
             value["name"],
             value["state"],
             value["iteration"],
-            Deviation.from_json(value["error"]),
+            Distances.from_json(value["error"]),
             shape.with_net(_array(value, "control_points"), weights),
             _bad_weight(value),
         )

@@ -16,7 +16,7 @@ from ._events import EventStream
 from ._request import Method, Rational
 from ._transport import Transport
 from .errors import JobFailed, Problem, WaitTimeout
-from .iteration import Deviation, Index, Iteration, Result, Samples, Shape
+from .iteration import Deviation, Distances, Index, Iteration, Result, Samples, Shape
 
 State = Literal["queued", "running", "converged", "exhausted", "stalled", "failed", "cancelled"]
 View = Literal["control_points", "samples", "errors"]
@@ -83,7 +83,7 @@ class Status:
     iteration: Optional[int]
     predicted: Mapping[str, Any]
     """`rate` and `iterations` in all, by what is known at that iteration; None where nobody knows."""
-    error: Optional[Deviation]
+    error: Optional[Distances]
     progress: float
     """From 0 to 1."""
     created_at: str
@@ -110,7 +110,7 @@ class Status:
             detail=value.get("detail"),
             predicted=value.get("predicted", {}),
             warnings=tuple(JobWarning.from_json(it) for it in value.get("warnings", ())),
-            error=None if error is None else Deviation.from_json(error),
+            error=None if error is None else Distances.from_json(error),
             parent=value.get("parent"),
             problem=None if problem is None else Problem.from_json(problem),
         )
@@ -271,6 +271,14 @@ class Job:
             raise JobFailed(self.id, status.state, status.problem)
         parameters = {} if np is None else {"encoding": "base64"}
         return Result.from_json(self._transport.json("GET", f"{self._path}/result", parameters=parameters))
+
+    def deviation(self, iteration: Union[int, Literal["last"]] = "last", *, distances: bool = False) -> Deviation:
+        """How far the data are from the nearest points of an iteration: with `distances` also for each point.
+
+        The `error` of an iteration is taken at the parameters of the data, and is larger.
+        """
+        parameters = {"iteration": str(iteration), "list": str(bool(distances)).lower()}
+        return Deviation.from_json(self._transport.json("GET", f"{self._path}/deviation", parameters=parameters))
 
     def input(self) -> dict[str, Any]:
         """The job as it was asked for, as JSON."""

@@ -5,7 +5,7 @@
 //!
 //! - [`job`]: jobs as resources; [`events`]: what streams say first and last; [`level`]: iterations and results;
 //!   [`limit`]: the limit of local fits;
-//! - [`error`]: distances from the data; [`warning`]: what is doubtful about a job;
+//! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`warning`]: what is doubtful about a job;
 //! - [`input`](mod@input): a job as it was asked for;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
 //! - [`decimal`]: numbers with as many digits as they deserve;
@@ -14,6 +14,7 @@
 mod applied_method;
 mod arrays;
 mod decimal;
+pub mod deviation;
 mod document;
 mod ends;
 pub mod error;

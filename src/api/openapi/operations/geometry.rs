@@ -1,6 +1,7 @@
 //! Single iterations, results, and the limits of local fits.
 
 use super::{Content, OF_A_JOB};
+use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::level::IterationEvent;
 use crate::api::json::view::limit::LimitView;
 use crate::api::json::view::result::FitResult;
@@ -90,6 +91,20 @@ pub fn result_file() -> Operation {
     .answer(200, "The file.", &files(), NAMED)
     .problems(&OF_A_JOB)
     .problems(&[Kind::NoResult, Kind::NoExport])
+}
+
+/// `GET /v1/jobs/{id}/deviation`
+pub fn deviation() -> Operation {
+    Operation::new(
+        Tag::Geometry,
+        "getDeviation",
+        "Measure how far the data are",
+        "Distances of the data from the nearest points of the curve or surface (foot points), of the last iteration so far or of any other. The errors of iterations are distances at the parameters of the data, which are larger.",
+    )
+    .parameters(&["id", "iteration", "list"])
+    .json::<DeviationView>(200, "The distances.")
+    .problems(&OF_A_JOB)
+    .problems(&[Kind::NoSuchIteration, Kind::NoDeviation])
 }
 
 /// `GET /v1/jobs/{id}/limit`
