@@ -144,7 +144,12 @@ $(VENV)/benches: benches/requirements.txt
 # Each decoder with bytes that nobody would send, for ten minutes; needs a nightly toolchain and
 # `cargo install cargo-fuzz`. What a target finds is in fuzz/artifacts.
 FUZZ_SECONDS := 600
-fuzz: $(patsubst %,fuzz-%,job edit message edit_message record made)
+fuzz: $(patsubst %,fuzz-%,job edit message edit_message record made requests)
+
+# Requests that schemathesis makes up, others each time.
+fuzz-requests: $(VENV)/installed
+	cargo build --locked
+	$(PYTHON) tests/python/contract.py target/debug/piad --max-examples 10000 --max-time $(FUZZ_SECONDS) --seed $$(date +%s)
 
 fuzz-%:
 	mkdir -p fuzz/corpus/$*

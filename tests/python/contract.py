@@ -1,6 +1,6 @@
 """Tests a real server against the description of its API, with requests that schemathesis makes up.
 
-    contract.py PROGRAM            # the server to start, such as target/debug/piad
+    contract.py PROGRAM [OPTION …]    # the server to start, such as target/debug/piad; options of schemathesis
 
 Needs the packages of requirements.txt; schemathesis.toml says what is tested and how.
 """
@@ -23,11 +23,11 @@ JOB = {
 }
 
 
-def main(program: str) -> int:
+def main(program: str, *options: str) -> int:
     # Fits that do not converge end soon, so that answers that wait for them come.
     with server(program, "--max-iterations", "1000", "--heartbeat", "1") as base:
         job = json.loads(fetch(f"{base}/v1/jobs", json.dumps(JOB).encode()))
-        command = [sys.executable, "-m", "schemathesis.cli", "--config-file", CONFIG, "run", f"{base}/openapi.json"]
+        command = [sys.executable, "-m", "schemathesis.cli", "--config-file", CONFIG, "run", f"{base}/openapi.json", *options]
         # For contract_hooks.py.
         environment = {**os.environ, "PIAD_JOB": job["id"], "PYTHONPATH": HERE}
         with tempfile.TemporaryDirectory() as folder:
@@ -35,4 +35,4 @@ def main(program: str) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1]))
+    raise SystemExit(main(*sys.argv[1:]))
