@@ -120,6 +120,15 @@ impl Order {
         options::check_range(request, job, &self.problem)
     }
 
+    /// Begins the fit for one answer, without making a job that is kept.
+    pub async fn begin(self, app: &App, turn: Option<SessionTurn>) -> Result<Ephemeral, Problem> {
+        let (label, problem, similar) = (self.label, self.problem, self.similar);
+        Ok(app
+            .jobs
+            .begin_ephemeral(label, problem, similar, turn)
+            .await?)
+    }
+
     /// Makes the job, unless there is one for the same key.
     pub async fn make(self, app: &App, key: Option<IdempotencyKey>) -> Result<Accepted, Problem> {
         let (label, problem, similar) = (self.label, self.problem, self.similar);
@@ -185,18 +194,10 @@ impl EditOrder {
         })
     }
 
-    /// Begins the fit for one stream, without making a job that is kept.
-    pub async fn begin(self, app: &App) -> Result<Ephemeral, Problem> {
-        let Self {
-            order,
-            before,
-            turn,
-        } = self;
-        let (label, problem, similar) = (order.label, order.problem, order.similar);
-        let begun = app
-            .jobs
-            .begin_ephemeral(label, problem, similar, before, turn);
-        Ok(begun.await?)
+    /// Begins the fit for one stream, without making a job that is kept; also the level of the parent
+    /// that it starts from, which the client has.
+    pub async fn begin(self, app: &App) -> Result<(Ephemeral, Arc<Frame>), Problem> {
+        Ok((self.order.begin(app, self.turn).await?, self.before))
     }
 }
 

@@ -42,6 +42,7 @@ mod exports;
 mod extremes;
 mod facts;
 mod files;
+mod fit_once;
 mod foot_points;
 mod forecasts;
 mod goldens;

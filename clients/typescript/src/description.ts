@@ -264,6 +264,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/fit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Fit, and answer with the geometry
+         * @description One request, one answer: the curve or surface of a fit that converges, which is computed while the request waits and kept nowhere. With an Accept header also as a file or a message. A fit that does not come within its tolerance is answered with 422 and how near it came; a client that goes away ends its fit. For fits that take longer than proxies wait, make a job. The body may also be a file of points, as for `/v1/jobs`; what a job says of its streams has no meaning here.
+         */
+        post: operations["fit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs": {
         parameters: {
             query?: never;
@@ -2094,7 +2114,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/no-result" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -4536,6 +4556,156 @@ export interface operations {
                 };
             };
             /** @description - `/problems/busy`: Send the request again after the number of seconds in Retry-After. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    fit: {
+        parameters: {
+            query?: {
+                /**
+                 * @description How arrays of numbers are written in JSON.
+                 * @example base64
+                 */
+                encoding?: components["parameters"]["encoding"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description JSON. */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["JobRequest"];
+            };
+        };
+        responses: {
+            /** @description The result; its id is that of no job. */
+            200: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Content-Disposition": components["headers"]["Content-Disposition"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FitResult"];
+                };
+            };
+            /**
+             * @description - `/problems/not-json`: The body could not be read as JSON; detail names line and column. JSON has no NaN and no Infinity.
+             *     - `/problems/not-protobuf`: The body could not be read as a message of piad.v1 (proto/piad/v1/fitting.proto): it is cut off, or has fields of other types.
+             *     - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it.
+             */
+            400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
+            406: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
+            408: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
+            409: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
+            413: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
+             *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
+             */
+            415: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why.
+             *     - `/problems/key-taken`: The same Idempotency-Key was sent with another body, or for another resource, within the last day; every request needs a key of its own.
+             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state.
+             */
+            422: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After. */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+            500: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
+             */
             503: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];

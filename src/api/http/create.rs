@@ -12,7 +12,7 @@ use super::intake::ReceivedBody;
 use super::negotiate::{self, Answer};
 use super::path::InPath;
 use super::points::Fields;
-use super::query::StreamQuery;
+use super::query::{OF_STREAMS, StreamQuery};
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
 use crate::api::jobs;
@@ -56,31 +56,38 @@ fn events_only(headers: &HeaderMap) -> Result<Answer, Problem> {
 }
 
 async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response, Problem> {
-    // Points in a text, with the other fields of the job in the query.
-    let points = body::is_points(request.headers()) && !body::is_unasked(request.headers());
-    let fields = points.then(|| Fields::split(request.uri())).transpose()?;
+    let fields = Fields::of_points(&request, &OF_STREAMS)?;
     let mut posted = Posted::read(&app, request, choice, fields.as_ref()).await?;
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
     let (language, body, _room) = posted.take_body();
+    let order = order(&app, language, body, fields.map(|(_, fields)| fields)).await?;
+    posted.create(&app, order).await
+}
+
+/// The job that a body asks for; with fields, the body has its points.
+pub(super) async fn order(
+    app: &App,
+    language: Language,
+    body: Bytes,
+    fields: Option<Fields>,
+) -> Result<Order, Problem> {
     let length = body.len();
-    let fields = fields.map(|(_, fields)| fields);
-    let order = match (language, fields) {
+    match (language, fields) {
         (_, Some(fields)) => {
             let read = move |config: &Config| fields.job(&body, config);
-            Order::new(&app, length, read).await?
+            Order::new(app, length, read).await
         }
         (Language::Json, None) => {
             let read = move |config: &Config| json::request::job::read(body, config);
-            Order::new(&app, length, read).await?
+            Order::new(app, length, read).await
         }
         (Language::Protobuf, None) => {
             let read = move |config: &Config| proto::request::read(body, config);
-            Order::new(&app, length, read).await?
+            Order::new(app, length, read).await
         }
-    };
-    posted.create(&app, order).await
+    }
 }
 
 /// `POST /v1/jobs/{id}/edits`: a new job that starts from the control points of another one.
@@ -231,13 +238,13 @@ impl Posted {
         let surface = edit.order.is_surface();
         let spec = self.query.spec(surface)?;
         edit.order.check_stream(&spec, framing)?;
-        let begun = edit.begin(app).await?;
+        let (begun, before) = edit.begin(app).await?;
         let defaults = begun.job.outline().label.stream.clone();
         let options =
             StreamOptions::new(&spec, defaults.as_deref(), framing.is_protobuf(), surface)?;
         Ok(events::stream(
             framing,
-            Feed::of_ephemeral(app, begun, options),
+            Feed::of_ephemeral(app, begun, before, options),
         ))
     }
 

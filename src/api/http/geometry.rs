@@ -109,7 +109,7 @@ pub(super) async fn result_file(
     show_result(&job, file).await
 }
 
-async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Response, Problem> {
+pub(super) async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Response, Problem> {
     match wanted {
         Wanted::Form(form) if form.digits == Digits::Auto => {
             let detail = "a result has all digits; rounded ones are for iterations";
@@ -189,7 +189,7 @@ pub(super) async fn deviation(
 }
 
 /// How a level is wanted: as JSON or a message, or as a file.
-enum Wanted {
+pub(super) enum Wanted {
     Form(Form),
     File(Format, Options),
 }
@@ -203,10 +203,20 @@ async fn job_and_wanted(
     let query: IterationQuery = negotiate::query(uri)?;
     let representation = export::representation(headers, query.format.as_deref())?;
     let job = jobs::find(app, id).await?;
+    let wanted = wanted(&job, query, representation).await?;
+    Ok((job, wanted))
+}
+
+/// How a level of a job is wanted.
+pub(super) async fn wanted(
+    job: &Job,
+    query: IterationQuery,
+    representation: Representation,
+) -> Result<Wanted, Problem> {
     let surface = job.outline().surface;
     if let Representation::File(format) = representation {
         let options = query.file_options(format, surface)?;
-        return Ok((job, Wanted::File(format, options)));
+        return Ok(Wanted::File(format, options));
     }
     let spec = query.spec(surface)?;
     let form = match representation {
@@ -217,10 +227,9 @@ async fn job_and_wanted(
         let problem = job.problem().await?;
         options::check_range(&spec, None, &problem)?;
     }
-    Ok((job, Wanted::Form(form)))
+    Ok(Wanted::Form(form))
 }
 
-/// The job and the file that a path names.
 async fn job_and_file(
     app: &App,
     id: &str,

@@ -2,6 +2,7 @@
 //!
 //! - [`router`]: the resources and their addresses;
 //! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
+//! - [`fit`]: one request, one answer, and nothing is kept;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
 //! - [`points`]: files of points as bodies;
 //! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
@@ -24,6 +25,7 @@ mod crowd;
 pub mod events;
 mod export;
 mod file_name;
+mod fit;
 mod geometry;
 pub mod host;
 pub mod info;

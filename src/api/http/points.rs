@@ -12,10 +12,10 @@ use axum::response::Response;
 use bytes::Bytes;
 use futures_util::stream;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::answer::whole;
-use super::query::{self, StreamQuery};
 use super::{body, negotiate};
 use crate::api::app::App;
 use crate::api::json::request::file::{self, FileWords};
@@ -95,14 +95,26 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// The parameters of the stream of a new job, and the fields of the job.
-    pub(super) fn split(uri: &Uri) -> Result<(StreamQuery, Self), Problem> {
+    /// Of a request whose body is a text with the points of a job: what the query says of the answer,
+    /// in parameters of these names, and the other fields of the job.
+    pub(super) fn of_points<Q: DeserializeOwned>(
+        request: &Request,
+        of_answer: &[&str],
+    ) -> Result<Option<(Q, Self)>, Problem> {
+        let headers = request.headers();
+        let points = body::is_points(headers) && !body::is_unasked(headers);
+        points
+            .then(|| Self::split(request.uri(), of_answer))
+            .transpose()
+    }
+
+    fn split<Q: DeserializeOwned>(uri: &Uri, of_answer: &[&str]) -> Result<(Q, Self), Problem> {
         let parameters = uri.query().unwrap_or("").split('&');
         let name = |parameter: &&str| parameter.split('=').next().unwrap_or("").to_owned();
-        let (stream, job): (Vec<&str>, Vec<&str>) = parameters
+        let (answer, job): (Vec<&str>, Vec<&str>) = parameters
             .filter(|parameter| !parameter.is_empty())
-            .partition(|parameter| query::OF_STREAMS.contains(&name(parameter).as_str()));
-        let stream = negotiate::query(&only(uri, &stream))?;
+            .partition(|parameter| of_answer.contains(&name(parameter).as_str()));
+        let answer = negotiate::query(&only(uri, &answer))?;
         let given: Vec<(String, String)> = negotiate::query(&only(uri, &job))?;
         let mut fields = Self::default();
         for (name, text) in given {
@@ -112,7 +124,7 @@ impl Fields {
                     .map_err(|detail| Problem::at_parameter(&name, detail))?,
             }
         }
-        Ok((stream, fields))
+        Ok((answer, fields))
     }
 
     /// The same text for the same fields.

@@ -12,6 +12,11 @@ use crate::model::stream::form::not_samples;
 use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec};
 
+/// The parameters of a single iteration or a result.
+pub(super) const OF_RESULTS: [&str; 7] = [
+    "format", "view", "samples", "encoding", "digits", "dots", "units",
+];
+
 /// The query of a single iteration or a result.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]

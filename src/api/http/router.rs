@@ -19,7 +19,7 @@ use tracing::{Span, error, info};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
-    base_path, capabilities, cors, create, crowd, events, geometry, host, info as about, jobs,
+    base_path, capabilities, cors, create, crowd, events, fit, geometry, host, info as about, jobs,
     measure, packing, page as viewer, points, rates, render, request_id,
 };
 use crate::api::app::App;
@@ -93,6 +93,7 @@ fn resources() -> DescribedRoutes {
         )
         .get("/v1/rates", rates::get, of_server::rates())
         .post("/v1/points", points::show, of_jobs::points())
+        .post("/v1/fit", fit::fit, of_jobs::fit())
         .post("/v1/jobs", create::job, of_jobs::create())
         .post(
             "/v1/jobs/stream",

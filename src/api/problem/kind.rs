@@ -85,6 +85,11 @@ kinds! {
         "The job has no result",
         "The job has not ended yet, or it ended without any geometry."
     }
+    NotConverged {
+        "not-converged", UNPROCESSABLE_ENTITY, FailedPrecondition,
+        "The fit has not come within its tolerance",
+        "POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state."
+    }
     NoLimit {
         "no-limit", CONFLICT, FailedPrecondition,
         "The job has no limit to be computed",

@@ -105,7 +105,12 @@ impl Feed {
     }
 
     /// The events of an ephemeral edit, which ends with them.
-    pub fn of_ephemeral(app: &App, edit: Ephemeral, options: StreamOptions) -> Self {
+    pub fn of_ephemeral(
+        app: &App,
+        edit: Ephemeral,
+        before: Arc<Frame>,
+        options: StreamOptions,
+    ) -> Self {
         let Ephemeral { job, run, .. } = edit;
         let cursor = Cursor::attached(Arc::clone(&job), run);
         let held = Some(edit.system);
@@ -117,7 +122,7 @@ impl Feed {
         }
         // The client has the control points of the parent.
         feed.complete = true;
-        feed.before = Some(edit.before);
+        feed.before = Some(before);
         feed.room = edit.room;
         feed
     }

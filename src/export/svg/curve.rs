@@ -2,7 +2,7 @@
 
 use super::Measured;
 use super::heat;
-use super::layout::{DrawnData, draw_polygon, shows_net};
+use super::layout::{DrawnData, are_sparse, draw_polygon, shows_net};
 use super::scale::{Heat, hexadecimal};
 use super::scene::{Cubic, Scene};
 use super::view::{Canvas, Projected, Projection};
@@ -14,6 +14,9 @@ use crate::fit::problem::Problem;
 
 /// The most pieces of which a curve is drawn.
 const MOST_PIECES: usize = 4096;
+
+/// The radius of control points.
+const CONTROL_RADIUS: f64 = 2.5;
 
 /// The curve as chords between the requested samples, or as cubic pieces with its end points and tangents:
 /// these are so many that they look like the curve at any reasonable magnification.
@@ -97,7 +100,9 @@ pub(super) fn draw(
     draw_heat(text, pieces, heat, canvas);
     draw_polygon(text, "net", polygon.iter().copied());
     draw_pieces(text, pieces, canvas);
-    draw_circles(text, "control", &polygon, 2.5);
+    if are_sparse(&polygon, CONTROL_RADIUS, true) {
+        draw_circles(text, "control", &polygon, CONTROL_RADIUS);
+    }
     if data.dots {
         let dots: Vec<(f64, f64)> = data.places.iter().map(|&it| canvas.pixel(it)).collect();
         draw_circles(text, "data", &dots, data.radius());

@@ -52,6 +52,7 @@ pub(super) struct DrawnData {
     /// Every `stride`-th point of a curve, or row and column of a grid, is among them.
     stride: usize,
     is_grid: bool,
+    is_curve: bool,
     /// They are drawn as dots.
     pub(super) dots: bool,
 }
@@ -70,6 +71,7 @@ impl DrawnData {
             places: indices.filter(known).map(place).collect(),
             stride,
             is_grid: columns > 1,
+            is_curve: problem.v().is_none(),
             dots: true,
         }
     }
@@ -80,10 +82,9 @@ impl DrawnData {
         self.dots = match dots {
             Dots::On => true,
             Dots::Off => false,
-            Dots::Auto if self.places.len() <= FEW => true,
             Dots::Auto => {
                 let pixels: Vec<_> = self.places.iter().map(|it| canvas.pixel(*it)).collect();
-                covered(&pixels, 2.0 * self.radius()) <= MOST_COVERED
+                are_sparse(&pixels, self.radius(), self.is_curve)
             }
         };
     }
@@ -106,6 +107,13 @@ impl DrawnData {
         };
         self.dots.then_some(text)
     }
+}
+
+/// Whether dots of this radius hide neither each other nor what is below them. Along a curve there is
+/// as much space between them as they take.
+pub(super) fn are_sparse(pixels: &[(f64, f64)], radius: f64, along_a_curve: bool) -> bool {
+    let near = if along_a_curve { 4.0 } else { 2.0 } * radius;
+    pixels.len() <= FEW || covered(pixels, near) <= MOST_COVERED
 }
 
 /// Which part of the dots has another one nearer than this.

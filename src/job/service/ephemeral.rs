@@ -1,4 +1,4 @@
-//! Ephemeral edits: fits that are computed for one stream and leave nothing behind.
+//! Ephemeral fits: computed for one answer, they leave nothing behind.
 
 use std::sync::Arc;
 
@@ -8,7 +8,6 @@ use super::sessions::SessionTurn;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::job::Job;
-use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
@@ -19,13 +18,11 @@ use crate::job::state::Status;
 use crate::job::store::nowhere::Nowhere;
 use crate::job::store::{Record, StoreError};
 
-/// A fit for one stream. Whoever drops it has to ask the job to end.
+/// A fit for one answer. Whoever drops it has to ask the job to end.
 pub struct Ephemeral {
     pub job: Arc<Job>,
     /// The run, held from before its first level: no frame is lost.
     pub run: Attached,
-    /// The level of the parent that it starts from, which the client has.
-    pub before: Arc<Frame>,
     /// Held by nobody else once the run has ended.
     pub system: Arc<SharedSystem>,
     /// The memory that all this takes; `None` if it was replaced before it began.
@@ -62,7 +59,6 @@ impl Jobs {
         label: Label,
         problem: Problem,
         similar: Option<Arc<System>>,
-        before: Arc<Frame>,
         mut turn: Option<SessionTurn>,
     ) -> Result<Ephemeral, Refused> {
         let outline = Outline::new(label, &problem);
@@ -83,7 +79,12 @@ impl Jobs {
             watched: false,
         };
         let resources = Arc::clone(&self.resources);
-        let job = Arc::new(Job::new(record, Arc::new(Nowhere), false, resources));
+        let job = Arc::new(Job::new(
+            record,
+            Arc::new(Nowhere::default()),
+            false,
+            resources,
+        ));
         if room.is_none() {
             job.request_cancel();
         }
@@ -102,7 +103,6 @@ impl Jobs {
         Ok(Ephemeral {
             job,
             run: attached,
-            before,
             system,
             room,
         })

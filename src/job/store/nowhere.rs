@@ -1,6 +1,6 @@
-//! The store of ephemeral edits, which keeps nothing.
+//! The store of an ephemeral fit, which keeps nothing.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use async_trait::async_trait;
 use futures_util::FutureExt;
@@ -14,10 +14,10 @@ use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 
-/// Takes every change and forgets it. No other promise of a store holds here: jobs of this store are in
-/// memory as long as they are read.
-#[derive(Clone, Copy, Debug)]
-pub struct Nowhere;
+/// Takes every change and forgets it, but for the result of its one job. No other promise of a store
+/// holds here: the job is in memory as long as it is read.
+#[derive(Debug, Default)]
+pub struct Nowhere(OnceLock<LastGeometry>);
 
 fn done<T: Send + 'static>(value: T) -> Acknowledgement<T> {
     std::future::ready(Ok(value)).boxed()
@@ -46,7 +46,11 @@ impl Store for Nowhere {
         done(())
     }
 
-    fn finish(&self, _: Uuid, _: Status, _: Option<LastGeometry>) -> Acknowledgement<()> {
+    fn finish(&self, _: Uuid, _: Status, result: Option<LastGeometry>) -> Acknowledgement<()> {
+        if let Some(result) = result {
+            // A job ends once.
+            let _ = self.0.set(result);
+        }
         done(())
     }
 
@@ -67,7 +71,7 @@ impl Store for Nowhere {
     }
 
     async fn result(&self, _: Uuid) -> Result<Option<LastGeometry>, StoreError> {
-        Ok(None)
+        Ok(self.0.get().cloned())
     }
 
     async fn list(&self, _: Selection) -> Result<Vec<Record>, StoreError> {

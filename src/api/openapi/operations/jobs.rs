@@ -8,6 +8,7 @@ use crate::api::json::request::edit::EditRequest;
 use crate::api::json::request::job::JobRequest;
 use crate::api::json::view::job::JobPage;
 use crate::api::json::view::points::PointsView;
+use crate::api::json::view::result::FitResult;
 use crate::api::openapi::operation::{Operation, Tag, json_of};
 use crate::api::openapi::parameters::READER_ON_DISCONNECT;
 use crate::api::problem::Kind;
@@ -50,6 +51,21 @@ fn answered_with_events(operation: Operation) -> Operation {
             &["Location", "Idempotency-Replayed"],
         )
         .problems(&NEW_JOB)
+}
+
+/// `POST /v1/fit`
+pub fn fit() -> Operation {
+    Operation::new(
+        Tag::Geometry,
+        "fit",
+        "Fit, and answer with the geometry",
+        "One request, one answer: the curve or surface of a fit that converges, which is computed while the request waits and kept nowhere. With an Accept header also as a file or a message. A fit that does not come within its tolerance is answered with 422 and how near it came; a client that goes away ends its fit. For fits that take longer than proxies wait, make a job. The body may also be a file of points, as for `/v1/jobs`; what a job says of its streams has no meaning here.",
+    )
+    .parameters(&["encoding"])
+    .body::<JobRequest>(job_examples())
+    .answer(200, "The result; its id is that of no job.", &[json_of::<FitResult<'_>>()], NAMED)
+    .problems(&NEW_JOB)
+    .problems(&[Kind::NotConverged, Kind::NoExport])
 }
 
 /// `POST /v1/jobs`

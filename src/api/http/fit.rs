@@ -1,0 +1,76 @@
+//! `POST /v1/fit`: one request, one answer, and nothing is kept.
+
+use std::sync::Arc;
+
+use axum::extract::{Request, State};
+use axum::response::Response;
+
+use super::geometry::{show_result, wanted};
+use super::points::Fields;
+use super::query::{IterationQuery, OF_RESULTS};
+use super::{body, create, export, negotiate};
+use crate::api::app::App;
+use crate::api::language::Language;
+use crate::api::order;
+use crate::api::problem::{Kind, Problem};
+use crate::job::Job;
+use crate::job::state::{State as JobState, Status};
+
+/// Fits, and answers with the geometry.
+pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Response, Problem> {
+    order::check_open(&app)?;
+    let fields = Fields::of_points(&request, &OF_RESULTS)?;
+    let (query, fields): (IterationQuery, _) = match fields {
+        None => (negotiate::query(request.uri())?, None),
+        Some((query, fields)) => (query, Some(fields)),
+    };
+    let representation = export::representation(request.headers(), query.format.as_deref())?;
+    let (language, body) = match fields {
+        None => body::read(&app, request).await?,
+        Some(_) => (Language::Json, body::read_points(&app, request).await?),
+    };
+    let (bytes, room) = (body.bytes, body.room);
+    let order = create::order(&app, language, bytes, fields).await?;
+    drop(room);
+    let fit = order.begin(&app, None).await?;
+    let job = CancelledWithItsRequest(Arc::clone(&fit.job));
+    let wanted = wanted(&job.0, query, representation).await?;
+    let mut stopping = app.stopping.clone();
+    let status = tokio::select! {
+        status = job.0.ended() => status,
+        _ = stopping.wait_for(|stopping| *stopping) => {
+            return Err(Problem::new(Kind::Stopping, "the server is stopping").retry_after(5));
+        }
+    };
+    match status.state {
+        JobState::Converged => show_result(&job.0, wanted).await,
+        _ => Err(not_converged(&job.0, status)),
+    }
+}
+
+/// The job of a request, which ends with it.
+struct CancelledWithItsRequest(Arc<Job>);
+
+impl Drop for CancelledWithItsRequest {
+    fn drop(&mut self) {
+        self.0.request_cancel();
+    }
+}
+
+/// Why a fit that has ended is no answer.
+fn not_converged(job: &Job, status: Status) -> Problem {
+    if let Some(failure) = status.failure {
+        return Problem::from(failure);
+    }
+    let (state, tolerance) = (status.state, job.outline().tolerance);
+    let left = match &status.levels {
+        None => String::new(),
+        Some(levels) => format!(
+            " after iteration {}: the largest distance is {:.3e}, the tolerance {tolerance:.3e}",
+            levels.last.iteration, levels.last.error.max
+        ),
+    };
+    let why = status.detail(tolerance);
+    let why = why.map_or(String::new(), |detail| format!("; {detail}"));
+    Problem::new(Kind::NotConverged, format!("the fit is {state}{left}{why}"))
+}
