@@ -119,6 +119,7 @@ chromium:
 bench: $(VENV)/benches
 	cargo bench --locked --bench kernels
 	$(PYTHON) benches/http/compare.py target/release/piad
+	$(PYTHON) benches/http/neighbours.py target/release/piad
 	$(PYTHON) benches/scipy/compare.py target/release/piad
 
 # As few control points as a tolerance needs, beside scipy and OpenCASCADE: half an hour.

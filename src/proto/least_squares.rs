@@ -1,8 +1,7 @@
 //! The settings of least squares in messages.
 
 use super::messages::{method as m, method::constraint as c};
-use super::method::MethodTarget;
-use super::values::{check_count, count, known};
+use super::values::{MethodTarget, check_count, count, known};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
     AS_MANY_AS_DATA, At, Automatic, Constraint, EndPoints, Ending, Fairness, LeastSquares,

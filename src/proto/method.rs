@@ -2,7 +2,7 @@
 
 use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
-use super::values::{check_count, known, some};
+use super::values::{MethodTarget, check_count, known, some};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
     Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
@@ -11,17 +11,6 @@ use crate::fit::method::{
 use crate::fit::system::Forecast;
 use crate::model::method::{MethodSpec, sweeps};
 use crate::model::mistakes::{self as model, Mistake, OrMistakes};
-
-/// What a method is for.
-#[derive(Clone, Copy, Debug)]
-pub struct MethodTarget {
-    /// The number of data points.
-    pub points: usize,
-    /// Whether they are those of a surface.
-    pub surface: bool,
-    /// The most indices of points.
-    pub most: usize,
-}
 
 /// The method that a message asks for.
 pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Option<MethodSpec>> {

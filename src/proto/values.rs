@@ -2,6 +2,17 @@
 
 use crate::model::mistakes::Mistake;
 
+/// What a method is for.
+#[derive(Clone, Copy, Debug)]
+pub struct MethodTarget {
+    /// The number of data points.
+    pub points: usize,
+    /// Whether they are those of a surface.
+    pub surface: bool,
+    /// The most indices of points.
+    pub most: usize,
+}
+
 /// Numbers of points, which are limited by what a request can carry.
 pub fn count(number: usize) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)

@@ -22,7 +22,7 @@ fn number(value: &Value) -> f64 {
 fn ring(count: usize) -> Value {
     let point = |i: usize| {
         let a = std::f64::consts::PI * i as f64 / (count - 1) as f64;
-        let r = 1.0 + if i % 2 == 0 { 0.01 } else { -0.01 };
+        let r = 1.0 + if i.is_multiple_of(2) { 0.01 } else { -0.01 };
         json!([r * a.cos(), r * a.sin()])
     };
     (0..count).map(point).collect()

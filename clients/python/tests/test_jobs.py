@@ -67,6 +67,28 @@ def test_scattered_points_are_fitted(client: piad.Client) -> None:
         client.create(points.reshape(20, 20, 3), scattered=True, parameters=uv, method=method)
 
 
+def test_data_are_measured_from_the_nearest_points(client: piad.Client) -> None:
+    angles = np.linspace(0, np.pi, 60)
+    points = np.column_stack([np.cos(angles), np.sin(angles)]) * (1 + 0.01 * (-1) ** np.arange(60))[:, None]
+    job = client.create(points, method={"kind": "least_squares", "control_points": 7})
+    result = job.result(60)
+    told = job.deviation(distances=True)
+    assert told.max <= result.error.max and told.rms <= result.error.rms
+    assert told.distances.shape == (60,) and told.distances[told.at] == told.max
+    assert list(told.percentiles) == [50, 90, 95, 99]
+    places = result.curve.evaluate(np.linspace(*result.curve.domain, 20001))
+    nearest = np.linalg.norm(places[None, :, :] - points[:, None, :], axis=2).min(axis=1)
+    # Places lie 1.6e-4 apart.
+    assert np.abs(nearest - told.distances).max() < 2e-4
+    first = job.deviation(0)
+    assert (first.iteration, first.distances) == (0, None)
+    grid = np.array(SURFACE)
+    surface = client.create(grid, parameters="uniform")
+    assert surface.wait(60).ended
+    surface = surface.deviation(distances=True)
+    assert surface.distances.shape == grid.shape[:2] and isinstance(surface.at, tuple)
+
+
 def test_jobs_are_found_waited_for_and_deleted(client: piad.Client) -> None:
     job = client.create(CURVE, name="one")
     assert job.wait(30).ended

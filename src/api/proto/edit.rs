@@ -10,9 +10,9 @@ use crate::model::mistakes::Mistake;
 use crate::model::weights::WeightSpec;
 use crate::proto::job::{rational, stop, surface_weights};
 use crate::proto::messages as pb;
-use crate::proto::method::{self, MethodTarget};
+use crate::proto::method;
 use crate::proto::stream;
-use crate::proto::values::check_count;
+use crate::proto::values::{MethodTarget, check_count};
 
 /// The edit of a job with this outline, and where its parts are in the message.
 pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditSpec, MessageLayout), Problem> {

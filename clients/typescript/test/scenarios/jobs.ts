@@ -91,6 +91,14 @@ export const jobs: Scenarios = {
     equal([gone.status, gone.type], [404, "/problems/unknown-job"]);
   },
 
+  "data are measured from the nearest points": async ({ client }) => {
+    const job = await client().create(POINTS, { wait: 10 });
+    const told = await job.deviation({ list: true });
+    equal([told.iteration, (told.distances as number[]).length], [job.status.iteration, CURVE.length]);
+    ok(told.max <= (job.status.error?.max ?? 0));
+    equal((await job.deviation({ iteration: 0 })).distances, undefined);
+  },
+
   "points are moved": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
     const move: api.EditRequest = { points: [{ index: 2, point: [-1.5, 0, 1] }], method: { kind: "local", indices: [1, 2, 3] } };
