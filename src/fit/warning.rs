@@ -8,14 +8,15 @@
 use super::basis::knots::Knots;
 use super::choice::{BasisChoice, DirectionChoice};
 use super::direction::Direction;
+use super::ends::{End, Ends, MOST_ESTIMATED};
 use super::forecast::Forecast;
 use super::invalid::{Axis, Place};
 
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
-    /// Knots at the data: the degree is no less than the number of points, so that most control
-    /// points are copies of the first and the last one.
+    /// Knots at the data and repeated ends: the degree is no less than the number of points, so that
+    /// most control points are copies of end points.
     FewPoints {
         /// The direction.
         axis: Axis,
@@ -81,13 +82,17 @@ impl Warning {
             return Vec::new();
         }
         let (degree, count) = (*degree, direction.parameters.len());
-        let few = (degree >= count).then_some(Self::FewPoints {
+        // Other ends of few points give the polynomial through them.
+        let few = degree >= count;
+        let repeated = |ends: &Ends| [&ends.start, &ends.end].contains(&&End::Repeated);
+        let copies = few && choice.ends.as_ref().is_none_or(repeated);
+        let copies = copies.then_some(Self::FewPoints {
             axis,
             degree,
             count,
         });
-        let even = (degree % 2 == 0).then_some(Self::EvenDegree { axis, degree });
-        few.into_iter().chain(even).collect()
+        let even = (!few && degree % 2 == 0).then_some(Self::EvenDegree { axis, degree });
+        copies.into_iter().chain(even).collect()
     }
 
     /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
@@ -139,13 +144,17 @@ impl Warning {
     /// What is doubtful, why, and what to do about it.
     pub fn detail(&self) -> String {
         match *self {
-            Self::FewPoints { degree, count, .. } => format!(
-                "degree {degree} is more than {count} points determine: {copies} of the {all} control points are copies \
-                 of the first and the last point, near which the curve hardly moves; use at most degree {most}",
-                copies = degree - 1,
-                all = count + degree - 1,
-                most = count - 1
-            ),
+            Self::FewPoints { degree, count, .. } => {
+                let most = count - 1;
+                let other = match degree <= MOST_ESTIMATED {
+                    true => ", or ends that are \"estimated\"",
+                    false => "",
+                };
+                format!(
+                    "degree {degree} is more than {count} points determine: most control points are copies of an end \
+                     point, near which the curve hardly moves; use at most degree {most}{other}"
+                )
+            }
             Self::EvenDegree { degree, .. } => format!(
                 "degree {degree} is even: with knots at the data a point that is moved is felt along the whole curve; \
                  use an odd degree or averaged knots"

@@ -68,12 +68,17 @@ async fn degrees_that_few_points_do_not_deserve_are_warned_of() {
     let server = Server::start().await;
     let degree = |degree: usize| json!({"kind": "bspline", "degree": degree});
     let few = ("few_points", "/curve/basis/degree");
-    expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
-    expect_everywhere(&server, &curve(5, &degree(5)), &[few]).await;
-    expect_everywhere(&server, &curve(6, &degree(5)), &[]).await;
+    let repeated = |count: usize, of: usize| {
+        let mut job = curve(count, &degree(of));
+        job["curve"]["ends"] = json!("repeated");
+        job
+    };
+    expect_everywhere(&server, &repeated(3, 5), &[few]).await;
+    expect_everywhere(&server, &repeated(5, 5), &[few]).await;
+    expect_everywhere(&server, &repeated(6, 5), &[]).await;
     let even = ("even_degree", "/curve/basis/degree");
     // Averaged knots are usual, but for so few points.
-    expect_everywhere(&server, &curve(4, &degree(4)), &[few, even]).await;
+    expect_everywhere(&server, &repeated(4, 4), &[few]).await;
     expect_everywhere(&server, &curve(9, &degree(4)), &[]).await;
     let at_data = json!({"kind": "bspline", "degree": 4, "knots": "data"});
     expect_everywhere(&server, &curve(9, &at_data), &[even]).await;
@@ -89,10 +94,40 @@ async fn degrees_that_few_points_do_not_deserve_are_warned_of() {
     fewer["method"] = json!({"kind": "least_squares", "control_points": 6});
     expect_everywhere(&server, &fewer, &[]).await;
 
-    let story = expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
+    let story = expect_everywhere(&server, &repeated(3, 5), &[few]).await;
     let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
-    // Four copies: of seven control points three are data.
-    assert!(detail.contains("4 of the 7 control points"), "{detail}");
+    assert!(detail.contains("use at most degree 2"), "{detail}");
+    assert!(detail.contains("\"estimated\""), "{detail}");
+    let mut one = curve(3, &degree(5));
+    one["curve"]["ends"] = json!({"start": "repeated", "end": "estimated"});
+    expect_everywhere(&server, &one, &[few]).await;
+}
+
+/// Estimated ends have no copies: two points give a line, and others the polynomial through them.
+#[tokio::test]
+async fn perfect_fits_of_few_points_have_no_warning() {
+    let server = Server::start().await;
+    for count in 2..6 {
+        let points: Vec<[f64; 2]> = (0..count)
+            .map(|i| [f64::from(i), f64::from(i * i)])
+            .collect();
+        for degree in [3, 4, 5] {
+            let job = json!({
+                "curve": {"points": points, "degree": degree, "parameters": "uniform"},
+                "method": "direct",
+            });
+            let story = expect_everywhere(&server, &job, &[]).await;
+            assert_eq!(story.state(), "converged");
+            let path = base(&story.job).to_owned();
+            let samples = format!("{path}/iterations/last?view=samples&samples=9");
+            let curve = server.json(&samples).await;
+            for sample in curve["samples"].as_array().unwrap() {
+                let (x, y) = (sample[0].as_f64().unwrap(), sample[1].as_f64().unwrap());
+                let expected = if count == 2 { x } else { x * x };
+                assert!((y - expected).abs() < 1e-9, "{count} {degree} {sample}");
+            }
+        }
+    }
 }
 
 #[tokio::test]
@@ -100,7 +135,10 @@ async fn warnings_of_surfaces_name_the_direction() {
     let server = Server::start().await;
     let both = json!({"kind": "bspline", "degree": 5});
     let of_both = ("few_points", "/surface/basis/degree");
-    expect_everywhere(&server, &surface(4, 9, &both), &[of_both]).await;
+    let mut few = surface(4, 9, &both);
+    few["surface"]["ends"] = json!("repeated");
+    expect_everywhere(&server, &few, &[of_both]).await;
+    expect_everywhere(&server, &surface(4, 9, &both), &[]).await;
     let each = json!({"u": {"kind": "bspline", "degree": 3}, "v": {"kind": "bspline", "degree": 4, "knots": "data"}});
     let of_v = ("even_degree", "/surface/basis/v/degree");
     expect_everywhere(&server, &surface(7, 8, &each), &[of_v]).await;
@@ -164,12 +202,24 @@ async fn extended_fits_get_there_unless_they_are_warned_of() {
 #[tokio::test]
 async fn messages_have_warnings_with_fields() {
     let server = Server::start().await;
+    let repeated = pb::End {
+        rule: pb::EndRule::Repeated.into(),
+        ..pb::End::default()
+    };
+    let ends = pb::Ends {
+        start: Some(repeated.clone()),
+        end: Some(repeated),
+    };
     let input = pb::JobInput {
         geometry: Some(pb::job_input::Geometry::Surface(pb::Surface {
             dimension: 1,
             rows: 3,
             columns: 4,
             points: (0..12).map(f64::from).collect(),
+            u: Some(pb::SurfaceDirection {
+                ends: Some(ends),
+                ..pb::SurfaceDirection::default()
+            }),
             ..pb::Surface::default()
         })),
         ..pb::JobInput::default()

@@ -16,8 +16,8 @@ use crate::model::mistakes::SpecPart;
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Warning", example = example())]
 pub struct WarningView {
-    /// What it is. `few_points`: with knots at the data the degree is no less than the number of
-    /// points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
+    /// What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
+    /// number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
     /// the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
     /// `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
     /// others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
