@@ -10,7 +10,7 @@
 //! |---|---|
 //! | the residual is not finite | overflow |
 //! | the largest distance is within the tolerance, and the method has nothing left to do | converged |
-//! | the stop rule of the method | stationary, or stalled |
+//! | the stop rule of the method | at a minimum, or stalled |
 //! | the update of the method can do no more | stalled |
 //! | the last allowed level is reached | exhausted |
 //!

@@ -216,6 +216,9 @@ pub(super) fn diagonal(extents: &[Extent]) -> f64 {
     norm(extents.iter().map(|extent| extent.length()))
 }
 
+/// Rounding errors of coordinates, relative to the largest absolute coordinate.
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// The largest absolute value within these extents.
 pub(super) fn magnitude(extents: &[Extent]) -> f64 {
     let filled = extents.iter().filter(|extent| extent.low <= extent.high);

@@ -120,10 +120,12 @@ impl Problem {
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
-    /// parameters and tolerance stay as they are when points move.
+    /// parameters, and a tolerance that was asked for, stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
-        request.tolerance = Tolerance::Absolute(self.tolerance);
+        request.tolerance = request
+            .tolerance
+            .and(Some(Tolerance::Absolute(self.tolerance)));
         if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
             let lanes = [&self.u().parameters, &v.parameters];
             let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
@@ -180,6 +182,12 @@ impl Problem {
     /// The tolerance in data units as it was asked for: at most that of the fit.
     pub(super) fn asked_tolerance(&self) -> f64 {
         self.tolerance
+    }
+
+    /// Whether a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or
+    /// it determines how many control points there are.
+    pub(super) fn has_goal(&self) -> bool {
+        self.request.tolerance.is_some() || self.is_automatic()
     }
 
     /// The method.

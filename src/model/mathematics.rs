@@ -1,7 +1,6 @@
 //! What is wrong with a fitting problem, as far as one mistake does not follow from another.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
-use super::stop::DEFAULT_TOLERANCE;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{self as fit, Axis};
@@ -46,12 +45,7 @@ impl Mistakes {
 fn correct(request: &mut Request, place: fit::Place) -> bool {
     let (u, v) = (&mut request.u, &mut request.v);
     match place {
-        fit::Place::Tolerance | fit::Place::RelativeTolerance => {
-            let usual = DEFAULT_TOLERANCE;
-            let same = request.tolerance == usual;
-            request.tolerance = usual;
-            !same
-        }
+        fit::Place::Tolerance | fit::Place::RelativeTolerance => request.tolerance.take().is_some(),
         fit::Place::Setting(_)
         | fit::Place::Index(_)
         | fit::Place::Transform(_)

@@ -274,7 +274,7 @@ pub fn message(
         rational: rational_message(request).into(),
         method: Some(method::asked(&request.method, request.v.is_some(), indices)),
         stop: Some(pb::StopRules {
-            rule: Some(match request.tolerance {
+            rule: request.tolerance.map(|tolerance| match tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),
                 Tolerance::Relative(value) => Rule::RelativeTolerance(value),
             }),

@@ -15,10 +15,9 @@ use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 /// The settings that a message asks for. Without a number for v both directions have that for u.
 pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
     let variant = match known(settings.variant, "method.least_squares.variant")? {
-        m::Variant::Unspecified if settings.automatic.is_some() => Variant::ConjugateGradients,
-        m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
+        m::Variant::Unspecified | m::Variant::Cg => Variant::ConjugateGradients,
+        m::Variant::Diagonal => Variant::Diagonal,
         m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
-        m::Variant::Cg => Variant::ConjugateGradients,
         m::Variant::Direct => Variant::Direct,
     };
     if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {

@@ -57,6 +57,7 @@ mod messages_over_rest;
 mod methods;
 mod metrics;
 mod milestones;
+mod minimum;
 mod nets;
 mod obeying_surfaces;
 mod omega;

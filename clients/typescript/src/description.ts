@@ -1341,8 +1341,8 @@ export interface components {
         MostControlPoints: number | components["schemas"]["CountPair"];
         /**
          * @description The step of a least-squares fit: with a diagonal matrix, with one number, of conjugate gradients,
-         *     the fastest iteration, or `direct` to the minimum, which iteration 1 is then. Default: `"diagonal"`.
-         * @example diagonal
+         *     the fastest iteration, or `direct` to the minimum, which iteration 1 is then. Default: `"cg"`.
+         * @example cg
          * @enum {string}
          */
         LeastSquaresVariant: "diagonal" | "lspia" | "cg" | "direct";
@@ -1807,17 +1807,17 @@ export interface components {
          */
         GeometryKind: "curve" | "surface";
         /**
-         * @description Where a job is in its life: queued → running → converged (within the tolerance) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
+         * @description Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
          * @example converged
          * @enum {string}
          */
         JobState: "queued" | "running" | "converged" | "exhausted" | "stalled" | "failed" | "cancelled";
         /**
-         * @description Why a job ended, where its state does not say it.
-         * @example stationary
+         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
+         * @example minimum
          * @enum {string}
          */
-        EndReason: "stationary" | "convexity" | "nilpotent" | "rounding" | "diverging";
+        EndReason: "minimum" | "convexity" | "nilpotent" | "rounding" | "diverging";
         /**
          * @description What is doubtful about a fit that is computed even so.
          * @example {
@@ -1828,8 +1828,8 @@ export interface components {
          */
         Warning: {
             /**
-             * @description What it is. `few_points`: with knots at the data the degree is no less than the number of
-             *     points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
+             * @description What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
+             *     number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
              *     the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
              *     `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
              *     others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed

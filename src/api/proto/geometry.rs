@@ -280,7 +280,7 @@ mod tests {
                 start: None,
                 lambda_min: None,
                 scattered: None,
-                tolerance: Tolerance::Absolute(0.0),
+                tolerance: Some(Tolerance::Absolute(0.0)),
                 max_iterations: 1,
             });
             let problem = Arc::new(problem.unwrap());

@@ -59,7 +59,7 @@ pub fn job(job: &Job) -> pb::Job {
         finished_at: status.finished.map(time),
         parent,
         problem: status.failure.map(problem),
-        detail: status.detail(outline.tolerance).unwrap_or_default(),
+        detail: status.detail(outline).unwrap_or_default(),
         warnings: warnings(outline, status.levels.as_ref()),
         predicted: Some(prediction(forecast, level)),
     }
@@ -274,7 +274,7 @@ pub fn end(job: &Job, status: &Status) -> Content {
         error: level.map(|level| distances(&level.error, &job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
-        detail: status.detail(job.outline().tolerance).unwrap_or_default(),
+        detail: status.detail(job.outline()).unwrap_or_default(),
     };
     Bytes::from(message.encode_to_vec()).into()
 }

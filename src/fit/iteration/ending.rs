@@ -4,7 +4,7 @@ use super::{Engine, Iteration, LONG};
 use crate::fit::direction::Direction;
 use crate::fit::method::Progress;
 use crate::fit::method::update::Update;
-use crate::fit::outcome::Outcome;
+use crate::fit::outcome::{Outcome, Reason};
 
 impl Iteration {
     /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left
@@ -48,8 +48,23 @@ impl Iteration {
         largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
     }
 
-    /// Whether the iteration ends at the current level, and why.
+    /// Whether the iteration ends at the current level, and why. A minimum above a tolerance that was
+    /// asked for is no success.
     pub fn outcome(&self) -> Option<Outcome> {
+        match self.ending() {
+            Some(Outcome::Minimum) if self.system.problem().has_goal() => {
+                let rounding = self.system.problem().rounding();
+                Some(Outcome::Stalled(match self.level.error.rms <= rounding {
+                    true => Reason::Rounding,
+                    false => Reason::Minimum,
+                }))
+            }
+            ending => ending,
+        }
+    }
+
+    /// The same, whether or not a tolerance was asked for.
+    fn ending(&self) -> Option<Outcome> {
         let problem = self.system.problem();
         let iteration = self.level.iteration;
         if let Engine::Automatic(automatic) = &self.engine {
@@ -63,7 +78,7 @@ impl Iteration {
             Some(self.success(Outcome::Converged))
         } else if let Some(outcome) = self.rule_of_method() {
             match outcome {
-                Outcome::Stationary => Some(self.success(outcome)),
+                Outcome::Minimum => Some(self.success(outcome)),
                 _ => Some(outcome),
             }
         } else if let Some(stall) = self.update().and_then(Update::stalled) {

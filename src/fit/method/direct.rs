@@ -15,7 +15,7 @@ use super::update::Update;
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
 use crate::fit::transform::Transform;
@@ -77,6 +77,6 @@ impl Scheme for Direct {
     /// When solving once more has not halved the residual.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         let refined = progress.iteration > 0 && progress.decrease <= REFINED;
-        refined.then_some(Outcome::Stalled(Stall::Rounding))
+        refined.then_some(Outcome::Stalled(Reason::Rounding))
     }
 }

@@ -183,6 +183,14 @@ impl Method {
         self.scheme().about()
     }
 
+    /// What to do where a least-squares fit is at its minimum, and further from the data than was asked for.
+    pub fn advice_at_minimum(&self) -> String {
+        match self {
+            Self::LeastSquares(method) => method.advice_at_minimum(),
+            _ => "use another method".to_owned(),
+        }
+    }
+
     /// Its name.
     pub fn name(&self) -> &'static str {
         self.about().name

@@ -181,7 +181,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
     to_bytes(&EndEvent {
         state: status.state.name(),
         reason: status.reason.map(Reason::name),
-        detail: status.detail(job.outline().tolerance),
+        detail: status.detail(job.outline()),
         iterations: level.map_or(0, |level| level.iteration),
         error: level.map(|level| ErrorView::new(&level.error, job.outline())),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),

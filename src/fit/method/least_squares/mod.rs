@@ -49,7 +49,7 @@ use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::{Axis, Invalid, ScatteredMistake, Setting};
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
@@ -243,9 +243,9 @@ impl Scheme for LeastSquares {
         if progress.iteration == 0 || self.ending == Ending::Minimum {
             None
         } else if progress.decrease.abs() < SLOW {
-            Some(Outcome::Stationary)
+            Some(Outcome::Minimum)
         } else if progress.decrease < 0.0 {
-            Some(Outcome::Stalled(Stall::Diverging))
+            Some(Outcome::Stalled(Reason::Diverging))
         } else {
             None
         }

@@ -36,7 +36,7 @@ impl LeastSquares {
             u,
             v,
             automatic: None,
-            variant: Variant::Diagonal,
+            variant: Variant::ConjugateGradients,
             ending: Ending::Minimum,
             ends: EndPoints::Usual,
             constraints: Arc::new([]),
@@ -73,6 +73,21 @@ impl LeastSquares {
             true => Ok(()),
             false => Err(Mistake::NoDataWeight),
         }
+    }
+
+    /// What brings a minimum nearer to the data.
+    pub(in crate::fit) fn advice_at_minimum(&self) -> String {
+        let mut advice = match self.automatic {
+            Some(_) => vec!["more control points do not help: use a larger tolerance"],
+            None => vec!["use more control points, or \"auto\" for as many as the tolerance needs"],
+        };
+        if self.fairness().is_some() {
+            advice.push("less fairness");
+        }
+        if !self.constraints.is_empty() {
+            advice.push("fewer constraints");
+        }
+        advice.join(", or ")
     }
 
     /// Whether all data points count alike, and nothing but their distances does.

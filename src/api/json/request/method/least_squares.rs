@@ -60,17 +60,11 @@ impl MethodRequest {
         }
         let most = most.map_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA), PerDirection::split);
         let (u, v) = given.unwrap_or(most);
-        let usual = if automatic {
-            Variant::ConjugateGradients
-        } else {
-            Variant::Diagonal
-        };
         Ok(LeastSquares {
             variant: match self.variant {
-                None => usual,
+                None | Some(VariantRequest::Cg) => Variant::ConjugateGradients,
                 Some(VariantRequest::Diagonal) => Variant::Diagonal,
                 Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
-                Some(VariantRequest::Cg) => Variant::ConjugateGradients,
                 Some(VariantRequest::Direct) => Variant::Direct,
             },
             ending: match self.ending {
