@@ -36,9 +36,6 @@ use super::system::System;
 pub use super::level::Level;
 pub use super::outcome::Outcome;
 
-/// Fits of more control points are long: they are not searched for control points without a place.
-const LONG: usize = 100_000;
-
 /// The iteration of one problem at some level.
 #[derive(Debug)]
 pub struct Iteration {

@@ -69,6 +69,7 @@ impl Problem {
         let tolerance =
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         check_scattered(&request)?;
+        imply_control_points(&mut request)?;
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
         settle(&mut request);
@@ -204,11 +205,17 @@ impl Problem {
     /// What is doubtful about the problem as it is asked for.
     pub fn warnings(&self) -> Vec<Warning> {
         let Request { u, v, .. } = &self.request;
+        let mut warnings = Vec::new();
+        let absolute = matches!(self.request.tolerance, Some(Tolerance::Absolute(_)));
+        if !absolute && self.tolerance > 0.0 {
+            let size = (self.diagonal(), self.tolerance);
+            warnings.extend(Warning::of_points(&self.points, size));
+        }
         // Fewer control points have knots of their own, which are not at the data.
         if self.method().scheme().control_points().is_some() {
-            return Vec::new();
+            return warnings;
         }
-        let mut warnings = Warning::of_direction(u, self.u(), Axis::U);
+        warnings.extend(Warning::of_direction(u, self.u(), Axis::U));
         if let (Some(choice), Some(direction)) = (v, self.v()) {
             warnings.extend(Warning::of_direction(choice, direction, Axis::V));
         }
@@ -293,6 +300,16 @@ fn directions(
     let u = direction(choice_u, Axis::U)?;
     let v = choice_v.map(|choice| direction(choice, Axis::V));
     Ok((u, v.transpose()?))
+}
+
+/// Names the numbers of control points of least squares that explicit knots imply.
+fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
+    if let Method::LeastSquares(settings) = &request.method {
+        let choices = std::iter::once(&request.u).chain(&request.v);
+        let settings = settings.with_counts(choices.map(|choice| &choice.basis))?;
+        request.method = Method::LeastSquares(settings);
+    }
+    Ok(())
 }
 
 /// Names what is usual where nothing is said.

@@ -5,8 +5,8 @@ use super::method::MethodTarget;
 use super::values::{check_count, count, known};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, At, Automatic, Constraint, EndPoints, Ending, Fairness, LeastSquares,
-    MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Ending, Fairness,
+    LeastSquares, MOST_CONDITIONS, Variant, Wanted,
 };
 use crate::fit::points::Points;
 use crate::model::method::mu_without_lspia;
@@ -42,9 +42,13 @@ pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes
             count as usize
         }
     };
+    let exactly = |count| match count {
+        0 => BY_KNOTS,
+        count => count as usize,
+    };
     let automatic = settings.automatic;
     let (u, v) = match automatic {
-        None => (u as usize, v as usize),
+        None => (exactly(u), exactly(v)),
         Some(_) => (most(u), most(v)),
     };
     let weights = settings.data_weights;

@@ -45,6 +45,8 @@ mod foot_points;
 mod forecasts;
 mod goldens;
 mod heads;
+mod heights;
+mod honest_ends;
 mod http;
 mod jobs;
 mod large;

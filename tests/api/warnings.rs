@@ -378,3 +378,60 @@ async fn control_points_without_data_are_warned_of() {
         .remove("knots");
     expect_everywhere(&server, &job, &[]).await;
 }
+
+/// One point far away makes the relative tolerance so wide that the others are missed.
+#[tokio::test]
+async fn points_that_determine_the_bounding_box_are_warned_of() {
+    let server = Server::start().await;
+    let mut job = curve(60, &json!({"kind": "bspline"}));
+    job["curve"]["points"][30] = json!([1e9, 0]);
+    job["method"] = json!("direct");
+    let outliers = ("outliers", "/curve/points");
+    let story = expect_everywhere(&server, &job, &[outliers]).await;
+    let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
+    assert!(detail.contains("tolerance in data units"), "{detail}");
+    assert!(detail.contains("allows distances of 1.000e3"), "{detail}");
+    // The tolerance is in data units, or there is none.
+    for tolerance in [
+        json!({"tolerance": 1e-6}),
+        json!({"relative_tolerance": 0, "max_iterations": 2}),
+    ] {
+        job["stop"] = tolerance;
+        expect_everywhere(&server, &job, &[]).await;
+    }
+    job["stop"] = json!({"relative_tolerance": 1e-9});
+    expect_everywhere(&server, &job, &[outliers]).await;
+    // Of many points and of a surface; but not where the points are spread.
+    let mut many = curve(5000, &json!({"kind": "bspline"}));
+    many["method"] = json!("direct");
+    many["curve"]["points"][77] = json!([77, -1e8]);
+    expect_everywhere(&server, &many, &[outliers]).await;
+    let mut grid = surface(6, 7, &json!({"kind": "bspline"}));
+    grid["method"] = json!("direct");
+    grid["surface"]["points"][2][3] = json!([2, 3, 1e6]);
+    expect_everywhere(&server, &grid, &[("outliers", "/surface/points")]).await;
+    let spread: Vec<[f64; 2]> = (0..40)
+        .map(|i| [1.2f64.powi(i), 0.1 * f64::from(i)])
+        .collect();
+    expect_everywhere(
+        &server,
+        &json!({"curve": {"points": spread}, "method": "direct"}),
+        &[],
+    )
+    .await;
+    let scattered: Vec<[f64; 3]> = (0..60)
+        .map(f64::from)
+        .map(|i| [(1.7 * i).sin(), (2.9 * i).cos(), 0.0])
+        .chain([[1e6, 0.0, 0.0]])
+        .collect();
+    let job = json!({
+        "surface": {"scattered": scattered, "parameters": "project"},
+        "method": {"kind": "least_squares", "control_points": 4},
+    });
+    let created = server.fit(&job).await;
+    let found = warnings(&created);
+    assert!(
+        found.contains(&("outliers".to_owned(), "/surface/scattered".to_owned())),
+        "{found:?}"
+    );
+}

@@ -847,7 +847,7 @@ export interface components {
          *     }
          */
         SurfaceInput: {
-            /** @description Rows (u) of columns (v) of data points. */
+            /** @description Rows (u) of columns (v) of data points, or of heights. */
             points?: components["schemas"]["PointGrid"] | null;
             /** @description Points without rows and columns, for least-squares fits; `parameters` says where each of them is. */
             scattered?: components["schemas"]["ScatteredPoints"] | null;
@@ -856,8 +856,8 @@ export interface components {
             /** @description Short for B-splines of this degree, instead of `basis`. */
             degree?: number | components["schemas"]["DegreePair"] | null;
             /**
-             * @description The parameters of the data points; of a grid without them `chord_length`. Scattered points need
-             *     them.
+             * @description The parameters of the data points; of a grid without them `chord_length`, of heights `uniform`.
+             *     Scattered points need them.
              */
             parameters?: components["schemas"]["SurfaceParameters"] | null;
             /** @description Weights of the data points, for a rational surface. */
@@ -868,7 +868,7 @@ export interface components {
             ends?: components["schemas"]["SurfaceEnds"] | null;
         };
         /**
-         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.
+         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points are heights, points of one coordinate. Least-squares fits may have null for missing points.
          * @example [
          *       [
          *         [
@@ -896,7 +896,7 @@ export interface components {
          *       ]
          *     ]
          */
-        PointGrid: (number[] | null)[][];
+        PointGrid: (number[] | number | null)[][];
         /**
          * @description The scattered data points of a surface, in any order.
          * @example [
@@ -1834,13 +1834,15 @@ export interface components {
              *     `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
              *     others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
              *     after the last iteration. `without_data`: control points of a least-squares fit have no data
-             *     and stay. There may be others in later versions.
+             *     and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
+             *     part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
              * @example few_points
              * @example even_degree
              * @example rounding
              * @example shorter_interval
              * @example ill_conditioned
              * @example without_data
+             * @example outliers
              */
             code: string;
             /** @description A JSON pointer into the input of the job. */
@@ -2860,6 +2862,12 @@ export interface components {
          *         3,
          *         3
          *       ],
+         *       "parameters": [
+         *         0,
+         *         1,
+         *         2,
+         *         3
+         *       ],
          *       "control_points": [
          *         [
          *           0,
@@ -2919,6 +2927,8 @@ export interface components {
             bad_weight?: components["schemas"]["BadWeight"];
             /** @description The knots, in base64 always with 64 bits. */
             knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
+            /** @description The parameters of the data points, likewise. */
+            parameters: number[] | string | components["schemas"]["NumberArrayPair"];
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */

@@ -179,37 +179,22 @@ pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
     }
 }
 
-/// Which arrays of a direction are told.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Arrays {
-    /// Knots, weights and the parameters of the data.
-    All,
-    /// Knots and weights.
-    OfBasis,
-    None,
-}
-
-/// A direction of what was fitted.
-fn direction(direction: &Direction, ends: Option<&Ends>, arrays: Arrays) -> pb::FittedDirection {
+/// A direction of what was fitted, with knots, weights and the parameters of the data or without them.
+fn direction(direction: &Direction, ends: Option<&Ends>, arrays: bool) -> pb::FittedDirection {
     let basis = &direction.basis;
     let rule = |end: fn(&Ends) -> &End| ends.map_or(pb::EndRule::Unspecified, |it| rule(end(it)));
+    let list = |numbers: &dyn Fn() -> Vec<f64>| match arrays {
+        true => numbers(),
+        false => Vec::new(),
+    };
     pb::FittedDirection {
         basis: names::basis(basis).into(),
         degree: count(basis.degree()),
         closed: direction.is_closed(),
         control_points: count(basis.functions()),
-        knots: match arrays {
-            Arrays::None => Vec::new(),
-            _ => basis.knots().unwrap_or_default().into_owned(),
-        },
-        parameters: match arrays {
-            Arrays::All => direction.parameters.to_vec(),
-            _ => Vec::new(),
-        },
-        weights: match arrays {
-            Arrays::None => Vec::new(),
-            _ => direction.weights().unwrap_or_default().to_vec(),
-        },
+        knots: list(&|| basis.knots().unwrap_or_default().into_owned()),
+        parameters: list(&|| direction.parameters.to_vec()),
+        weights: list(&|| direction.weights().unwrap_or_default().to_vec()),
         start: rule(|it| &it.start).into(),
         end: rule(|it| &it.end).into(),
     }
@@ -218,7 +203,7 @@ fn direction(direction: &Direction, ends: Option<&Ends>, arrays: Arrays) -> pb::
 /// Both directions of a problem, or the one of a curve.
 pub fn directions(
     problem: &Problem,
-    arrays: Arrays,
+    arrays: bool,
 ) -> (pb::FittedDirection, Option<pb::FittedDirection>) {
     let request = problem.request();
     let u = direction(problem.u(), request.u.ends.as_ref(), arrays);
@@ -238,12 +223,7 @@ pub fn description(
     let outline = job.outline();
     let forecast = levels.map(|levels| levels.forecast);
     let first = levels.map(|levels| levels.first);
-    let arrays = if with_arrays {
-        Arrays::All
-    } else {
-        Arrays::None
-    };
-    let (u, v) = directions(problem, arrays);
+    let (u, v) = directions(problem, with_arrays);
     let message = pb::JobDescription {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),

@@ -64,14 +64,14 @@ impl Scheme for Direct {
         Some(Relaxation::Transformed { once: true })
     }
 
-    /// Where basis functions nearly vanish, control points can overflow.
-    fn solves(&self) -> bool {
-        true
-    }
-
     /// There is nothing to be foretold.
     fn ends_when_exact(&self) -> bool {
         true
+    }
+
+    /// Level 1 is the limit, whatever level 0 is.
+    fn first_end(&self) -> usize {
+        1
     }
 
     /// When solving once more has not halved the residual.

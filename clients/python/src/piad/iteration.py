@@ -247,11 +247,15 @@ class Result:
     iteration: int
     error: Deviation
     geometry: Geometry
+    parameters: tuple[Array, ...]
+    """Where on it the data points lie: on a curve, or those of u and of v."""
     bad_weight: Optional[BadWeight] = None
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Result:
         """Reads a result."""
+        lines = value["parameters"]
+        lines = [lines["u"], lines["v"]] if isinstance(lines, dict) else [lines]
         shape = Shape.from_json(value)
         homogeneous = value["rational"] == "homogeneous"
         weights = _array(value, "weights", 1) if homogeneous else None
@@ -262,6 +266,7 @@ class Result:
             value["iteration"],
             Deviation.from_json(value["error"]),
             shape.with_net(_array(value, "control_points"), weights),
+            tuple(_line_of(line, 8) if isinstance(line, str) else as_array(line) for line in lines),
             _bad_weight(value),
         )
 

@@ -22,7 +22,8 @@ pub struct WarningView {
     /// `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
     /// others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
     /// after the last iteration. `without_data`: control points of a least-squares fit have no data
-    /// and stay. There may be others in later versions.
+    /// and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
+    /// part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.
