@@ -28,6 +28,7 @@ mod custom;
 mod damage;
 mod data;
 mod deleting;
+mod dense;
 mod description;
 mod digits;
 mod doors;
