@@ -106,7 +106,7 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
         start: None,
         lambda_min: None,
         scattered: None,
-        tolerance: Tolerance::Absolute(tolerance),
+        tolerance: Some(Tolerance::Absolute(tolerance)),
         max_iterations: 10_000,
     };
     let problem = Problem::new(request).map_err(|reason| format!("{reason:?}"))?;

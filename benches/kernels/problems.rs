@@ -62,7 +62,7 @@ pub(crate) fn request(points: impl Into<Arc<Points>>, grid: Grid, method: Method
         start: None,
         lambda_min: None,
         scattered: None,
-        tolerance: Tolerance::Absolute(0.0),
+        tolerance: Some(Tolerance::Absolute(0.0)),
         max_iterations: usize::MAX,
     }
 }

@@ -112,7 +112,7 @@ mod tests {
             start: None,
             lambda_min: None,
             scattered: None,
-            tolerance: Tolerance::Relative(1e-6),
+            tolerance: Some(Tolerance::Relative(1e-6)),
             max_iterations: 10,
         })
         .unwrap()

@@ -15,6 +15,7 @@ impl I {
             I::ParameterCount { axis, .. }
             | I::ParameterRange { axis }
             | I::ClosedParameterCount { axis, .. } => Place::Parameters(axis),
+            I::Several { ref first, .. } => first.place(),
             I::Scattered(ref mistake) => mistake.place(),
             I::ParameterOrder { axis, index, .. }
             | I::ParameterNotFinite { axis, index, .. }

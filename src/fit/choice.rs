@@ -40,6 +40,19 @@ pub struct DirectionChoice {
     pub weights: Option<Vec<f64>>,
 }
 
+impl BasisChoice {
+    /// The number of control points that explicit knots imply.
+    pub(super) fn implied_control_points(&self) -> Option<usize> {
+        match self {
+            Self::BSpline {
+                degree,
+                knots: Knots::Explicit(knots),
+            } => Some(knots.len().saturating_sub(degree + 1)),
+            _ => None,
+        }
+    }
+}
+
 impl DirectionChoice {
     /// Names the knots and the ends that are usual where nothing is said, for a control point for
     /// each of `count` data points: knots at the data for odd degrees, whose ends are estimated, and

@@ -61,6 +61,9 @@ pub enum Invalid {
         index: usize,
         rule: &'static str,
     },
+    /// Mistakes of which none follows from another.
+    #[error("{first}")]
+    Several { first: Box<Self>, rest: Vec<Self> },
     /// The last point of a closed curve repeats the first one, or the last line the first line.
     #[error(
         "the last point equals the first: a closed curve returns to its first point by itself, leave the last one out"
@@ -95,7 +98,8 @@ pub enum Invalid {
     },
     /// A least-squares fit asks for fewer than 2 control points, or for more than data points.
     #[error(
-        "{free} control points for {count} data points: there must be at least 2 and not more than data points, with fairness twice as many"
+        "{free} control points for {count} data points: give at least 2 and at most {count}, or up to {twice} together with \"fairness\"",
+        twice = 2 * count
     )]
     ControlPointCount {
         axis: Axis,
@@ -400,6 +404,27 @@ pub enum Invalid {
 }
 
 impl Invalid {
+    /// Several mistakes as one; none of none.
+    pub(super) fn of_all(mut all: Vec<Self>) -> Option<Self> {
+        if all.len() < 2 {
+            return all.pop();
+        }
+        let rest = all.split_off(1);
+        let first = Box::new(all.pop()?);
+        Some(Self::Several { first, rest })
+    }
+
+    /// Each of several mistakes by itself.
+    pub fn each(self) -> Vec<Self> {
+        match self {
+            Self::Several { first, mut rest } => {
+                rest.insert(0, *first);
+                rest
+            }
+            mistake => vec![mistake],
+        }
+    }
+
     /// Refuses a setting that is not a finite number greater than 0.
     pub(super) fn unless_positive(setting: Setting, value: f64) -> Result<(), Self> {
         if value > 0.0 && value.is_finite() {

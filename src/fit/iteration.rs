@@ -10,7 +10,7 @@
 //! |---|---|
 //! | the residual is not finite | overflow |
 //! | the largest distance is within the tolerance, and the method has nothing left to do | converged |
-//! | the stop rule of the method | stationary, or stalled |
+//! | the stop rule of the method | at a minimum, or stalled |
 //! | the update of the method can do no more | stalled |
 //! | the last allowed level is reached | exhausted |
 //!
@@ -35,9 +35,6 @@ use super::system::System;
 
 pub use super::level::Level;
 pub use super::outcome::Outcome;
-
-/// Fits of more control points are long: they are not searched for control points without a place.
-const LONG: usize = 100_000;
 
 /// The iteration of one problem at some level.
 #[derive(Debug)]

@@ -80,7 +80,7 @@
 //!     start_breaks: None,
 //!     lambda_min: None,
 //!     scattered: None,
-//!     tolerance: Tolerance::Absolute(1e-9),
+//!     tolerance: Some(Tolerance::Absolute(1e-9)),
 //!     max_iterations: 100,
 //! })?;
 //! let mut fit = Iteration::start(Arc::new(System::new(Arc::new(problem))));

@@ -1,27 +1,29 @@
 //! How an iteration ends.
 //!
-//! Converged and stationary fits have succeeded. Exhausted and stalled ones have a curve that is
-//! further from the data than was asked for, and can be gone on with by another method. After an
-//! overflow there is no curve.
+//! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was
+//! asked for. Exhausted and stalled ones have a curve that is further from the data than was asked
+//! for, and can be gone on with by another method. After an overflow there is no curve.
 
 /// Why an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The largest distance is within the tolerance.
     Converged,
-    /// A least-squares fit is at its minimum.
-    Stationary,
+    /// A least-squares fit is at its minimum, and no tolerance was asked for.
+    Minimum,
     /// The last allowed level is reached, and the tolerance is not.
     Exhausted,
     /// The method cannot go on.
-    Stalled(Stall),
+    Stalled(Reason),
     /// The distances are not finite numbers any more.
     Overflow,
 }
 
-/// Why a fit cannot go on although its tolerance is not reached.
+/// Why a fit goes no further although its tolerance is not reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stall {
+pub enum Reason {
+    /// Least squares: no step makes the sum of squares smaller.
+    Minimum,
     /// Convex: any step would turn the control polygon the other way.
     Convexity,
     /// Extended: the error is zero but for rounding, as the power of `I − U B` has vanished.
@@ -32,10 +34,20 @@ pub enum Stall {
     Diverging,
 }
 
-impl Stall {
-    /// The name of the reason.
+impl Reason {
+    /// All reasons.
+    pub const ALL: [Self; 5] = [
+        Self::Minimum,
+        Self::Convexity,
+        Self::Nilpotent,
+        Self::Rounding,
+        Self::Diverging,
+    ];
+
+    /// The name on the wire.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Minimum => "minimum",
             Self::Convexity => "convexity",
             Self::Nilpotent => "nilpotent",
             Self::Rounding => "rounding",

@@ -34,6 +34,17 @@ pub enum Parametrization {
     Explicit(Arc<Vec<f64>>),
 }
 
+impl Parametrization {
+    /// That of a surface through these points where nothing is said: distances of heights, points of one
+    /// coordinate, do not say where on the surface they lie.
+    pub fn usual_of_surface(points: &Points) -> Self {
+        match points.dimension() {
+            1 => Self::Uniform,
+            _ => Self::ChordLength,
+        }
+    }
+}
+
 /// Parameters of data points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parametrized {
@@ -50,7 +61,7 @@ pub struct Parametrized {
 ///
 /// # Errors
 ///
-/// Names the first points that are equal, or too close to be told apart, the first explicit value
+/// Names the points that are equal, or too close to be told apart, the first explicit value
 /// that does not increase, or the wrong number of explicit values.
 pub fn parameters(
     choice: Parametrization,
@@ -136,8 +147,11 @@ fn by_distance(
     Err(not_increasing(&totals, &pairs, grid, axis, rule))
 }
 
-/// What is wrong with parameters by distance that do not increase: `pairs` says how many distances
-/// each step is a mean of, if points are missing.
+/// The most steps without length that are named.
+const MOST_NAMED: usize = 100;
+
+/// What is wrong with parameters by distance that do not increase, at each step that has no length:
+/// `pairs` says how many distances each step is a mean of, if points are missing.
 fn not_increasing(
     parameters: &[f64],
     pairs: &[u32],
@@ -146,26 +160,34 @@ fn not_increasing(
     rule: &'static str,
 ) -> Invalid {
     let (t, count) = (parameters, grid.along(axis));
-    let wrong = (1..t.len()).find(|&k| t[k] <= t[k - 1] || !t[k].is_finite());
-    let k = wrong.unwrap_or(t.len() - 1);
-    let index = k % count;
-    if pairs.get(k) == Some(&0) {
-        // The neighbour of the last line of a closed surface is the first one.
-        Invalid::NoNeighbours {
-            axis,
-            previous: k - 1,
-            index,
-            rule,
+    // From an infinite one on there is nothing to compare.
+    let finite = t.iter().position(|t| !t.is_finite()).unwrap_or(t.len());
+    let lost = (finite < t.len()).then_some(finite);
+    let unknown = lost.filter(|&k| pairs.get(k) == Some(&0));
+    let equal = (1..finite).filter(|&k| t[k] <= t[k - 1]);
+    let wrong = equal.take(MOST_NAMED).chain(unknown).map(|k| {
+        let index = k % count;
+        if pairs.get(k) == Some(&0) {
+            // The neighbour of the last line of a closed surface is the first one.
+            let previous = k - 1;
+            Invalid::NoNeighbours {
+                axis,
+                previous,
+                index,
+                rule,
+            }
+        } else if k == count {
+            let index = count - 1;
+            Invalid::FirstRepeated { axis, index }
+        } else if grid.columns == 1 {
+            Invalid::EqualPoints { axis, index, rule }
+        } else {
+            Invalid::EqualLines { axis, index, rule }
         }
-    } else if !t[k].is_finite() {
-        Invalid::TooLarge
-    } else if k == count {
-        let index = count - 1;
-        Invalid::FirstRepeated { axis, index }
-    } else if grid.columns == 1 {
-        Invalid::EqualPoints { axis, index, rule }
-    } else {
-        Invalid::EqualLines { axis, index, rule }
+    });
+    match lost.xor(unknown) {
+        Some(_) => Invalid::TooLarge,
+        None => Invalid::of_all(wrong.collect()).unwrap_or(Invalid::TooLarge),
     }
 }
 

@@ -69,6 +69,7 @@ impl Problem {
         let tolerance =
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         check_scattered(&request)?;
+        imply_control_points(&mut request)?;
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
         settle(&mut request);
@@ -120,10 +121,12 @@ impl Problem {
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
-    /// parameters and tolerance stay as they are when points move.
+    /// parameters, and a tolerance that was asked for, stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
-        request.tolerance = Tolerance::Absolute(self.tolerance);
+        request.tolerance = request
+            .tolerance
+            .and(Some(Tolerance::Absolute(self.tolerance)));
         if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
             let lanes = [&self.u().parameters, &v.parameters];
             let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
@@ -182,6 +185,12 @@ impl Problem {
         self.tolerance
     }
 
+    /// Whether a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or
+    /// it determines how many control points there are.
+    pub(super) fn has_goal(&self) -> bool {
+        self.request.tolerance.is_some() || self.is_automatic()
+    }
+
     /// The method.
     pub fn method(&self) -> &Method {
         &self.request.method
@@ -196,11 +205,17 @@ impl Problem {
     /// What is doubtful about the problem as it is asked for.
     pub fn warnings(&self) -> Vec<Warning> {
         let Request { u, v, .. } = &self.request;
+        let mut warnings = Vec::new();
+        let absolute = matches!(self.request.tolerance, Some(Tolerance::Absolute(_)));
+        if !absolute && self.tolerance > 0.0 {
+            let size = (self.diagonal(), self.tolerance);
+            warnings.extend(Warning::of_points(&self.points, size));
+        }
         // Fewer control points have knots of their own, which are not at the data.
         if self.method().scheme().control_points().is_some() {
-            return Vec::new();
+            return warnings;
         }
-        let mut warnings = Warning::of_direction(u, self.u(), Axis::U);
+        warnings.extend(Warning::of_direction(u, self.u(), Axis::U));
         if let (Some(choice), Some(direction)) = (v, self.v()) {
             warnings.extend(Warning::of_direction(choice, direction, Axis::V));
         }
@@ -285,6 +300,16 @@ fn directions(
     let u = direction(choice_u, Axis::U)?;
     let v = choice_v.map(|choice| direction(choice, Axis::V));
     Ok((u, v.transpose()?))
+}
+
+/// Names the numbers of control points of least squares that explicit knots imply.
+fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
+    if let Method::LeastSquares(settings) = &request.method {
+        let choices = std::iter::once(&request.u).chain(&request.v);
+        let settings = settings.with_counts(choices.map(|choice| &choice.basis))?;
+        request.method = Method::LeastSquares(settings);
+    }
+    Ok(())
 }
 
 /// Names what is usual where nothing is said.

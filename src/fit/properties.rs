@@ -78,7 +78,7 @@ fn problem() -> impl Strategy<Value = Request> {
                 start_breaks: None,
                 lambda_min: None,
                 scattered: None,
-                tolerance: Tolerance::Relative(1e-9),
+                tolerance: Some(Tolerance::Relative(1e-9)),
                 max_iterations: 300,
             }
         })
@@ -237,7 +237,7 @@ fn cubic_splines_converge_within_the_expected_iterations() {
             start_breaks: None,
             lambda_min: None,
             scattered: None,
-            tolerance: Tolerance::Absolute(1e-9),
+            tolerance: Some(Tolerance::Absolute(1e-9)),
             max_iterations: 1000,
         });
         let mut rates = Vec::new();

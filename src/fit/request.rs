@@ -19,6 +19,11 @@ pub enum Tolerance {
     Relative(f64),
 }
 
+impl Tolerance {
+    /// What the largest distance is compared with if no tolerance is asked for.
+    pub const DEFAULT: Self = Self::Relative(1e-6);
+}
+
 /// The weights of a rational fit, as asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Weights {
@@ -62,8 +67,9 @@ pub struct Request {
     /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one:
     /// of many points it takes longer to compute than a local fit.
     pub lambda_min: Option<f64>,
-    /// The largest allowed distance of the curve from a data point.
-    pub tolerance: Tolerance,
+    /// The largest allowed distance of the curve from a data point. Without one, fits compare with
+    /// [`Tolerance::DEFAULT`], and a least-squares fit may end above it.
+    pub tolerance: Option<Tolerance>,
     /// The last level that is computed.
     pub max_iterations: usize,
 }

@@ -6,7 +6,7 @@ use super::direction::Direction;
 use super::ends::offsets::Offsets;
 use super::extent::Extent;
 use super::missing::Missing;
-use super::points::{Grid, Points};
+use super::points::{self, Grid, Points};
 
 /// How many eliminations are counted for the preparation of a fit: λ_min takes some, and the method
 /// one more.
@@ -155,6 +155,12 @@ impl Setup {
     /// The diagonal of the data's bounding box, in data units.
     pub fn diagonal(&self) -> f64 {
         self.diagonal
+    }
+
+    /// The length of rounding errors of the data.
+    pub(super) fn rounding(&self) -> f64 {
+        let dimension = self.extents.len() as f64;
+        points::magnitude(&self.extents) * points::ROUNDING * dimension.sqrt()
     }
 
     /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors

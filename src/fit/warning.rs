@@ -8,14 +8,16 @@
 use super::basis::knots::Knots;
 use super::choice::{BasisChoice, DirectionChoice};
 use super::direction::Direction;
+use super::ends::{End, Ends, MOST_ESTIMATED};
 use super::forecast::Forecast;
 use super::invalid::{Axis, Place};
+use super::points::Points;
 
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
-    /// Knots at the data: the degree is no less than the number of points, so that most control
-    /// points are copies of the first and the last one.
+    /// Knots at the data and repeated ends: the degree is no less than the number of points, so that
+    /// most control points are copies of end points.
     FewPoints {
         /// The direction.
         axis: Axis,
@@ -31,6 +33,15 @@ pub enum Warning {
         axis: Axis,
         /// The degree of the B-spline.
         degree: usize,
+    },
+    /// A few points determine the bounding box, of which the tolerance is a part.
+    Outliers {
+        /// The diagonal of the bounding box.
+        diagonal: f64,
+        /// The same of the inner nine tenths of the points.
+        inner: f64,
+        /// The tolerance in data units.
+        tolerance: f64,
     },
     /// Extended: distances between are so much larger than the data that rounding leaves more than
     /// the tolerance.
@@ -64,6 +75,9 @@ pub enum Warning {
     },
 }
 
+/// A bounding box is wide if its diagonal is so many times that of the inner nine tenths.
+const WIDE: f64 = 100.0;
+
 /// At least this part of the slowest part of the error is left, if the iterations hardly change it.
 const UNCHANGED: f64 = 0.99;
 
@@ -81,13 +95,27 @@ impl Warning {
             return Vec::new();
         }
         let (degree, count) = (*degree, direction.parameters.len());
-        let few = (degree >= count).then_some(Self::FewPoints {
+        // Other ends of few points give the polynomial through them.
+        let few = degree >= count;
+        let repeated = |ends: &Ends| [&ends.start, &ends.end].contains(&&End::Repeated);
+        let copies = few && choice.ends.as_ref().is_none_or(repeated);
+        let copies = copies.then_some(Self::FewPoints {
             axis,
             degree,
             count,
         });
-        let even = (degree % 2 == 0).then_some(Self::EvenDegree { axis, degree });
-        few.into_iter().chain(even).collect()
+        let even = (!few && degree % 2 == 0).then_some(Self::EvenDegree { axis, degree });
+        copies.into_iter().chain(even).collect()
+    }
+
+    /// Whether the tolerance is a part of a bounding box that a few points determine.
+    pub(super) fn of_points(points: &Points, (diagonal, tolerance): (f64, f64)) -> Option<Self> {
+        let inner = points.inner_diagonal();
+        (inner > 0.0 && diagonal > WIDE * inner).then_some(Self::Outliers {
+            diagonal,
+            inner,
+            tolerance,
+        })
     }
 
     /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
@@ -107,13 +135,14 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 6] = [
+    pub const CODES: [&str; 7] = [
         "few_points",
         "even_degree",
         "rounding",
         "shorter_interval",
         "ill_conditioned",
         "without_data",
+        "outliers",
     ];
 
     /// The name on the wire.
@@ -125,6 +154,7 @@ impl Warning {
             Self::ShorterInterval { .. } => "shorter_interval",
             Self::IllConditioned { .. } => "ill_conditioned",
             Self::WithoutData { .. } => "without_data",
+            Self::Outliers { .. } => "outliers",
         }
     }
 
@@ -132,6 +162,7 @@ impl Warning {
     pub fn place(&self) -> Place {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
+            Self::Outliers { .. } => Place::Points,
             _ => Place::Method,
         }
     }
@@ -139,13 +170,17 @@ impl Warning {
     /// What is doubtful, why, and what to do about it.
     pub fn detail(&self) -> String {
         match *self {
-            Self::FewPoints { degree, count, .. } => format!(
-                "degree {degree} is more than {count} points determine: {copies} of the {all} control points are copies \
-                 of the first and the last point, near which the curve hardly moves; use at most degree {most}",
-                copies = degree - 1,
-                all = count + degree - 1,
-                most = count - 1
-            ),
+            Self::FewPoints { degree, count, .. } => {
+                let most = count - 1;
+                let other = match degree <= MOST_ESTIMATED {
+                    true => ", or ends that are \"estimated\"",
+                    false => "",
+                };
+                format!(
+                    "degree {degree} is more than {count} points determine: most control points are copies of an end \
+                     point, near which the curve hardly moves; use at most degree {most}{other}"
+                )
+            }
             Self::EvenDegree { degree, .. } => format!(
                 "degree {degree} is even: with knots at the data a point that is moved is felt along the whole curve; \
                  use an odd degree or averaged knots"
@@ -163,6 +198,15 @@ impl Warning {
                 "the least eigenvalue of the collocation matrix is {least:.2e}: the part of the error that belongs to it \
                  hardly changes in {iterations} iterations, and the tolerance may be out of reach; use direct, or \
                  B-splines of a low degree"
+            ),
+            Self::Outliers {
+                diagonal,
+                inner,
+                tolerance,
+            } => format!(
+                "a few points determine the bounding box: its diagonal is {diagonal:.3e}, that of the inner 90 % of the \
+                 points {inner:.3e}, so that the relative tolerance allows distances of {tolerance:.3e}; give a tolerance \
+                 in data units, or leave such points out"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

@@ -1,7 +1,6 @@
 //! The states and the ends of jobs in messages: in answers and in the store.
 
 use super::state::{Reason, State};
-use crate::fit::outcome::Stall;
 use crate::proto::messages as pb;
 
 /// The message of a state.
@@ -26,25 +25,16 @@ pub fn state_of(message: pb::JobState) -> Option<State> {
 pub fn reason(reason: Option<Reason>) -> pb::EndReason {
     match reason {
         None => pb::EndReason::Unspecified,
-        Some(Reason::Stationary) => pb::EndReason::Stationary,
-        Some(Reason::Stalled(stall)) => match stall {
-            Stall::Convexity => pb::EndReason::Convexity,
-            Stall::Nilpotent => pb::EndReason::Nilpotent,
-            Stall::Rounding => pb::EndReason::Rounding,
-            Stall::Diverging => pb::EndReason::Diverging,
-        },
+        Some(Reason::Minimum) => pb::EndReason::Minimum,
+        Some(Reason::Convexity) => pb::EndReason::Convexity,
+        Some(Reason::Nilpotent) => pb::EndReason::Nilpotent,
+        Some(Reason::Rounding) => pb::EndReason::Rounding,
+        Some(Reason::Diverging) => pb::EndReason::Diverging,
     }
 }
 
 /// Why a job has ended, by its message.
 pub fn reason_of(message: pb::EndReason) -> Option<Reason> {
-    let stalled = |stall| Some(Reason::Stalled(stall));
-    match message {
-        pb::EndReason::Unspecified => None,
-        pb::EndReason::Stationary => Some(Reason::Stationary),
-        pb::EndReason::Convexity => stalled(Stall::Convexity),
-        pb::EndReason::Nilpotent => stalled(Stall::Nilpotent),
-        pb::EndReason::Rounding => stalled(Stall::Rounding),
-        pb::EndReason::Diverging => stalled(Stall::Diverging),
-    }
+    let mut all = Reason::ALL.into_iter();
+    all.find(|it| reason(Some(*it)) == message)
 }

@@ -45,7 +45,7 @@ pub(crate) fn problem() -> Problem {
         start_breaks: None,
         lambda_min: None,
         scattered: None,
-        tolerance: Tolerance::Absolute(0.0),
+        tolerance: Some(Tolerance::Absolute(0.0)),
         max_iterations: 10,
     })
     .unwrap()

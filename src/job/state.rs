@@ -7,7 +7,7 @@ use jiff::Timestamp;
 
 pub use super::levels::Levels;
 use super::outline::Outline;
-use crate::fit::outcome::Stall;
+pub use crate::fit::outcome::Reason;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,49 +106,30 @@ pub struct Status {
     pub failure: Option<Failure>,
 }
 
-/// Why a job ended as it did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// The distances fall no further: a least-squares fit has reached its minimum.
-    Stationary,
-    /// The method cannot go on.
-    Stalled(Stall),
-}
-
-impl Reason {
-    /// The reason in words, with the largest distance that is left; `first` and `last` are those of level
-    /// 0 and of the last level.
-    fn detail(self, first: f64, last: f64, tolerance: f64) -> String {
-        let left = format!("a distance of {last:.3e} is left, the tolerance is {tolerance:.3e}");
-        match self {
-            Self::Stationary => format!("no step brings the fit nearer to all of the data: {left}"),
-            Self::Stalled(Stall::Convexity) => {
-                format!("no step keeps the turns of the data: {left}")
-            }
-            Self::Stalled(Stall::Nilpotent) if last > first => format!(
-                "the extended method has come to its end, and rounding of the much larger distances in between has \
-                 spoilt it: {left}; use direct"
-            ),
-            Self::Stalled(Stall::Nilpotent) => {
-                format!(
-                    "the extended method has come to its end, and what is left is rounding: {left}"
-                )
-            }
-            Self::Stalled(Stall::Rounding) => {
-                format!("distances do not fall any more, for rounding: {left}")
-            }
-            Self::Stalled(Stall::Diverging) => {
-                format!("distances grow, as the step is too long: {left}")
-            }
+/// Why a job ended, in words, with the largest distance that is left.
+fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -> String {
+    let (first, last) = (levels.first.error.max, levels.last.error.max);
+    let tolerance = outline.tolerance;
+    let left = format!("a distance of {last:.3e} is left, the tolerance is {tolerance:.3e}");
+    match reason {
+        Reason::Minimum if status.state == State::Converged => format!(
+            "no step brings the fit nearer to all of the data: a distance of {last:.3e} is left, and no tolerance was \
+             asked for"
+        ),
+        Reason::Minimum => {
+            let advice = outline.method.advice_at_minimum();
+            format!("no step brings the fit nearer to all of the data: {left}; {advice}")
         }
-    }
-
-    /// The name on the wire.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Stationary => "stationary",
-            Self::Stalled(stall) => stall.name(),
+        Reason::Convexity => format!("no step keeps the turns of the data: {left}"),
+        Reason::Nilpotent if last > first => format!(
+            "the extended method has come to its end, and rounding of the much larger distances in between has \
+             spoilt it: {left}; use direct"
+        ),
+        Reason::Nilpotent => {
+            format!("the extended method has come to its end, and what is left is rounding: {left}")
         }
+        Reason::Rounding => format!("distances do not fall any more, for rounding: {left}"),
+        Reason::Diverging => format!("distances grow, as the step is too long: {left}"),
     }
 }
 
@@ -173,10 +154,9 @@ impl Status {
     }
 
     /// Why it ended, in words, where the state does not say it.
-    pub fn detail(&self, tolerance: f64) -> Option<String> {
+    pub fn detail(&self, outline: &Outline) -> Option<String> {
         let (reason, levels) = self.reason.zip(self.levels)?;
-        let (first, last) = (levels.first.error.max, levels.last.error.max);
-        Some(reason.detail(first, last, tolerance))
+        Some(detail(reason, self, &levels, outline))
     }
 
     /// How far the fit has come, in [0, 1]. As PIA converges geometrically, this is

@@ -1,11 +1,10 @@
 //! What is wrong with a fitting problem, as far as one mistake does not follow from another.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
-use super::stop::DEFAULT_TOLERANCE;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{self as fit, Axis};
-use crate::fit::method::Method;
+use crate::fit::method::{LeastSquares, Method};
 use crate::fit::parameters::Parametrization;
 use crate::fit::problem::{Problem, Request, Weights};
 
@@ -28,13 +27,18 @@ impl Mistakes {
                 Ok(problem) => return Some(problem),
                 Err(error) => error,
             };
-            self.push(Mistake::at(place(error.place()), error.to_string()));
+            let first = error.place();
+            for error in error.each() {
+                if self.full() {
+                    self.more("there are more of them");
+                    break;
+                }
+                self.push(Mistake::at(place(error.place()), error.to_string()));
+            }
             if self.full() {
                 break;
             }
-            let corrected = copy
-                .as_mut()
-                .is_some_and(|copy| correct(copy, error.place()));
+            let corrected = copy.as_mut().is_some_and(|copy| correct(copy, first));
             next = copy.clone().filter(|_| corrected);
         }
         None
@@ -46,12 +50,7 @@ impl Mistakes {
 fn correct(request: &mut Request, place: fit::Place) -> bool {
     let (u, v) = (&mut request.u, &mut request.v);
     match place {
-        fit::Place::Tolerance | fit::Place::RelativeTolerance => {
-            let usual = DEFAULT_TOLERANCE;
-            let same = request.tolerance == usual;
-            request.tolerance = usual;
-            !same
-        }
+        fit::Place::Tolerance | fit::Place::RelativeTolerance => request.tolerance.take().is_some(),
         fit::Place::Setting(_)
         | fit::Place::Index(_)
         | fit::Place::Transform(_)
@@ -72,6 +71,19 @@ fn correct(request: &mut Request, place: fit::Place) -> bool {
             let given = matches!(choice.parameters, Parametrization::Explicit(_));
             choice.parameters = Parametrization::Uniform;
             given && !has_explicit_knots(choice)
+        }
+        fit::Place::Line(axis, _) => {
+            let choice = match (axis, v) {
+                (Axis::V, Some(v)) => v,
+                _ => u,
+            };
+            // What is at parameters has others then.
+            let at_parameters = |method: &LeastSquares| !method.constraints.is_empty();
+            let depends = has_explicit_knots(choice)
+                || matches!(&request.method, Method::LeastSquares(it) if at_parameters(it));
+            let by_distance = choice.parameters != Parametrization::Uniform;
+            choice.parameters = Parametrization::Uniform;
+            by_distance && !depends
         }
         fit::Place::Weights
         | fit::Place::Weight(_)

@@ -100,6 +100,13 @@ impl Mistakes {
         self.0.push(mistake);
     }
 
+    /// Adds to the last one, where no more are told.
+    pub fn more(&mut self, detail: &str) {
+        if let Some(last) = self.0.last_mut() {
+            last.detail = format!("{}; {detail}", last.detail);
+        }
+    }
+
     /// The value, or its mistakes more.
     pub fn keep<T>(&mut self, read: Result<T, impl Into<Self>>) -> Option<T> {
         match read {

@@ -3,9 +3,6 @@
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use crate::fit::problem::Tolerance;
 
-/// What the largest distance is compared with if nobody says it.
-pub const DEFAULT_TOLERANCE: Tolerance = Tolerance::Relative(1e-6);
-
 /// The last iteration that is computed if nobody says it, and the server computes as many.
 pub const DEFAULT_ITERATIONS: usize = 1000;
 
@@ -30,8 +27,8 @@ impl Default for StopSpec {
 /// When an iteration ends.
 #[derive(Clone, Copy, Debug)]
 pub struct StopRules {
-    /// The largest allowed distance.
-    pub tolerance: Tolerance,
+    /// The largest allowed distance, if it was asked for.
+    pub tolerance: Option<Tolerance>,
     /// The last iteration that is computed.
     pub max_iterations: usize,
 }
@@ -49,7 +46,7 @@ impl StopSpec {
             mistakes.push(Mistake::at(SpecPart::MaxIterations, detail));
         }
         StopRules {
-            tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            tolerance,
             max_iterations,
         }
     }

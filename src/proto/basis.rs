@@ -10,10 +10,11 @@ use crate::fit::parameters::Parametrization;
 use crate::model::mistakes::Mistake;
 use crate::model::shape::{AxisSpec, BasisKind, BasisSpec};
 
-/// The basis and the parameters of one direction of the field `root`.
+/// The basis and the parameters of one direction of the field `root`, those that are `usual` where nothing
+/// is said.
 pub fn axis(
     basis: Option<pb::Basis>,
-    parameters: Option<pb::Parameters>,
+    (parameters, usual): (Option<pb::Parameters>, Parametrization),
     closed: bool,
     root: &str,
 ) -> Result<AxisSpec, Mistake> {
@@ -24,6 +25,7 @@ pub fn axis(
         )?),
         parameters: parameters_spec(
             parameters.unwrap_or_default(),
+            usual,
             &format!("{root}.parameters"),
         )?,
         closed,
@@ -53,7 +55,11 @@ fn basis_spec(basis: pb::Basis, field: &str) -> Result<BasisSpec, Mistake> {
     })
 }
 
-fn parameters_spec(parameters: pb::Parameters, field: &str) -> Result<Parametrization, Mistake> {
+fn parameters_spec(
+    parameters: pb::Parameters,
+    usual: Parametrization,
+    field: &str,
+) -> Result<Parametrization, Mistake> {
     let rule = match known(parameters.rule, &format!("{field}.rule"))? {
         pb::ParameterRule::Unspecified => Chosen::Any,
         pb::ParameterRule::Explicit => Chosen::Explicit,
@@ -65,7 +71,7 @@ fn parameters_spec(parameters: pb::Parameters, field: &str) -> Result<Parametriz
     };
     let field = format!("{field}.values");
     let chosen = rule.of(parameters.values, Parametrization::Explicit, &field)?;
-    Ok(chosen.unwrap_or(Parametrization::ChordLength))
+    Ok(chosen.unwrap_or(usual))
 }
 
 /// The rule by which numbers are chosen.

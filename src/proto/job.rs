@@ -10,6 +10,7 @@ use super::stream;
 use super::values::{MethodTarget, check_count, count, known, some};
 use crate::fit::direction::DirectionChoice;
 use crate::fit::method::Method;
+use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Tolerance, Weights};
 use crate::fit::scattered::Scattered;
@@ -62,7 +63,12 @@ fn curve(curve: pb::Curve, most: usize) -> Result<ShapeSpec, Mistake> {
         scattered: None,
         u: AxisSpec {
             ends: Ok(ends::spec(curve.ends, (1, dimension), "curve.ends")?),
-            ..axis(curve.basis, curve.parameters, curve.closed, "curve")?
+            ..axis(
+                curve.basis,
+                (curve.parameters, Parametrization::ChordLength),
+                curve.closed,
+                "curve",
+            )?
         },
         v: None,
         weights: Ok(some(curve.weights).map(WeightSpec::List)),
@@ -95,6 +101,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
         v: v.weights,
     };
     let dimension = points.dimension();
+    let usual = Parametrization::usual_of_surface(&points);
     Ok(ShapeSpec {
         points,
         grid,
@@ -102,11 +109,16 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
         scattered,
         u: AxisSpec {
             ends: Ok(ends::spec(u.ends, (columns, dimension), "surface.u.ends")?),
-            ..axis(u.basis, u.parameters, u.closed, "surface.u")?
+            ..axis(
+                u.basis,
+                (u.parameters, usual.clone()),
+                u.closed,
+                "surface.u",
+            )?
         },
         v: Some(AxisSpec {
             ends: Ok(ends::spec(v.ends, (rows, dimension), "surface.v.ends")?),
-            ..axis(v.basis, v.parameters, v.closed, "surface.v")?
+            ..axis(v.basis, (v.parameters, usual), v.closed, "surface.v")?
         }),
         weights: Ok(surface_weights(weights, grid, "surface.weights")?),
     })
@@ -274,7 +286,7 @@ pub fn message(
         rational: rational_message(request).into(),
         method: Some(method::asked(&request.method, request.v.is_some(), indices)),
         stop: Some(pb::StopRules {
-            rule: Some(match request.tolerance {
+            rule: request.tolerance.map(|tolerance| match tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),
                 Tolerance::Relative(value) => Rule::RelativeTolerance(value),
             }),

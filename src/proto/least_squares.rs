@@ -4,8 +4,8 @@ use super::messages::{method as m, method::constraint as c};
 use super::values::{MethodTarget, check_count, count, known};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, At, Automatic, Constraint, EndPoints, Ending, Fairness, LeastSquares,
-    MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Ending, Fairness,
+    LeastSquares, MOST_CONDITIONS, Variant, Wanted,
 };
 use crate::fit::points::Points;
 use crate::model::method::mu_without_lspia;
@@ -14,10 +14,9 @@ use crate::model::mistakes::{self as model, Mistake, OrMistakes};
 /// The settings that a message asks for. Without a number for v both directions have that for u.
 pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
     let variant = match known(settings.variant, "method.least_squares.variant")? {
-        m::Variant::Unspecified if settings.automatic.is_some() => Variant::ConjugateGradients,
-        m::Variant::Unspecified | m::Variant::Diagonal => Variant::Diagonal,
+        m::Variant::Unspecified | m::Variant::Cg => Variant::ConjugateGradients,
+        m::Variant::Diagonal => Variant::Diagonal,
         m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
-        m::Variant::Cg => Variant::ConjugateGradients,
         m::Variant::Direct => Variant::Direct,
     };
     if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
@@ -42,9 +41,13 @@ pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes
             count as usize
         }
     };
+    let exactly = |count| match count {
+        0 => BY_KNOTS,
+        count => count as usize,
+    };
     let automatic = settings.automatic;
     let (u, v) = match automatic {
-        None => (u as usize, v as usize),
+        None => (exactly(u), exactly(v)),
         Some(_) => (most(u), most(v)),
     };
     let weights = settings.data_weights;

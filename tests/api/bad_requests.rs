@@ -175,8 +175,8 @@ fn wrong_shape() -> Vec<Bad> {
             "null",
         ),
         bad(
-            surface("points", json!([[0, 0], [1, 1]])),
-            "/surface/points/0/0",
+            surface("points", json!([[0, 0], [1, "1"]])),
+            "/surface/points/1/1",
             "expected a point",
         ),
         bad(
@@ -688,4 +688,103 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         "/stop/relative_tolerance",
     ];
     assert_eq!(told, expected);
+}
+
+/// All neighbours that are equal, and all else that is wrong, in one answer.
+#[tokio::test]
+async fn all_equal_neighbours_are_told_at_once() {
+    let server = Server::start().await;
+    let job = json!({
+        "curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [3, 0], [3, 0], [3, 0], [4, 1]]},
+        "method": {"kind": "weighted", "omega": 7},
+    });
+    let told = refused(&server, "/v1/jobs", &job).await;
+    let expected = [
+        "/method/omega",
+        "/curve/points/2",
+        "/curve/points/5",
+        "/curve/points/6",
+    ];
+    assert_eq!(told, expected);
+    let closed =
+        json!({"curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [0, 0]], "closed": true}});
+    let told = refused(&server, "/v1/jobs", &closed).await;
+    assert_eq!(told, ["/curve/points/2", "/curve/points/4"]);
+    // Lines of a surface, and what is wrong with the other direction.
+    let row = |x: f64| -> Vec<[f64; 3]> { (0..4).map(|j| [x, f64::from(j), 0.0]).collect() };
+    let rows: Vec<_> = [0.0, 0.0, 1.0, 2.0, 2.0].into_iter().map(row).collect();
+    let job = json!({"surface": {"points": rows, "degree": {"u": 3, "v": 0}}});
+    let told = refused(&server, "/v1/jobs", &job).await;
+    let expected = [
+        "/surface/points/1",
+        "/surface/points/4",
+        "/surface/degree/v",
+    ];
+    assert_eq!(told, expected);
+    // However many points there are, and as many mistakes as are told.
+    let points: Vec<[f64; 2]> = (0..40_000).map(|i| [f64::from(i / 2 * 2), 0.0]).collect();
+    let response = server
+        .post("/v1/jobs")
+        .json(&json!({"curve": {"points": points}}));
+    let (_, refusal) = problem(response.send().await.unwrap()).await;
+    let errors = refusal["errors"].as_array().unwrap();
+    assert_eq!(errors.len(), 16);
+    assert_eq!(errors[15]["pointer"], "/curve/points/31");
+    let last = errors[15]["detail"].as_str().unwrap();
+    assert!(last.ends_with("there are more of them"), "{last}");
+}
+
+/// What is wrong with a setting says what there is, and what to write instead.
+#[tokio::test]
+async fn refusals_say_what_to_write_instead() {
+    let server = Server::start().await;
+    let points = data::wave(12);
+    let method = |method: Value| json!({"curve": {"points": points}, "method": method});
+    let curve = |curve: Value| {
+        let mut job = json!({"curve": curve});
+        job["curve"]["points"] = json!(points);
+        job
+    };
+    let mut least_squares = curve(json!({"ends": "natural"}));
+    least_squares["method"] = json!({"kind": "least_squares", "control_points": 5});
+    for (job, pointer, detail) in [
+        (
+            method(json!({"kind": "weighted", "omga": 1})),
+            "/method/omga",
+            "unknown field \"omga\"; there are kind, omega",
+        ),
+        // The kind may come last.
+        (
+            method(json!({"a_setting": 1, "kind": "extended"})),
+            "/method/a_setting",
+            "unknown field \"a_setting\"; there are kind, start, transformed_error",
+        ),
+        (
+            method(json!({"kind": "direct", "omga": 1})),
+            "/method/omga",
+            "unknown field \"omga\"; there are kind",
+        ),
+        (
+            method(json!({"kind": "least_squares", "control_points": 30})),
+            "/method/control_points",
+            "give at least 2 and at most 12, or up to 24 together with \"fairness\"",
+        ),
+        (
+            least_squares,
+            "/curve/ends",
+            "name the ends of the method \"interpolated\" or \"free\"",
+        ),
+        (
+            curve(json!({"ends": "natural", "degree": 2})),
+            "/curve/ends",
+            "natural ends are those of cubic B-splines; this one has degree 2",
+        ),
+        (
+            curve(json!({"ends": {"end": "estimated"}, "degree": 4})),
+            "/curve/ends",
+            "use an odd degree, or knots \"data\"",
+        ),
+    ] {
+        server.assert_refused(&job, pointer, detail).await;
+    }
 }

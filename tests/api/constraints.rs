@@ -169,7 +169,7 @@ async fn variants_have_one_minimum() {
             job["method"]["variant"] = json!(variant);
             job["stop"] = json!({"tolerance": 0, "max_iterations": 100_000});
             let result = server.fit(&job).await;
-            assert_eq!(result["reason"], "stationary", "{name}, {variant}");
+            assert_eq!(result["reason"], "minimum", "{name}, {variant}");
             let result = server
                 .json(result["links"]["result"].as_str().unwrap())
                 .await;

@@ -38,13 +38,13 @@ fn job(points: &[[f64; 2]], control_points: usize, variant: &str) -> Value {
 async fn direct_is_at_the_minimum_at_once() {
     let server = Server::start().await;
     let story = server.stream(&job(&uneven(), 120, "direct")).await;
-    assert_eq!(story.state(), "converged");
-    assert_eq!(story.end["reason"], "stationary");
+    assert_eq!(story.state(), "stalled");
+    assert_eq!(story.end["reason"], "minimum");
     assert_eq!(story.iterations.len(), 2);
     assert!(number(&story.end["error"]["gradient"]) < 1e-24);
 }
 
-/// `stationary` is said where the gradient says so, however unlike the columns of A are.
+/// `minimum` is said where the gradient says so, however unlike the columns of A are.
 #[tokio::test]
 async fn slow_variants_go_on_to_the_minimum() {
     let server = Server::start().await;
@@ -53,8 +53,8 @@ async fn slow_variants_go_on_to_the_minimum() {
     let least = number(&least["error"]["rms"]);
     for variant in ["diagonal", "lspia", "cg"] {
         let found = server.fit(&job(&points, 120, variant)).await;
-        assert_eq!(found["state"], "converged", "{variant}");
-        assert_eq!(found["reason"], "stationary");
+        assert_eq!(found["state"], "stalled", "{variant}");
+        assert_eq!(found["reason"], "minimum");
         // The sum of squares is within a millionth, hence its root within half of one.
         let rms = number(&found["error"]["rms"]);
         assert!(rms / least - 1.0 < 0.5e-6, "{variant}: {}", rms / least);
@@ -92,8 +92,8 @@ async fn exact_data_end_at_rounding() {
                 "stop": {"tolerance": 0, "max_iterations": 100_000},
             }))
             .await;
-        assert_eq!(found["state"], "converged", "{variant}: {found}");
-        assert_eq!(found["reason"], "stationary", "{variant}");
+        assert_eq!(found["state"], "stalled", "{variant}: {found}");
+        assert_eq!(found["reason"], "rounding", "{variant}");
         assert!(number(&found["error"]["max"]) < 2e-12, "{variant}");
     }
 }
@@ -108,7 +108,7 @@ async fn the_earlier_rule_has_a_name() {
     let found = server.fit(&asked).await;
     assert_eq!(
         (&found["iteration"], &found["reason"]),
-        (&json!(1), &json!("stationary"))
+        (&json!(1), &json!("minimum"))
     );
     let input = server
         .json(&format!("{}/input", crate::support::base(&found)))

@@ -87,7 +87,7 @@ async fn what_fairness_does_not_allow_ends() {
         let job = server.fit(&job).await;
         assert_eq!(
             (&job["state"], &job["reason"]),
-            (&json!("converged"), &json!("stationary"))
+            (&json!("stalled"), &json!("minimum"))
         );
         // Far fewer than it takes to try as many control points as there are data.
         assert!(job["iteration"].as_u64().unwrap() < 30, "{job}");

@@ -160,7 +160,7 @@ async fn a_step_that_is_too_long_is_not_called_convergence() {
         let reason = if expected == "stalled" {
             "diverging"
         } else {
-            "stationary"
+            "minimum"
         };
         assert_eq!(story.end["reason"], reason);
     }

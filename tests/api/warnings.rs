@@ -68,12 +68,17 @@ async fn degrees_that_few_points_do_not_deserve_are_warned_of() {
     let server = Server::start().await;
     let degree = |degree: usize| json!({"kind": "bspline", "degree": degree});
     let few = ("few_points", "/curve/basis/degree");
-    expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
-    expect_everywhere(&server, &curve(5, &degree(5)), &[few]).await;
-    expect_everywhere(&server, &curve(6, &degree(5)), &[]).await;
+    let repeated = |count: usize, of: usize| {
+        let mut job = curve(count, &degree(of));
+        job["curve"]["ends"] = json!("repeated");
+        job
+    };
+    expect_everywhere(&server, &repeated(3, 5), &[few]).await;
+    expect_everywhere(&server, &repeated(5, 5), &[few]).await;
+    expect_everywhere(&server, &repeated(6, 5), &[]).await;
     let even = ("even_degree", "/curve/basis/degree");
     // Averaged knots are usual, but for so few points.
-    expect_everywhere(&server, &curve(4, &degree(4)), &[few, even]).await;
+    expect_everywhere(&server, &repeated(4, 4), &[few]).await;
     expect_everywhere(&server, &curve(9, &degree(4)), &[]).await;
     let at_data = json!({"kind": "bspline", "degree": 4, "knots": "data"});
     expect_everywhere(&server, &curve(9, &at_data), &[even]).await;
@@ -89,10 +94,40 @@ async fn degrees_that_few_points_do_not_deserve_are_warned_of() {
     fewer["method"] = json!({"kind": "least_squares", "control_points": 6});
     expect_everywhere(&server, &fewer, &[]).await;
 
-    let story = expect_everywhere(&server, &curve(3, &degree(5)), &[few]).await;
+    let story = expect_everywhere(&server, &repeated(3, 5), &[few]).await;
     let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
-    // Four copies: of seven control points three are data.
-    assert!(detail.contains("4 of the 7 control points"), "{detail}");
+    assert!(detail.contains("use at most degree 2"), "{detail}");
+    assert!(detail.contains("\"estimated\""), "{detail}");
+    let mut one = curve(3, &degree(5));
+    one["curve"]["ends"] = json!({"start": "repeated", "end": "estimated"});
+    expect_everywhere(&server, &one, &[few]).await;
+}
+
+/// Estimated ends have no copies: two points give a line, and others the polynomial through them.
+#[tokio::test]
+async fn perfect_fits_of_few_points_have_no_warning() {
+    let server = Server::start().await;
+    for count in 2..6 {
+        let points: Vec<[f64; 2]> = (0..count)
+            .map(|i| [f64::from(i), f64::from(i * i)])
+            .collect();
+        for degree in [3, 4, 5] {
+            let job = json!({
+                "curve": {"points": points, "degree": degree, "parameters": "uniform"},
+                "method": "direct",
+            });
+            let story = expect_everywhere(&server, &job, &[]).await;
+            assert_eq!(story.state(), "converged");
+            let path = base(&story.job).to_owned();
+            let samples = format!("{path}/iterations/last?view=samples&samples=9");
+            let curve = server.json(&samples).await;
+            for sample in curve["samples"].as_array().unwrap() {
+                let (x, y) = (sample[0].as_f64().unwrap(), sample[1].as_f64().unwrap());
+                let expected = if count == 2 { x } else { x * x };
+                assert!((y - expected).abs() < 1e-9, "{count} {degree} {sample}");
+            }
+        }
+    }
 }
 
 #[tokio::test]
@@ -100,7 +135,10 @@ async fn warnings_of_surfaces_name_the_direction() {
     let server = Server::start().await;
     let both = json!({"kind": "bspline", "degree": 5});
     let of_both = ("few_points", "/surface/basis/degree");
-    expect_everywhere(&server, &surface(4, 9, &both), &[of_both]).await;
+    let mut few = surface(4, 9, &both);
+    few["surface"]["ends"] = json!("repeated");
+    expect_everywhere(&server, &few, &[of_both]).await;
+    expect_everywhere(&server, &surface(4, 9, &both), &[]).await;
     let each = json!({"u": {"kind": "bspline", "degree": 3}, "v": {"kind": "bspline", "degree": 4, "knots": "data"}});
     let of_v = ("even_degree", "/surface/basis/v/degree");
     expect_everywhere(&server, &surface(7, 8, &each), &[of_v]).await;
@@ -164,12 +202,24 @@ async fn extended_fits_get_there_unless_they_are_warned_of() {
 #[tokio::test]
 async fn messages_have_warnings_with_fields() {
     let server = Server::start().await;
+    let repeated = pb::End {
+        rule: pb::EndRule::Repeated.into(),
+        ..pb::End::default()
+    };
+    let ends = pb::Ends {
+        start: Some(repeated.clone()),
+        end: Some(repeated),
+    };
     let input = pb::JobInput {
         geometry: Some(pb::job_input::Geometry::Surface(pb::Surface {
             dimension: 1,
             rows: 3,
             columns: 4,
             points: (0..12).map(f64::from).collect(),
+            u: Some(pb::SurfaceDirection {
+                ends: Some(ends),
+                ..pb::SurfaceDirection::default()
+            }),
             ..pb::Surface::default()
         })),
         ..pb::JobInput::default()
@@ -327,4 +377,61 @@ async fn control_points_without_data_are_warned_of() {
         .unwrap()
         .remove("knots");
     expect_everywhere(&server, &job, &[]).await;
+}
+
+/// One point far away makes the relative tolerance so wide that the others are missed.
+#[tokio::test]
+async fn points_that_determine_the_bounding_box_are_warned_of() {
+    let server = Server::start().await;
+    let mut job = curve(60, &json!({"kind": "bspline"}));
+    job["curve"]["points"][30] = json!([1e9, 0]);
+    job["method"] = json!("direct");
+    let outliers = ("outliers", "/curve/points");
+    let story = expect_everywhere(&server, &job, &[outliers]).await;
+    let detail = story.job["warnings"][0]["detail"].as_str().unwrap();
+    assert!(detail.contains("tolerance in data units"), "{detail}");
+    assert!(detail.contains("allows distances of 1.000e3"), "{detail}");
+    // The tolerance is in data units, or there is none.
+    for tolerance in [
+        json!({"tolerance": 1e-6}),
+        json!({"relative_tolerance": 0, "max_iterations": 2}),
+    ] {
+        job["stop"] = tolerance;
+        expect_everywhere(&server, &job, &[]).await;
+    }
+    job["stop"] = json!({"relative_tolerance": 1e-9});
+    expect_everywhere(&server, &job, &[outliers]).await;
+    // Of many points and of a surface; but not where the points are spread.
+    let mut many = curve(5000, &json!({"kind": "bspline"}));
+    many["method"] = json!("direct");
+    many["curve"]["points"][77] = json!([77, -1e8]);
+    expect_everywhere(&server, &many, &[outliers]).await;
+    let mut grid = surface(6, 7, &json!({"kind": "bspline"}));
+    grid["method"] = json!("direct");
+    grid["surface"]["points"][2][3] = json!([2, 3, 1e6]);
+    expect_everywhere(&server, &grid, &[("outliers", "/surface/points")]).await;
+    let spread: Vec<[f64; 2]> = (0..40)
+        .map(|i| [1.2f64.powi(i), 0.1 * f64::from(i)])
+        .collect();
+    expect_everywhere(
+        &server,
+        &json!({"curve": {"points": spread}, "method": "direct"}),
+        &[],
+    )
+    .await;
+    let scattered: Vec<[f64; 3]> = (0..60)
+        .map(f64::from)
+        .map(|i| [(1.7 * i).sin(), (2.9 * i).cos(), 0.0])
+        .chain([[1e6, 0.0, 0.0]])
+        .collect();
+    let job = json!({
+        "surface": {"scattered": scattered, "parameters": "project"},
+        "method": {"kind": "least_squares", "control_points": 4},
+    });
+    let created = server.fit(&job).await;
+    let found = warnings(&created);
+    assert!(
+        found.contains(&("outliers".to_owned(), "/surface/scattered".to_owned())),
+        "{found:?}"
+    );
 }

@@ -116,7 +116,7 @@ def test_cancelled_jobs_have_a_result(client: piad.Client) -> None:
 
 
 def test_what_is_doubtful_is_a_warning(client: piad.Client) -> None:
-    job = client.create(CURVE[:3], degree=5)
+    job = client.create(CURVE[:3], degree=5, ends="repeated")
     (warning,) = job.wait().warnings
     assert (warning.code, warning.pointer) == ("few_points", "/curve/basis/degree")
     assert "degree 5" in warning.detail

@@ -49,8 +49,8 @@ export class Client {
   }
 
   /**
-   * The result of a new job, when it has ended. A fit that has not reached its tolerance is a result, too: look
-   * at `state` and `error`.
+   * The result of a new job, when it has ended. A fit that has not reached its tolerance is a result, too: its
+   * `state` is not `converged`.
    */
   async fit(request: api.JobRequest, options: Repeatable = {}): Promise<Result> {
     const job = await this.create(request, { ...options, wait: WAIT });

@@ -887,7 +887,7 @@ export interface components {
          *     }
          */
         SurfaceInput: {
-            /** @description Rows (u) of columns (v) of data points. */
+            /** @description Rows (u) of columns (v) of data points, or of heights. */
             points?: components["schemas"]["PointGrid"] | null;
             /** @description Points without rows and columns, for least-squares fits; `parameters` says where each of them is. */
             scattered?: components["schemas"]["ScatteredPoints"] | null;
@@ -896,8 +896,8 @@ export interface components {
             /** @description Short for B-splines of this degree, instead of `basis`. */
             degree?: number | components["schemas"]["DegreePair"] | null;
             /**
-             * @description The parameters of the data points; of a grid without them `chord_length`. Scattered points need
-             *     them.
+             * @description The parameters of the data points; of a grid without them `chord_length`, of heights `uniform`.
+             *     Scattered points need them.
              */
             parameters?: components["schemas"]["SurfaceParameters"] | null;
             /** @description Weights of the data points, for a rational surface. */
@@ -908,7 +908,7 @@ export interface components {
             ends?: components["schemas"]["SurfaceEnds"] | null;
         };
         /**
-         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.
+         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points are heights, points of one coordinate. Least-squares fits may have null for missing points.
          * @example [
          *       [
          *         [
@@ -936,7 +936,7 @@ export interface components {
          *       ]
          *     ]
          */
-        PointGrid: (number[] | null)[][];
+        PointGrid: (number[] | number | null)[][];
         /**
          * @description The scattered data points of a surface, in any order.
          * @example [
@@ -1381,8 +1381,8 @@ export interface components {
         MostControlPoints: number | components["schemas"]["CountPair"];
         /**
          * @description The step of a least-squares fit: with a diagonal matrix, with one number, of conjugate gradients,
-         *     the fastest iteration, or `direct` to the minimum, which iteration 1 is then. Default: `"diagonal"`.
-         * @example diagonal
+         *     the fastest iteration, or `direct` to the minimum, which iteration 1 is then. Default: `"cg"`.
+         * @example cg
          * @enum {string}
          */
         LeastSquaresVariant: "diagonal" | "lspia" | "cg" | "direct";
@@ -1847,17 +1847,17 @@ export interface components {
          */
         GeometryKind: "curve" | "surface";
         /**
-         * @description Where a job is in its life: queued → running → converged (within the tolerance) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
+         * @description Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
          * @example converged
          * @enum {string}
          */
         JobState: "queued" | "running" | "converged" | "exhausted" | "stalled" | "failed" | "cancelled";
         /**
-         * @description Why a job ended, where its state does not say it.
-         * @example stationary
+         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
+         * @example minimum
          * @enum {string}
          */
-        EndReason: "stationary" | "convexity" | "nilpotent" | "rounding" | "diverging";
+        EndReason: "minimum" | "convexity" | "nilpotent" | "rounding" | "diverging";
         /**
          * @description What is doubtful about a fit that is computed even so.
          * @example {
@@ -1868,19 +1868,21 @@ export interface components {
          */
         Warning: {
             /**
-             * @description What it is. `few_points`: with knots at the data the degree is no less than the number of
-             *     points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
+             * @description What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
+             *     number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
              *     the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
              *     `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
              *     others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
              *     after the last iteration. `without_data`: control points of a least-squares fit have no data
-             *     and stay. There may be others in later versions.
+             *     and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
+             *     part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
              * @example few_points
              * @example even_degree
              * @example rounding
              * @example shorter_interval
              * @example ill_conditioned
              * @example without_data
+             * @example outliers
              */
             code: string;
             /** @description A JSON pointer into the input of the job. */
@@ -2900,6 +2902,12 @@ export interface components {
          *         3,
          *         3
          *       ],
+         *       "parameters": [
+         *         0,
+         *         1,
+         *         2,
+         *         3
+         *       ],
          *       "control_points": [
          *         [
          *           0,
@@ -2959,6 +2967,8 @@ export interface components {
             bad_weight?: components["schemas"]["BadWeight"];
             /** @description The knots, in base64 always with 64 bits. */
             knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
+            /** @description The parameters of the data points, likewise. */
+            parameters: number[] | string | components["schemas"]["NumberArrayPair"];
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */

@@ -38,8 +38,11 @@ export interface SampledIteration extends Level {
   readonly view: "samples";
   readonly samples: Tensor;
   /** The parameters of a curve, or those of u and of v. */
-  readonly parameters: readonly [Float64Array] | readonly [Float64Array, Float64Array];
+  readonly parameters: Lines;
 }
+
+/** Numbers of a curve, or those of u and of v. */
+export type Lines = readonly [Float64Array] | readonly [Float64Array, Float64Array];
 
 /** An iteration without geometry. */
 export interface ErrorIteration extends Level {
@@ -63,6 +66,8 @@ export interface Result {
   readonly error: api.FitError;
   readonly badWeight: api.BadWeight | null;
   readonly shape: Shape;
+  /** Where on it the data points lie: on a curve, or those of u and of v. */
+  readonly parameters: Lines;
   /** End copies included. */
   readonly controlPoints: Tensor;
   /** Of homogeneous fits; fixed ones are in `shape`. */
@@ -107,6 +112,8 @@ export function resultOf(value: api.FitResult): Result {
     error: value.error,
     badWeight: value.bad_weight ?? null,
     shape: shapeOf(value),
+    // They have 64 bits in any encoding.
+    parameters: lines(value.parameters, value.encoding && "base64"),
     controlPoints: points(value, value.control_points),
     weights: homogeneous ? weightsOf(value, weights as api.WeightArray) : null,
   };
@@ -122,10 +129,14 @@ function weightsOf({ shape, encoding }: Written, value: api.WeightArray): Tensor
   return tensor(value, (shape ?? []).slice(0, -1), encoding);
 }
 
-function parameters({ parameters, encoding }: api.IterationEvent): SampledIteration["parameters"] {
+function parameters({ parameters, encoding }: api.IterationEvent): Lines {
   if (parameters === undefined) throw new ProtocolError("the server sent samples without parameters");
-  if (typeof parameters === "string" || Array.isArray(parameters)) return [line(parameters, encoding)];
-  return [line(parameters.u, encoding), line(parameters.v, encoding)];
+  return lines(parameters, encoding);
+}
+
+function lines(value: api.FitResult["parameters"], encoding: Written["encoding"]): Lines {
+  if (typeof value === "string" || Array.isArray(value)) return [line(value, encoding)];
+  return [line(value.u, encoding), line(value.v, encoding)];
 }
 
 /** The control points before, with those that have moved. */

@@ -17,7 +17,8 @@ pub struct PointList(pub Points);
 #[derive(Debug)]
 pub struct ScatteredPoints(pub Points);
 
-/// Rows (u) of columns (v) of points; `null` stands for a missing one.
+/// Rows (u) of columns (v) of points, or of heights, which are points of one coordinate; `null` stands
+/// for a missing one.
 #[derive(Debug)]
 pub struct PointGrid {
     /// The points, row by row; missing ones at the origin.
@@ -72,7 +73,7 @@ impl Reader for Of<PointGrid> {
     type Value = PointGrid;
 
     fn expected(&self) -> String {
-        "rows of points, [[[x, y, z], …], …]".to_owned()
+        "rows of points, [[[x, y, z], …], …], or of heights, [[z, …], …]".to_owned()
     }
 
     fn list<'de, A: SeqAccess<'de>>(
@@ -207,11 +208,11 @@ impl Reader for PointReader {
     }
 
     fn number(self, value: Numeral, at: &mut Reading) -> Option<Option<Coordinates>> {
-        let hint = match self.0 {
-            Under::Surface => "; a surface has rows of points, and a list of points is a curve",
-            Under::Curve | Under::Scattered | Under::Edit => "",
-        };
-        at.wrong(format!("expected {}, found {value}{hint}", self.expected()));
+        if self.0 == Under::Surface {
+            // A height.
+            return Some(Coordinates::of(&[value.real()]));
+        }
+        at.wrong(format!("expected {}, found {value}", self.expected()));
         None
     }
 

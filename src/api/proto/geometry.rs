@@ -7,7 +7,7 @@ use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
 
 use super::names;
-use super::view::{Arrays, directions, distances};
+use super::view::{directions, distances};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::fit::geometry::Geometry;
@@ -87,7 +87,7 @@ pub fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content 
         }
         View::ControlPoints | View::Changed => Some((NET_OF_RESULT, Large::Net(problem, points))),
     };
-    let (u, v) = directions(problem, Arrays::OfBasis);
+    let (u, v) = directions(problem, true);
     let message = pb::FitResult {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
@@ -280,7 +280,7 @@ mod tests {
                 start: None,
                 lambda_min: None,
                 scattered: None,
-                tolerance: Tolerance::Absolute(0.0),
+                tolerance: Some(Tolerance::Absolute(0.0)),
                 max_iterations: 1,
             });
             let problem = Arc::new(problem.unwrap());

@@ -26,6 +26,7 @@ pub fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::ShorterInterval { .. } => pb::WarningCode::ShorterInterval,
         Warning::IllConditioned { .. } => pb::WarningCode::IllConditioned,
         Warning::WithoutData { .. } => pb::WarningCode::WithoutData,
+        Warning::Outliers { .. } => pb::WarningCode::Outliers,
     }
 }
 

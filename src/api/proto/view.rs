@@ -60,7 +60,7 @@ pub fn job(job: &Job) -> pb::Job {
         finished_at: status.finished.map(time),
         parent,
         problem: status.failure.map(problem),
-        detail: status.detail(outline.tolerance).unwrap_or_default(),
+        detail: status.detail(outline).unwrap_or_default(),
         warnings: warnings(outline, status.levels.as_ref()),
         predicted: Some(prediction(forecast, level)),
     }
@@ -196,37 +196,22 @@ pub fn deviation(iteration: usize, deviation: Deviation, list: bool) -> pb::GetD
     }
 }
 
-/// Which arrays of a direction are told.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Arrays {
-    /// Knots, weights and the parameters of the data.
-    All,
-    /// Knots and weights.
-    OfBasis,
-    None,
-}
-
-/// A direction of what was fitted.
-fn direction(direction: &Direction, ends: Option<&Ends>, arrays: Arrays) -> pb::FittedDirection {
+/// A direction of what was fitted, with knots, weights and the parameters of the data or without them.
+fn direction(direction: &Direction, ends: Option<&Ends>, arrays: bool) -> pb::FittedDirection {
     let basis = &direction.basis;
     let rule = |end: fn(&Ends) -> &End| ends.map_or(pb::EndRule::Unspecified, |it| rule(end(it)));
+    let list = |numbers: &dyn Fn() -> Vec<f64>| match arrays {
+        true => numbers(),
+        false => Vec::new(),
+    };
     pb::FittedDirection {
         basis: names::basis(basis).into(),
         degree: count(basis.degree()),
         closed: direction.is_closed(),
         control_points: count(basis.functions()),
-        knots: match arrays {
-            Arrays::None => Vec::new(),
-            _ => basis.knots().unwrap_or_default().into_owned(),
-        },
-        parameters: match arrays {
-            Arrays::All => direction.parameters.to_vec(),
-            _ => Vec::new(),
-        },
-        weights: match arrays {
-            Arrays::None => Vec::new(),
-            _ => direction.weights().unwrap_or_default().to_vec(),
-        },
+        knots: list(&|| basis.knots().unwrap_or_default().into_owned()),
+        parameters: list(&|| direction.parameters.to_vec()),
+        weights: list(&|| direction.weights().unwrap_or_default().to_vec()),
         start: rule(|it| &it.start).into(),
         end: rule(|it| &it.end).into(),
     }
@@ -235,7 +220,7 @@ fn direction(direction: &Direction, ends: Option<&Ends>, arrays: Arrays) -> pb::
 /// Both directions of a problem, or the one of a curve.
 pub fn directions(
     problem: &Problem,
-    arrays: Arrays,
+    arrays: bool,
 ) -> (pb::FittedDirection, Option<pb::FittedDirection>) {
     let request = problem.request();
     let u = direction(problem.u(), request.u.ends.as_ref(), arrays);
@@ -255,12 +240,7 @@ pub fn description(
     let outline = job.outline();
     let forecast = levels.map(|levels| levels.forecast);
     let first = levels.map(|levels| levels.first);
-    let arrays = if with_arrays {
-        Arrays::All
-    } else {
-        Arrays::None
-    };
-    let (u, v) = directions(problem, arrays);
+    let (u, v) = directions(problem, with_arrays);
     let message = pb::JobDescription {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
@@ -291,7 +271,7 @@ pub fn end(job: &Job, status: &Status) -> Content {
         error: level.map(|level| distances(&level.error, &job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
-        detail: status.detail(job.outline().tolerance).unwrap_or_default(),
+        detail: status.detail(job.outline()).unwrap_or_default(),
     };
     Bytes::from(message.encode_to_vec()).into()
 }

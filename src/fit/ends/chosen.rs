@@ -21,15 +21,31 @@ pub(in crate::fit) fn are_chosen(
     let Some(ends) = &choice.ends else {
         return Ok(None);
     };
+    let natural = [Side::Start, Side::End];
+    let natural = natural
+        .into_iter()
+        .find(|side| *ends.at(*side) == End::Natural);
     let found = match &choice.basis {
         _ if choice.closed => "this direction is closed",
-        _ if choice.control_points.is_some() => "least squares has ends of its own",
+        _ if choice.control_points.is_some() => {
+            "least squares has ends of its own; leave these out, name the ends of the method \"interpolated\" or \"free\", \
+             and give derivatives there as constraints of the method, such as {\"at\": \"start\", \"tangent\": [1, 0, 0]}"
+        }
         BasisChoice::Polynomial(_) => "polynomial bases have none",
-        BasisChoice::BSpline { knots, .. } => match knots {
-            Knots::Usual | Knots::Data => return Ok(Some(ends.clone())),
-            Knots::Spread | Knots::PieglTiller => "these knots are for least squares",
-            Knots::Averaged => "with averaged knots each control point belongs to a data point",
-            Knots::Explicit(_) => "with explicit knots each control point belongs to a data point",
+        BasisChoice::BSpline { degree, knots } => match (knots, natural) {
+            (_, Some(side)) if *degree != 3 => {
+                let degree = *degree;
+                return Err(EndsMistake::NaturalDegree { axis, side, degree });
+            }
+            (Knots::Usual | Knots::Data, _) => return Ok(Some(ends.clone())),
+            (Knots::Spread | Knots::PieglTiller, _) => "these knots are for least squares",
+            (Knots::Averaged, _) => {
+                "with averaged knots, which even degrees have, each control point belongs to a data point; use an odd degree, \
+                 or knots \"data\""
+            }
+            (Knots::Explicit(_), _) => {
+                "with explicit knots each control point belongs to a data point"
+            }
         },
     };
     Err(EndsMistake::NoEnds { axis, found })

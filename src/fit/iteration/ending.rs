@@ -1,10 +1,9 @@
 //! Whether an iteration ends at its level, and why.
 
-use super::{Engine, Iteration, LONG};
-use crate::fit::direction::Direction;
+use super::{Engine, Iteration};
 use crate::fit::method::Progress;
 use crate::fit::method::update::Update;
-use crate::fit::outcome::Outcome;
+use crate::fit::outcome::{Outcome, Reason};
 
 impl Iteration {
     /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left
@@ -21,15 +20,8 @@ impl Iteration {
     /// basis functions vanish but for rounding, control points can overflow although all distances
     /// are finite.
     fn has_places(&self) -> bool {
-        let problem = self.system.problem();
         let points = self.control_points();
-        let given = problem.is_homogeneous() || problem.directions().any(Direction::is_rational);
-        let solved = problem.method().scheme().solves();
-        // Long fits without weights are not looked at again: that would take as long as a step.
-        if !given && points.len() > if solved { LONG } else { 0 } {
-            return true;
-        }
-        if problem.is_homogeneous()
+        if self.system.problem().is_homogeneous()
             && let Some((weights, lanes)) = points.lanes().split_last()
         {
             let place = |(x, weight): (&f64, &f64)| (x / weight).is_finite();
@@ -37,19 +29,40 @@ impl Iteration {
                 .iter()
                 .all(|lane| lane.iter().zip(&**weights).all(place));
         }
-        points.extents().iter().all(|extent| extent.is_finite)
+        // Without an early end the loop takes several numbers at once.
+        let finite = |lane: &[f64]| lane.iter().fold(true, |all, x| all & x.is_finite());
+        points.lanes().iter().all(|lane| finite(lane))
     }
 
     /// Whether the curve is as near to the data as was asked for. A method may have a larger
     /// tolerance, and find points that are still to be moved.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
+        let first = problem.method().scheme().first_end();
+        if self.level.iteration < first.min(problem.max_iterations()) {
+            return false;
+        }
         let unfinished = || self.update().is_some_and(Update::is_unfinished);
         largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
     }
 
-    /// Whether the iteration ends at the current level, and why.
+    /// Whether the iteration ends at the current level, and why. A minimum above a tolerance that was
+    /// asked for is no success.
     pub fn outcome(&self) -> Option<Outcome> {
+        match self.ending() {
+            Some(Outcome::Minimum) if self.system.problem().has_goal() => {
+                let rounding = self.system.problem().rounding();
+                Some(Outcome::Stalled(match self.level.error.rms <= rounding {
+                    true => Reason::Rounding,
+                    false => Reason::Minimum,
+                }))
+            }
+            ending => ending,
+        }
+    }
+
+    /// The same, whether or not a tolerance was asked for.
+    fn ending(&self) -> Option<Outcome> {
         let problem = self.system.problem();
         let iteration = self.level.iteration;
         if let Engine::Automatic(automatic) = &self.engine {
@@ -63,7 +76,7 @@ impl Iteration {
             Some(self.success(Outcome::Converged))
         } else if let Some(outcome) = self.rule_of_method() {
             match outcome {
-                Outcome::Stationary => Some(self.success(outcome)),
+                Outcome::Minimum => Some(self.success(outcome)),
                 _ => Some(outcome),
             }
         } else if let Some(stall) = self.update().and_then(Update::stalled) {

@@ -23,7 +23,7 @@ use crate::fit::divergence;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;
@@ -99,7 +99,7 @@ impl Scheme for Chebyshev {
     /// Residuals that have grown so far will not fall any more.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         let hopeless = progress.length > HOPELESS * progress.first_length;
-        hopeless.then_some(Outcome::Stalled(Stall::Diverging))
+        hopeless.then_some(Outcome::Stalled(Reason::Diverging))
     }
 
     /// A shorter interval, which takes more iterations, and ill-conditioned bases.

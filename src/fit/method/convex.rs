@@ -17,7 +17,7 @@ use super::update::{Change, State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::invalid::{Invalid, Side};
-use crate::fit::outcome::Stall;
+use crate::fit::outcome::Reason;
 use crate::fit::points::Points;
 use crate::fit::scaling::normalizing_scale;
 use crate::fit::setup::Setup;
@@ -215,8 +215,8 @@ impl Update for Steps {
     }
 
     /// After a few steps without progress, as the polygon of the limit turns otherwise.
-    fn stalled(&self) -> Option<Stall> {
-        (self.idle >= PATIENCE).then_some(Stall::Convexity)
+    fn stalled(&self) -> Option<Reason> {
+        (self.idle >= PATIENCE).then_some(Reason::Convexity)
     }
 }
 

@@ -15,7 +15,7 @@ use super::update::Update;
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
 use crate::fit::transform::Transform;
@@ -64,19 +64,19 @@ impl Scheme for Direct {
         Some(Relaxation::Transformed { once: true })
     }
 
-    /// Where basis functions nearly vanish, control points can overflow.
-    fn solves(&self) -> bool {
-        true
-    }
-
     /// There is nothing to be foretold.
     fn ends_when_exact(&self) -> bool {
         true
     }
 
+    /// Level 1 is the limit, whatever level 0 is.
+    fn first_end(&self) -> usize {
+        1
+    }
+
     /// When solving once more has not halved the residual.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         let refined = progress.iteration > 0 && progress.decrease <= REFINED;
-        refined.then_some(Outcome::Stalled(Stall::Rounding))
+        refined.then_some(Outcome::Stalled(Reason::Rounding))
     }
 }

@@ -130,11 +130,6 @@ impl Scheme for Extended {
         })
     }
 
-    /// Control points between can be larger than the data by many orders of magnitude.
-    fn solves(&self) -> bool {
-        true
-    }
-
     /// Rounding that leaves more than the tolerance.
     fn warnings(
         &self,

@@ -7,7 +7,7 @@
 
 use super::update::{Change, State, Update};
 use crate::fit::equations::Equations;
-use crate::fit::outcome::Stall;
+use crate::fit::outcome::Reason;
 use crate::fit::points::Points;
 use crate::fit::transform::Transform;
 
@@ -97,7 +97,7 @@ impl Update for Linear {
         Some((0..step.len()).map(length).fold(0.0, longer))
     }
 
-    fn stalled(&self) -> Option<Stall> {
-        (self.left == Some(0)).then_some(Stall::Nilpotent)
+    fn stalled(&self) -> Option<Reason> {
+        (self.left == Some(0)).then_some(Reason::Nilpotent)
     }
 }

@@ -70,8 +70,8 @@ pub(super) use least_squares::automatic;
 pub(super) use least_squares::obeying::Obeying;
 pub(super) use least_squares::obeying_surface::ObeyingSurface;
 pub use least_squares::{
-    AS_MANY_AS_DATA, At, Automatic, Constraint, ConstraintsMistake, EndPoints, Ending, Fairness,
-    LeastSquares, LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, ConstraintsMistake, EndPoints, Ending,
+    Fairness, LeastSquares, LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
@@ -181,6 +181,14 @@ impl Method {
     /// What it is called, what it does, and where it comes from.
     pub fn about(&self) -> &'static About {
         self.scheme().about()
+    }
+
+    /// What to do where a least-squares fit is at its minimum, and further from the data than was asked for.
+    pub fn advice_at_minimum(&self) -> String {
+        match self {
+            Self::LeastSquares(method) => method.advice_at_minimum(),
+            _ => "use another method".to_owned(),
+        }
     }
 
     /// Its name.

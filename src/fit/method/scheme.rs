@@ -177,12 +177,6 @@ pub(in crate::fit) trait Scheme: Debug {
         None
     }
 
-    /// Whether a level within the range of numbers has to be looked at for control points that are
-    /// not: methods that solve for them have large ones where basis functions nearly vanish.
-    fn solves(&self) -> bool {
-        false
-    }
-
     /// Whether errors fall towards zero, so that their decay tells the end.
     fn decays(&self) -> bool {
         true
@@ -201,6 +195,12 @@ pub(in crate::fit) trait Scheme: Debug {
     /// Whether the level `exact_after` of the forecast is where the fit ends, but for rounding.
     fn ends_when_exact(&self) -> bool {
         false
+    }
+
+    /// The first level at which the fit may end within the tolerance: a method that solves for its
+    /// limit takes its step although the data are near enough as control points.
+    fn first_end(&self) -> usize {
+        0
     }
 
     /// Whether the fit ends for a reason of the method's own: it is neither within the tolerance

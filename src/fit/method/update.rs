@@ -7,7 +7,7 @@
 use std::fmt::Debug;
 
 use crate::fit::equations::Equations;
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 
 /// What an update has changed.
@@ -84,7 +84,7 @@ pub(in crate::fit) trait Update: Debug + Send {
     }
 
     /// Whether another update would change nothing, and why.
-    fn stalled(&self) -> Option<Stall> {
+    fn stalled(&self) -> Option<Reason> {
         None
     }
 }

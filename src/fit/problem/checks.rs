@@ -8,12 +8,9 @@ use crate::fit::extent::Extent;
 use crate::fit::invalid::{Invalid, ScatteredMistake};
 use crate::fit::method::Scope;
 use crate::fit::missing::Missing;
-use crate::fit::points::Points;
+use crate::fit::points::{Points, ROUNDING};
 use crate::fit::request::{Request, Weights};
 use crate::fit::setup::Setup;
-
-/// Rounding errors of coordinates, relative to the largest absolute coordinate.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What the settings of a method are checked against.
 pub(super) fn scope(request: &Request) -> Scope<'_> {
@@ -103,11 +100,11 @@ pub(super) fn check_finite(points: &Points, extents: &[Extent]) -> Result<(), In
 /// The tolerance in data units: a relative one is a multiple of the `diagonal`, but never below the
 /// rounding of coordinates of this `magnitude`, unless it is zero.
 pub(super) fn resolve_tolerance(
-    tolerance: Tolerance,
+    tolerance: Option<Tolerance>,
     magnitude: f64,
     diagonal: f64,
 ) -> Result<f64, Invalid> {
-    let (value, relative) = match tolerance {
+    let (value, relative) = match tolerance.unwrap_or(Tolerance::DEFAULT) {
         Tolerance::Absolute(value) => (value, false),
         Tolerance::Relative(value) => (value, true),
     };

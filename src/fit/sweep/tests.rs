@@ -90,7 +90,7 @@ prop_compose! {
             start_breaks: None,
             lambda_min: None,
             scattered: None,
-            tolerance: Tolerance::Relative(10f64.powi(-exponent)),
+            tolerance: Some(Tolerance::Relative(10f64.powi(-exponent))),
             max_iterations: 23,
         }
     }

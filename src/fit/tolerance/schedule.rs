@@ -324,7 +324,7 @@ impl<M: Minimum> Schedule<M> {
         self.outcome = Some(match &self.best {
             Some(_) => Outcome::Converged,
             None if limited => Outcome::Exhausted,
-            None => Outcome::Stationary,
+            None => Outcome::Minimum,
         });
     }
 

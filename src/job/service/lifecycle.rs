@@ -34,9 +34,9 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
     match ending {
         Ending::Outcome(outcome) => match outcome {
             Outcome::Converged => (State::Converged, None, None),
-            Outcome::Stationary => (State::Converged, Some(Reason::Stationary), None),
+            Outcome::Minimum => (State::Converged, Some(Reason::Minimum), None),
             Outcome::Exhausted => (State::Exhausted, None, None),
-            Outcome::Stalled(stall) => (State::Stalled, Some(Reason::Stalled(stall)), None),
+            Outcome::Stalled(reason) => (State::Stalled, Some(reason), None),
             Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
         },
         Ending::Broken => (State::Failed, None, Some(Failure::Defect)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
 from types import TracebackType
 from typing import Any, Optional, Union
@@ -11,6 +12,7 @@ import httpx
 from . import _request
 from ._request import Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
 from ._transport import Transport
+from .errors import NotConverged
 from .geometry import BasisKind
 from .iteration import Result
 from .job import Job, State, Status, post
@@ -140,7 +142,8 @@ class Client:
         """The result of a new job: `create` says what the arguments mean.
 
         Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is a
-        result, too: look at `state` and `error`.
+        result, too, with the warning `NotConverged`: `warnings.simplefilter("error", piad.NotConverged)`
+        makes it an exception.
         """
         stop = _request.stop(tolerance, relative_tolerance, max_iterations)
         body = _request.job(
@@ -160,7 +163,11 @@ class Client:
             stream=None,
         )
         wait = self._wait if timeout is None else min(self._wait, timeout)
-        return post(self._transport, "/v1/jobs", body, wait=wait).result(timeout)
+        job = post(self._transport, "/v1/jobs", body, wait=wait)
+        result = job.result(timeout)
+        if result.state != "converged":
+            warnings.warn(_shortfall(job.status), NotConverged, stacklevel=2)
+        return result
 
     def job(self, id: str) -> Job:
         """The job with this id."""
@@ -191,3 +198,10 @@ class Client:
     def capabilities(self) -> dict[str, Any]:
         """What the server can do and its limits, as JSON."""
         return self._transport.json("GET", "/v1/capabilities")
+
+
+def _shortfall(status: Status) -> str:
+    """How a fit ended that has not converged."""
+    left = f"a distance of {status.error.max:.3e} is left, " if status.error else ""
+    detail = status.detail or f"{left}the tolerance is {status.stop['tolerance']:.3e}"
+    return f"the fit is {status.state}: {detail}"

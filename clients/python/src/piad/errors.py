@@ -103,6 +103,10 @@ class JobFailed(PiadError):
         return f"the job {self.id} is {self.state}{why}"
 
 
+class NotConverged(UserWarning):
+    """A fit has ended further from its data than was asked for, or was cancelled."""
+
+
 class WaitTimeout(PiadError, TimeoutError):
     """A job has not ended within the time that was given to it. It goes on."""
 

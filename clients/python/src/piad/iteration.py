@@ -275,11 +275,15 @@ class Result:
     iteration: int
     error: Distances
     geometry: Geometry
+    parameters: tuple[Array, ...]
+    """Where on it the data points lie: on a curve, or those of u and of v."""
     bad_weight: Optional[BadWeight] = None
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Result:
         """Reads a result."""
+        lines = value["parameters"]
+        lines = [lines["u"], lines["v"]] if isinstance(lines, dict) else [lines]
         shape = Shape.from_json(value)
         homogeneous = value["rational"] == "homogeneous"
         weights = _array(value, "weights", 1) if homogeneous else None
@@ -290,6 +294,7 @@ class Result:
             value["iteration"],
             Distances.from_json(value["error"]),
             shape.with_net(_array(value, "control_points"), weights),
+            tuple(_line_of(line, 8) if isinstance(line, str) else as_array(line) for line in lines),
             _bad_weight(value),
         )
 

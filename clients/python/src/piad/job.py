@@ -69,7 +69,7 @@ class Status:
     kind: Literal["curve", "surface"]
     state: State
     reason: Optional[str]
-    """Why a job ended that did not reach its tolerance, such as "convexity"."""
+    """Why a job ended as it did, such as "minimum" or "convexity"."""
     detail: Optional[str]
     """The reason in words, with the distance that is left."""
     warnings: tuple[JobWarning, ...]

@@ -5,7 +5,6 @@ use serde::de::MapAccess;
 use super::members::Members;
 use super::reader::{Anything, Read, Reader};
 use super::reading::{PathStep, Reading};
-use crate::model::short::quoted;
 
 impl<'de, A: MapAccess<'de>> Members<A> {
     /// Goes to the next member with one of these names; others are mistakes.
@@ -18,12 +17,7 @@ impl<'de, A: MapAccess<'de>> Members<A> {
             if let Some(name) = names.iter().find(|name| **name == self.name) {
                 return Ok(Some(name));
             }
-            let detail = format!(
-                "unknown field {}; there are {}",
-                quoted(&self.name),
-                names.join(", ")
-            );
-            at.wrong_field(&self.name, detail);
+            at.unknown_field(&self.name, names);
             at.check()?;
             self.value(Anything, at)?;
         }
@@ -83,9 +77,10 @@ where
 }
 
 /// Makes a type readable from objects with these fields; an object with a kind also from its name
-/// alone, with a function that makes the object of it.
+/// alone, with a function that makes the object of it. Where the value of a field says which others
+/// there are, a function of it names those.
 macro_rules! object {
-    ($type:ty, $expected:literal, [$($field:ident),+ $(,)?] $(, of_name: $short:expr)?) => {
+    ($type:ty, $expected:literal, [$($field:ident),+ $(,)?] $(, of_name: $short:expr)? $(, fields_by $by:ident: $fields:expr)?) => {
         impl $crate::api::json::read::reader::Reader for $crate::api::json::read::reader::Of<$type> {
             type Value = $type;
 
@@ -116,6 +111,9 @@ macro_rules! object {
                 }
                 // Of all fields, before it is looked at whether one is missing.
                 $(let $field = $field.value(stringify!($field), at);)+
+                $(if let Some(by) = &$by {
+                    at.there_are(&$fields(by));
+                })?
                 Ok((|| Some(Self::Value { $($field: $field?),+ }))())
             }
         }

@@ -5,7 +5,7 @@ use serde::de::Error;
 use super::syntax;
 use crate::api::problem::{Kind, Problem};
 use crate::model::mistakes::MOST_MISTAKES;
-use crate::model::short::cut;
+use crate::model::short::{cut, quoted};
 
 /// How long the lists of a request may be.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +68,8 @@ pub(super) struct Noted {
     field: Vec<PathStep>,
     pointer: String,
     detail: String,
+    /// The name of a field that there is not.
+    unknown: Option<String>,
 }
 
 impl Reading {
@@ -100,6 +102,27 @@ impl Reading {
         self.note(pointer, detail.into());
     }
 
+    /// A field of the object that is read is none of those that there are.
+    pub(super) fn unknown_field(&mut self, name: &str, names: &[&str]) {
+        let before = self.mistakes.len();
+        self.wrong_field(name, unknown(name, names));
+        let noted = self.mistakes.get_mut(before..).into_iter().flatten();
+        noted.for_each(|noted| noted.unknown = Some(name.to_owned()));
+    }
+
+    /// The object that is read has these fields, as is known once it has been read.
+    pub(in crate::api) fn there_are(&mut self, names: &[&str]) {
+        let own = self.pointer();
+        for noted in &mut self.mistakes {
+            let within = noted.pointer.strip_prefix(&own);
+            if let (Some(name), Some(1)) =
+                (&noted.unknown, within.map(|it| it.matches('/').count()))
+            {
+                noted.detail = unknown(name, names);
+            }
+        }
+    }
+
     /// The value that is read is of another kind.
     pub fn mismatch(&mut self, expected: &str, found: &str) {
         self.wrong(format!("expected {expected}, found {found}"));
@@ -123,6 +146,7 @@ impl Reading {
                 field,
                 pointer,
                 detail,
+                unknown: None,
             });
         }
     }
@@ -201,4 +225,13 @@ impl Reading {
         let missing = || Problem::new(Kind::InvalidFit, "the body is not understood");
         Problem::of_all(problems).unwrap_or_else(missing)
     }
+}
+
+/// A field that there is not, beside those that there are.
+fn unknown(name: &str, names: &[&str]) -> String {
+    format!(
+        "unknown field {}; there are {}",
+        quoted(name),
+        names.join(", ")
+    )
 }

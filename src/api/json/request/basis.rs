@@ -108,9 +108,12 @@ impl From<BasisRequest> for BasisSpec {
     }
 }
 
-pub(super) fn parametrization(request: Option<RuleOrNumbers<ParameterRule>>) -> Parametrization {
+pub(super) fn parametrization(
+    request: Option<RuleOrNumbers<ParameterRule>>,
+    usual: Parametrization,
+) -> Parametrization {
     match request {
-        None => Parametrization::ChordLength,
+        None => usual,
         Some(RuleOrNumbers::Numbers(values)) => Parametrization::Explicit(Arc::new(values)),
         Some(RuleOrNumbers::Rule(rule)) => match rule {
             ParameterRule::ChordLength => Parametrization::ChordLength,

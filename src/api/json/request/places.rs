@@ -53,6 +53,7 @@ impl Places {
     pub fn of_input(surface: Option<Grid>, basis_each: bool) -> Self {
         Self {
             basis_each,
+            scattered: surface.is_some_and(|grid| !grid.is_rows()),
             ..surface.map_or_else(Self::of_curve, Self::of_surface)
         }
     }

@@ -15,6 +15,7 @@ use crate::api::json::schema::numbers::{CurveWeights, SurfaceWeights};
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::ends::Ends;
 use crate::fit::invalid::{self as fit, Axis};
+use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::scattered::ScatteredSpec;
@@ -54,7 +55,7 @@ pub(in crate::api) struct CurveRequest {
 #[schemars(deny_unknown_fields)]
 #[schemars(rename = "SurfaceInput", example = schema::example_surface())]
 pub(in crate::api) struct SurfaceRequest {
-    /// Rows (u) of columns (v) of data points.
+    /// Rows (u) of columns (v) of data points, or of heights.
     pub(in crate::api) points: Option<PointGrid>,
     /// Points without rows and columns, for least-squares fits; `parameters` says where each of them is.
     pub(in crate::api) scattered: Option<ScatteredPoints>,
@@ -63,8 +64,8 @@ pub(in crate::api) struct SurfaceRequest {
     /// Short for B-splines of this degree, instead of `basis`.
     #[schemars(with = "Option<PerDirection<Degree>>")]
     pub(in crate::api) degree: Option<PerDirection<usize>>,
-    /// The parameters of the data points; of a grid without them `chord_length`. Scattered points need
-    /// them.
+    /// The parameters of the data points; of a grid without them `chord_length`, of heights `uniform`.
+    /// Scattered points need them.
     #[schemars(with = "Option<SurfaceParameterChoice>")]
     pub(in crate::api) parameters: Option<SurfaceParameters>,
     /// Weights of the data points, for a rational surface.
@@ -178,7 +179,7 @@ impl CurveRequest {
             scattered: None,
             u: AxisSpec {
                 basis: basis(self.basis.or(of_degree), doubled, &places),
-                parameters: parametrization(self.parameters),
+                parameters: parametrization(self.parameters, Parametrization::ChordLength),
                 closed: self.closed.unwrap_or(false),
                 ends: ends(self.ends, Axis::U, false),
             },
@@ -217,9 +218,10 @@ impl SurfaceRequest {
         let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
         let (parameters_u, parameters_v) = data.parameters.map(PerDirection::split).unzip();
         let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
+        let usual = Parametrization::usual_of_surface(&data.points);
         let axis = |request, doubled, parameters, closed: Option<bool>, ends| AxisSpec {
             basis: basis(request, doubled, &places),
-            parameters: parametrization(parameters),
+            parameters: parametrization(parameters, usual.clone()),
             closed: closed.unwrap_or(false),
             ends,
         };

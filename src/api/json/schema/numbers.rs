@@ -43,13 +43,13 @@ schema_of!(
     PointGrid,
     "PointGrid",
     json_schema!({
-        "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.",
+        "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points are heights, points of one coordinate. Least-squares fits may have null for missing points.",
         "type": "array",
         "items": {
             "type": "array",
             // A point as above: generators of clients do not understand a list that is a choice of a reference.
             "items": {
-                "type": ["array", "null"],
+                "type": ["array", "number", "null"],
                 "items": {"type": "number"},
                 "minItems": 1,
                 "maxItems": MAX_DIMENSION,

@@ -15,7 +15,7 @@ use super::ends::EndRules;
 use super::error::ErrorView;
 use super::job::{AppliedStop, GeometryKind, Links, Prediction, failure, path};
 use super::level::IterationEvent;
-use super::net::{each, fixed_weights, knots, line, rational};
+use super::net::{each, fixed_weights, knots, parameters, rational};
 use super::warning::WarningView;
 use super::writer::Digits;
 use super::{examples, to_bytes};
@@ -125,12 +125,7 @@ pub fn description(
         encoding: document.encoding(),
         weights: with_arrays.then(|| fixed_weights(&mut document, problem)),
         knots: with_arrays.then(|| knots(&mut document, problem)),
-        parameters: with_arrays.then(|| {
-            each(problem, |axis, _| {
-                let line = line(problem, axis, |it| it.parameters.as_slice().into());
-                document.numbers(line.count(), line)
-            })
-        }),
+        parameters: with_arrays.then(|| parameters(&mut document, problem)),
     };
     document.finish(&event)
 }
@@ -181,7 +176,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
     to_bytes(&EndEvent {
         state: status.state.name(),
         reason: status.reason.map(Reason::name),
-        detail: status.detail(job.outline().tolerance),
+        detail: status.detail(job.outline()),
         iterations: level.map_or(0, |level| level.iteration),
         error: level.map(|level| ErrorView::new(&level.error, job.outline())),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),

@@ -73,6 +73,7 @@ pub(super) fn result() -> Value {
     json!({
         "id": ID, "name": null, "kind": "curve", "state": "converged", "iteration": 23, "error": error(),
         "basis": "bspline", "degree": 3, "closed": false, "rational": null, "knots": [0, 0, 0, 0, 1, 2, 3, 3, 3, 3],
+        "parameters": [0, 1, 2, 3],
         "control_points": [[0, 0], [0, 0], [1, 2.4], [3.1, 0.6], [4, 3], [4, 3]],
     })
 }

@@ -219,9 +219,11 @@ fn weights(request: &Request) -> Option<Value> {
 }
 
 fn stop(request: &Request) -> Value {
-    let (name, tolerance) = match request.tolerance {
-        Tolerance::Absolute(value) => ("tolerance", value),
-        Tolerance::Relative(value) => ("relative_tolerance", value),
-    };
-    json!({name: tolerance, "max_iterations": request.max_iterations})
+    let mut stop = json!({"max_iterations": request.max_iterations});
+    match request.tolerance {
+        Some(Tolerance::Absolute(value)) => stop["tolerance"] = json!(value),
+        Some(Tolerance::Relative(value)) => stop["relative_tolerance"] = json!(value),
+        None => {}
+    }
+    stop
 }

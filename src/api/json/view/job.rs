@@ -12,7 +12,6 @@ use super::warning::WarningView;
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::api::problem::{Problem, ProblemBody};
-use crate::fit::outcome::Stall;
 use crate::job::Job;
 use crate::job::outline::Outline;
 use crate::job::state::{Levels, Reason, State, Status};
@@ -86,7 +85,7 @@ impl<'a> JobView<'a> {
             kind: GeometryKind::of(outline),
             state: status.state.name(),
             reason: status.reason.map(Reason::name),
-            detail: status.detail(outline.tolerance),
+            detail: status.detail(outline),
             warnings: WarningView::of(outline, status.levels.as_ref()),
             points: outline.grid.count(),
             method: AppliedMethod::new(outline, forecast),
@@ -260,7 +259,7 @@ schema_of!(
     State,
     "JobState",
     json_schema!({
-        "description": "Where a job is in its life: queued → running → converged (within the tolerance) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.",
+        "description": "Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.",
         "type": "string",
         "enum": State::ALL.map(State::name),
         "examples": ["converged"],
@@ -271,15 +270,9 @@ schema_of!(
     Reason,
     "EndReason",
     json_schema!({
-        "description": "Why a job ended, where its state does not say it.",
+        "description": "Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.",
         "type": "string",
-        "enum": [
-            Reason::Stationary.name(),
-            Reason::Stalled(Stall::Convexity).name(),
-            Reason::Stalled(Stall::Nilpotent).name(),
-            Reason::Stalled(Stall::Rounding).name(),
-            Reason::Stalled(Stall::Diverging).name(),
-        ],
-        "examples": ["stationary"],
+        "enum": Reason::ALL.map(Reason::name),
+        "examples": ["minimum"],
     })
 );

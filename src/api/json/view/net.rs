@@ -107,6 +107,17 @@ pub(super) fn line(
     }
 }
 
+/// The parameters of the data points.
+pub(super) fn parameters(
+    document: &mut Document,
+    problem: &Arc<Problem>,
+) -> PerDirection<NumberArray> {
+    each(problem, |axis, _| {
+        let line = line(problem, axis, |it| it.parameters.as_slice().into());
+        document.exact_numbers(line.count(), line)
+    })
+}
+
 /// The knots of each direction, in full.
 pub(super) fn knots(document: &mut Document, problem: &Arc<Problem>) -> PerDirection<KnotArray> {
     each(problem, |axis, direction| {

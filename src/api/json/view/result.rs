@@ -10,7 +10,9 @@ use super::error::ErrorView;
 use super::examples;
 use super::job::GeometryKind;
 use super::level::digits;
-use super::net::{ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, rational};
+use super::net::{
+    ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, parameters, rational,
+};
 use crate::api::json::per_direction::{Pair, PerDirection};
 use crate::api::json::read::values::Count;
 use crate::api::json::schema::plain::never_null;
@@ -57,6 +59,8 @@ pub struct FitResult<'a> {
     bad_weight: Option<BadWeight>,
     /// The knots, in base64 always with 64 bits.
     knots: PerDirection<KnotArray>,
+    /// The parameters of the data points, likewise.
+    parameters: PerDirection<NumberArray>,
     /// How the arrays are written, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -97,6 +101,7 @@ pub fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content
     } = frame;
     let mut document = Document::new(digits(form, level));
     let knots = knots(&mut document, problem);
+    let parameters = parameters(&mut document, problem);
     let net = ControlNet::new(&mut document, problem, control_points);
     let fixed = fixed_weights(&mut document, problem).map(ResultWeights::Fixed);
     let encoding = document.encoding();
@@ -114,6 +119,7 @@ pub fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content
         rational: rational(problem),
         bad_weight: BadWeight::of(level, problem),
         knots,
+        parameters,
         encoding,
         shape: encoding.map(|_| ArrayShape(net.shape)),
         control_points: net.points,

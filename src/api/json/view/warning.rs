@@ -16,13 +16,14 @@ use crate::model::mistakes::SpecPart;
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Warning", example = example())]
 pub struct WarningView {
-    /// What it is. `few_points`: with knots at the data the degree is no less than the number of
-    /// points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
+    /// What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
+    /// number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
     /// the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
     /// `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
     /// others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
     /// after the last iteration. `without_data`: control points of a least-squares fit have no data
-    /// and stay. There may be others in later versions.
+    /// and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
+    /// part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.

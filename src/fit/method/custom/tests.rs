@@ -51,7 +51,7 @@ fn request(rows: usize, columns: usize, basis: BasisChoice, method: Method) -> R
         start_breaks: None,
         lambda_min: None,
         scattered: None,
-        tolerance: Tolerance::Absolute(1e-13),
+        tolerance: Some(Tolerance::Absolute(1e-13)),
         max_iterations: 100,
     }
 }

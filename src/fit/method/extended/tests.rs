@@ -46,7 +46,7 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
         start_breaks: None,
         lambda_min: None,
         scattered: None,
-        tolerance: Tolerance::Relative(tolerance),
+        tolerance: Some(Tolerance::Relative(tolerance)),
         max_iterations: 10_000,
     }
 }

@@ -23,7 +23,6 @@ impl LeastSquares {
     /// With at most so many control points in both directions, and as few as will do.
     pub fn automatic(u: usize, v: usize) -> Self {
         Self {
-            variant: Variant::ConjugateGradients,
             automatic: Some(Automatic::default()),
             ..Self::new(u, v)
         }

@@ -20,7 +20,7 @@ use super::settings::LeastSquares;
 use super::solver::{Solver, cost};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 
@@ -104,7 +104,7 @@ impl End {
         self.outcome = None;
         if decrease.abs() >= SLOW && own.is_none() {
             let grows = decrease < 0.0 && !self.is_rounding(equations, value);
-            self.outcome = grows.then_some(Outcome::Stalled(Stall::Diverging));
+            self.outcome = grows.then_some(Outcome::Stalled(Reason::Diverging));
             return;
         }
         let (unit, now) = (self.unit, self.fall);
@@ -114,9 +114,9 @@ impl End {
             None => f64::INFINITY,
         };
         if above <= NEAR * value || self.is_rounding(equations, value) {
-            self.outcome = Some(Outcome::Stationary);
+            self.outcome = Some(Outcome::Minimum);
         } else if decrease < -GROWS {
-            self.outcome = Some(Outcome::Stalled(Stall::Diverging));
+            self.outcome = Some(Outcome::Stalled(Reason::Diverging));
         }
     }
 

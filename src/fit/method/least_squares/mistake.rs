@@ -8,6 +8,11 @@ use crate::fit::invalid::{Axis, Place, Setting};
 #[derive(Clone, Debug, PartialEq, Error)]
 #[allow(missing_docs, reason = "fields are the values that the messages name")]
 pub enum LeastSquaresMistake {
+    /// There is no number of control points, and no knots that imply it.
+    #[error(
+        "least_squares needs control_points: their number, on surfaces also {{\"u\": …, \"v\": …}}, or \"auto\"; only explicit knots imply it"
+    )]
+    Count,
     /// The number of weights of data is not that of the data points.
     #[error("{given} weights of data for {expected} points")]
     DataWeightCount { given: usize, expected: usize },
@@ -88,7 +93,7 @@ impl LeastSquaresMistake {
                 Place::Setting(Setting::Fairness)
             }
             Self::FairnessOrder { .. } => Place::Setting(Setting::FairnessOrder),
-            Self::NormalEquations => Place::Method,
+            Self::Count | Self::NormalEquations => Place::Method,
             Self::AutomaticVariant => Place::Setting(Setting::Variant),
             Self::AutomaticEnding => Place::Setting(Setting::Ending),
             Self::AutomaticCorrection => Place::Setting(Setting::CorrectParameters),

@@ -49,7 +49,7 @@ use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::{Axis, Invalid, ScatteredMistake, Setting};
-use crate::fit::outcome::{Outcome, Stall};
+use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
@@ -62,10 +62,14 @@ pub use automatic::{AS_MANY_AS_DATA, Automatic};
 pub use constraints::mistake::{ConstraintsMistake, MOST_CONDITIONS};
 pub use constraints::{At, Constraint, Wanted};
 pub use mistake::LeastSquaresMistake;
-pub use settings::{EndPoints, Ending, Fairness, LeastSquares, Variant};
+pub use settings::{BY_KNOTS, EndPoints, Ending, Fairness, LeastSquares, Variant};
 
 /// The most control points for each data point of a direction of a fair fit.
 const FAIR: usize = 2;
+
+/// Square matrices of conditions that are there at the same time: of each metric `C M Cᵀ` and its
+/// factor.
+const MATRICES: usize = 4;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {
@@ -102,22 +106,15 @@ impl LeastSquares {
         }
     }
 
-    /// Room for a direction of each condition, their matrix, and the energy of fairness.
+    /// Room for the matrix of conditions and its factors, with both metrics.
     fn bytes(&self) -> usize {
         let along = |constraint: &Constraint| match &constraint.wanted {
             Wanted::Across { control_points, .. } => control_points.len(),
             _ => 1,
         };
         let conditions = 4 + self.constraints.iter().map(along).sum::<usize>();
-        let control_points = self.u.saturating_mul(self.v.max(1));
-        let columns = match self.variant {
-            Variant::Direct => conditions.saturating_mul(control_points),
-            _ => 0,
-        };
-        let numbers = conditions
-            .saturating_mul(conditions)
-            .saturating_add(columns);
-        numbers.saturating_mul(2 * size_of::<f64>())
+        let numbers = conditions.saturating_mul(conditions);
+        numbers.saturating_mul(MATRICES * size_of::<f64>())
     }
 }
 
@@ -243,9 +240,9 @@ impl Scheme for LeastSquares {
         if progress.iteration == 0 || self.ending == Ending::Minimum {
             None
         } else if progress.decrease.abs() < SLOW {
-            Some(Outcome::Stationary)
+            Some(Outcome::Minimum)
         } else if progress.decrease < 0.0 {
-            Some(Outcome::Stalled(Stall::Diverging))
+            Some(Outcome::Stalled(Reason::Diverging))
         } else {
             None
         }

@@ -10,10 +10,11 @@ use std::sync::Arc;
 
 use super::constraints::Condition;
 use super::fairness::Energy;
-use super::settings::{LeastSquares, Variant};
+use super::settings::{Fairness, LeastSquares, Variant};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
 use crate::fit::points::Points;
+use crate::fit::scaling::normalizing_scale;
 use crate::fit::setup::Setup;
 
 /// Column sums below this part of the largest belong to control points without data.
@@ -31,8 +32,17 @@ pub(super) struct Objective {
 impl Objective {
     /// That of a fit with such settings.
     pub(super) fn new(setup: &Setup, settings: &LeastSquares) -> Self {
-        let weights = settings.data_weights.clone();
-        let fairness = settings.fairness();
+        let (weights, unit) = match &settings.data_weights {
+            None => (None, 1.0),
+            Some(weights) => {
+                let (weights, unit) = normalized(weights);
+                (Some(weights), unit)
+            }
+        };
+        let fairness = settings.fairness().map(|fairness| Fairness {
+            value: fairness.value * unit,
+            ..fairness
+        });
         Self {
             weighted: vec![0.0; weights.as_ref().map_or(0, |weights| weights.len())],
             weights,
@@ -167,6 +177,19 @@ impl Objective {
         let moves = have_data(&sums_of(&counted));
         (sums_of(&weighted), moves)
     }
+}
+
+/// Weights in a unit, a power of two, in which the largest is near one, so that neither sums nor
+/// squares leave the range of numbers. The minimum is the same if fairness is in this unit, too.
+fn normalized(weights: &Arc<[f64]>) -> (Arc<[f64]>, f64) {
+    let unit = normalizing_scale(weights.iter().copied().fold(0.0, f64::max));
+    if unit == 1.0 {
+        return (Arc::clone(weights), unit);
+    }
+    // A weight that is small beside others stays one.
+    let least = |weight: f64| if weight > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
+    let weights = weights.iter().map(|x| (x * unit).max(least(*x)));
+    (weights.collect(), unit)
 }
 
 /// Which column sums are those of control points with data.

@@ -5,6 +5,10 @@ use std::sync::Arc;
 use super::automatic::Automatic;
 use super::constraints::Constraint;
 use super::mistake::LeastSquaresMistake as Mistake;
+use crate::fit::choice::BasisChoice;
+
+/// The number of control points of a direction that its explicit knots imply.
+pub const BY_KNOTS: usize = usize::MAX - 1;
 
 /// A least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,13 +40,31 @@ impl LeastSquares {
             u,
             v,
             automatic: None,
-            variant: Variant::Diagonal,
+            variant: Variant::ConjugateGradients,
             ending: Ending::Minimum,
             ends: EndPoints::Usual,
             constraints: Arc::new([]),
             fairness: None,
             data_weights: None,
         }
+    }
+
+    /// The same with the numbers of control points that the bases of both directions imply.
+    pub(in crate::fit) fn with_counts<'a>(
+        &self,
+        bases: impl IntoIterator<Item = &'a BasisChoice>,
+    ) -> Result<Self, Mistake> {
+        let mut settings = self.clone();
+        let counts = [&mut settings.u, &mut settings.v];
+        for (count, basis) in counts.into_iter().zip(bases) {
+            if *count == BY_KNOTS {
+                *count = basis.implied_control_points().ok_or(Mistake::Count)?;
+            }
+        }
+        if settings.v == BY_KNOTS {
+            settings.v = settings.u;
+        }
+        Ok(settings)
     }
 
     /// The same without weights of data and constraints.
@@ -73,6 +95,21 @@ impl LeastSquares {
             true => Ok(()),
             false => Err(Mistake::NoDataWeight),
         }
+    }
+
+    /// What brings a minimum nearer to the data.
+    pub(in crate::fit) fn advice_at_minimum(&self) -> String {
+        let mut advice = match self.automatic {
+            Some(_) => vec!["more control points do not help: use a larger tolerance"],
+            None => vec!["use more control points, or \"auto\" for as many as the tolerance needs"],
+        };
+        if self.fairness().is_some() {
+            advice.push("less fairness");
+        }
+        if !self.constraints.is_empty() {
+            advice.push("fewer constraints");
+        }
+        advice.join(", or ")
     }
 
     /// Whether all data points count alike, and nothing but their distances does.

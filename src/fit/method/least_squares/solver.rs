@@ -64,12 +64,8 @@ impl Solver {
             Operator::Tensor(tensor) => Self::of_tensor(setup, tensor, &additional),
         };
         let mut scratch = vec![0.0; equations.scratch()];
-        solver.projection = Projection::columns(conditions, |condition| {
-            let mut column = vec![0.0; scale.len()];
-            let row = condition.row.iter();
-            row.for_each(|&(index, factor)| column[index] = factor);
-            solver.apply(&mut [&mut column], &mut scratch);
-            column
+        solver.projection = Projection::inverse(conditions, scale.len(), |column| {
+            solver.apply(&mut [column], &mut scratch);
         });
         solver
     }
@@ -122,7 +118,12 @@ impl Solver {
         let mut lanes: Vec<&mut [f64]> = lanes.map(AsMut::as_mut).collect();
         self.apply(&mut lanes, scratch);
         if let Some(projection) = &self.projection {
-            lanes.iter_mut().for_each(|lane| projection.step(lane));
+            let mut pulls: Vec<Vec<f64>> = lanes.iter().map(|lane| projection.pull(lane)).collect();
+            let mut solved: Vec<&mut [f64]> = pulls.iter_mut().map(AsMut::as_mut).collect();
+            self.apply(&mut solved, scratch);
+            for (lane, pull) in lanes.iter_mut().zip(&pulls) {
+                lane.iter_mut().zip(pull).for_each(|(x, step)| *x += step);
+            }
         }
     }
 

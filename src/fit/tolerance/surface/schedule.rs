@@ -329,7 +329,7 @@ impl SurfaceSchedule {
         self.outcome = Some(match self.best {
             Some(_) => Outcome::Converged,
             None if limited => Outcome::Exhausted,
-            None => Outcome::Stationary,
+            None => Outcome::Minimum,
         });
     }
 

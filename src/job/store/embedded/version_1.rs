@@ -196,10 +196,10 @@ pub(super) fn request(bytes: &[u8]) -> Result<Request, StoreError> {
         start: start.map(Arc::new),
         lambda_min: input.lambda_min,
         scattered: None,
-        tolerance: match input.relative {
+        tolerance: Some(match input.relative {
             true => Tolerance::Relative(input.tolerance),
             false => Tolerance::Absolute(input.tolerance),
-        },
+        }),
         max_iterations: number(input.max_iterations)?,
     })
 }

@@ -5,7 +5,7 @@ use prost::{Enumeration, Message};
 use crate::fit::invalid::Axis;
 use crate::fit::warning::Warning;
 
-/// A warning about a direction.
+/// A warning about a direction, or about the points.
 #[derive(Clone, Copy, PartialEq, Message)]
 pub(super) struct WarningMessage {
     #[prost(enumeration = "Code", tag = "1")]
@@ -16,6 +16,12 @@ pub(super) struct WarningMessage {
     degree: u64,
     #[prost(uint64, tag = "4")]
     count: u64,
+    #[prost(double, tag = "5")]
+    diagonal: f64,
+    #[prost(double, tag = "6")]
+    inner: f64,
+    #[prost(double, tag = "7")]
+    tolerance: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Enumeration)]
@@ -23,26 +29,45 @@ enum Code {
     Unknown = 0,
     FewPoints = 1,
     EvenDegree = 2,
+    Outliers = 3,
 }
 
 impl WarningMessage {
     /// Nothing of what follows from the forecast, which is kept itself.
     pub(super) fn new(warning: &Warning) -> Option<Self> {
-        let (code, axis, degree, count) = match *warning {
+        let of = |code: Code| Self {
+            code: code as i32,
+            ..Self::default()
+        };
+        let of_direction = |code, axis, degree: usize| Self {
+            of_v: axis == Axis::V,
+            degree: degree as u64,
+            ..of(code)
+        };
+        match *warning {
             Warning::FewPoints {
                 axis,
                 degree,
                 count,
-            } => (Code::FewPoints, axis, degree, count),
-            Warning::EvenDegree { axis, degree } => (Code::EvenDegree, axis, degree, 0),
-            _ => return None,
-        };
-        Some(Self {
-            code: code as i32,
-            of_v: axis == Axis::V,
-            degree: degree as u64,
-            count: count as u64,
-        })
+            } => Some(Self {
+                count: count as u64,
+                ..of_direction(Code::FewPoints, axis, degree)
+            }),
+            Warning::EvenDegree { axis, degree } => {
+                Some(of_direction(Code::EvenDegree, axis, degree))
+            }
+            Warning::Outliers {
+                diagonal,
+                inner,
+                tolerance,
+            } => Some(Self {
+                diagonal,
+                inner,
+                tolerance,
+                ..of(Code::Outliers)
+            }),
+            _ => None,
+        }
     }
 
     /// A warning of a later program is left out: nothing depends on it.
@@ -58,6 +83,11 @@ impl WarningMessage {
                 count,
             }),
             Code::EvenDegree => Some(Warning::EvenDegree { axis, degree }),
+            Code::Outliers => Some(Warning::Outliers {
+                diagonal: self.diagonal,
+                inner: self.inner,
+                tolerance: self.tolerance,
+            }),
         }
     }
 }

@@ -298,10 +298,11 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
         weights: of_points,
         method: Method::Global,
         selected: None,
-        tolerance: match turn % 3 {
-            0 => Tolerance::Absolute(0.0),
-            1 => Tolerance::Absolute(0.1),
-            _ => Tolerance::Relative(1e-7),
+        tolerance: match turn % 4 {
+            0 => Some(Tolerance::Absolute(0.0)),
+            1 => Some(Tolerance::Absolute(0.1)),
+            2 => Some(Tolerance::Relative(1e-7)),
+            _ => None,
         },
         max_iterations: turn,
     }

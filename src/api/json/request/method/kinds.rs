@@ -45,7 +45,7 @@ pub(in crate::api) enum SweepsRequest {
 /// the fastest iteration, or `direct` to the minimum, which iteration 1 is then.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
 #[schemars(rename_all = "snake_case")]
-#[schemars(rename = "LeastSquaresVariant", extend("default" = "diagonal"), example = &"diagonal")]
+#[schemars(rename = "LeastSquaresVariant", extend("default" = "cg"), example = &"cg")]
 pub(in crate::api) enum VariantRequest {
     Diagonal,
     Lspia,

@@ -1,13 +1,13 @@
 //! The settings of a least-squares fit.
 
+use super::MethodRequest;
 use super::counts::given;
 use super::kinds::{EndingRequest, VariantRequest, end_points};
-use super::{MethodRequest, incomplete};
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::request::settings::each_point;
 use crate::fit::invalid::{Place, Setting};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, Automatic, Constraint, Ending, Fairness, LeastSquares, Variant,
+    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, Ending, Fairness, LeastSquares, Variant,
 };
 use crate::fit::points::Grid;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
@@ -17,12 +17,7 @@ const FAIRNESS_ORDER: usize = 2;
 
 impl MethodRequest {
     pub(super) fn least_squares(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
-        let Some(control_points) = self.control_points else {
-            return incomplete(
-                "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}, or \"auto\"",
-            );
-        };
-        if control_points.is_each() && !surface {
+        if self.control_points.is_some_and(|count| count.is_each()) && !surface {
             let detail = "a curve has one number of control points";
             return Err(Mistake::at_text("/method/control_points", detail).into());
         }
@@ -42,7 +37,9 @@ impl MethodRequest {
             constraint.spec(grid, surface).map_err(wrong)
         });
         let constraints: Result<Vec<Constraint>, Mistake> = constraints.collect();
-        let given = given(control_points);
+        let given = self
+            .control_points
+            .map_or(Ok(Some((BY_KNOTS, BY_KNOTS))), given);
         let given = given.map_err(|detail| Mistake::at_text("/method/control_points", detail))?;
         let most = self.max_control_points;
         if most.is_some_and(|most| most.is_each()) && !surface {
@@ -60,17 +57,11 @@ impl MethodRequest {
         }
         let most = most.map_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA), PerDirection::split);
         let (u, v) = given.unwrap_or(most);
-        let usual = if automatic {
-            Variant::ConjugateGradients
-        } else {
-            Variant::Diagonal
-        };
         Ok(LeastSquares {
             variant: match self.variant {
-                None => usual,
+                None | Some(VariantRequest::Cg) => Variant::ConjugateGradients,
                 Some(VariantRequest::Diagonal) => Variant::Diagonal,
                 Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
-                Some(VariantRequest::Cg) => Variant::ConjugateGradients,
                 Some(VariantRequest::Direct) => Variant::Direct,
             },
             ending: match self.ending {

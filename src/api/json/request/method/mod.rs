@@ -178,8 +178,16 @@ object!(
         constraints,
         transform,
     ],
-    of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of)
+    of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of),
+    fields_by kind: fields
 );
+
+/// The fields of a method of this kind.
+fn fields(kind: &MethodKind) -> Vec<&'static str> {
+    let settings = settings(kind.name()).iter().copied();
+    std::iter::once("kind").chain(settings).collect()
+}
+
 impl MethodRequest {
     /// A method without settings.
     pub(in crate::api) fn of(kind: MethodKind) -> Self {

@@ -300,7 +300,8 @@ impl Maker<'_> {
         Ok(unit.iter().map(|x| x / norm * length).collect())
     }
 
-    /// A boundary, or the derivative across it: one condition for each control point along it.
+    /// A boundary, or the derivative across it: one condition for each control point along it, in the order
+    /// of the control net. Along a closed direction the copies at its end may be given, too.
     fn across(
         &self,
         (axis, side): (Axis, Side),
@@ -315,14 +316,22 @@ impl Maker<'_> {
         if direction.is_closed() {
             return Err(unfit(index, "is along a boundary of a closed direction"));
         }
-        let expected = match axis {
-            Axis::U => grid.columns,
-            Axis::V => grid.rows,
+        let other = match axis {
+            Axis::U => self.direction(Axis::V),
+            Axis::V => self.direction(Axis::U),
         };
-        if control_points.len() != expected {
+        let other = other.unwrap_or(direction);
+        let (given, expected) = (control_points.len(), other.free());
+        let repeats = |k: usize| {
+            control_points
+                .point(k)
+                .eq(control_points.point(k % expected))
+        };
+        let complete = given == other.basis.functions() && (expected..given).all(repeats);
+        if given != expected && !complete {
             return Err(Mistake::Boundary {
                 index,
-                given: control_points.len(),
+                given,
                 expected,
             });
         }
@@ -344,10 +353,12 @@ impl Maker<'_> {
         let condition = |along: usize| {
             let vector: Vec<f64> = control_points.point(along).collect();
             let row = factors.iter();
+            // Free control points of a closed direction are counted from another one on.
+            let free = other.equal_to(along).unwrap_or(along);
             Ok(Condition {
                 constraint: Some(index),
                 row: row
-                    .map(|&(across, factor)| (at(across, along), factor))
+                    .map(|&(across, factor)| (at(across, free), factor))
                     .collect(),
                 value: self.value([order, 0], &vector, None)?,
             })

@@ -39,7 +39,7 @@ pub(in super::super) fn independent(
             continue;
         };
         let agrees = agrees(&condition, &kept, &factors, setup);
-        let others = || names(&kept, &factors);
+        let others = || names(condition.constraint, &kept, &factors);
         match condition.constraint {
             Some(index) if agrees => {
                 let others = others();
@@ -127,13 +127,18 @@ fn agrees(condition: &Condition, kept: &[Condition], factors: &[f64], setup: &Se
     })
 }
 
-/// The constraints that take part in a sum, as a message names them.
-fn names(kept: &[Condition], factors: &[f64]) -> String {
+/// The constraints that take part in a sum besides the constraint that is this sum, as a message names
+/// them.
+fn names(own: Option<usize>, kept: &[Condition], factors: &[f64]) -> String {
     let part = kept.iter().zip(factors);
     let part = part.filter(|(_, factor)| factor.abs() > TAKES_PART);
     let mut indices: Vec<usize> = part.filter_map(|(other, _)| other.constraint).collect();
+    indices.sort_unstable();
     indices.dedup();
+    let all = indices.len();
+    indices.retain(|index| Some(*index) != own);
     match &indices[..] {
+        [] if all > 0 => "what else it asks for itself".to_owned(),
         [] => "nothing: no control point takes part in it".to_owned(),
         [index] => format!("constraint {index}"),
         [first @ .., last] => {

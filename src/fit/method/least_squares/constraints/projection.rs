@@ -21,8 +21,8 @@ pub(in super::super) struct Projection {
 enum Metric {
     /// Its diagonal.
     Diagonal(Vec<f64>),
-    /// The columns of `M Cᵀ`.
-    Columns(Vec<Vec<f64>>),
+    /// The inverse of a matrix that somebody else has factorized.
+    Inverse,
 }
 
 impl Projection {
@@ -45,20 +45,29 @@ impl Projection {
         Self::new(conditions, Metric::Diagonal(diagonal.to_vec()), gram)
     }
 
-    /// With `M Cᵀ` by its columns: M is the inverse of a matrix. Conditions on control points that
-    /// do not move are left out, as the start obeys them.
-    pub(in super::super) fn columns(
+    /// With the inverse M of a matrix of this order, which `solve` multiplies with: `C M Cᵀ` is the
+    /// Schur complement of the bordered system, made a column at a time. Conditions on control points
+    /// that do not move are left out, as the start obeys them.
+    pub(in super::super) fn inverse(
         conditions: &[Condition],
-        mut column: impl FnMut(&Condition) -> Vec<f64>,
+        order: usize,
+        mut solve: impl FnMut(&mut [f64]),
     ) -> Option<Self> {
-        let (conditions, columns): (Vec<Condition>, Vec<Vec<f64>>) = conditions
-            .iter()
-            .map(|condition| (condition.clone(), column(condition)))
-            .filter(|(condition, column)| product(condition, column) > 0.0)
-            .unzip();
-        let count = conditions.len();
-        let gram = DMatrix::from_fn(count, count, |k, l| product(&conditions[k], &columns[l]));
-        Self::new(&conditions, Metric::Columns(columns), gram)
+        let all = conditions.len();
+        let mut gram = DMatrix::zeros(all, all);
+        let mut column = vec![0.0; order];
+        for (l, condition) in conditions.iter().enumerate() {
+            column.fill(0.0);
+            condition.add(1.0, &mut column);
+            solve(&mut column);
+            for (k, condition) in conditions.iter().enumerate() {
+                gram[(k, l)] = product(condition, &column);
+            }
+        }
+        let moving: Vec<usize> = (0..all).filter(|&k| gram[(k, k)] > 0.0).collect();
+        let gram = gram.select_rows(&moving).select_columns(&moving);
+        let moving = moving.iter().map(|&k| conditions[k].clone());
+        Self::new(&moving.collect::<Vec<_>>(), Metric::Inverse, gram)
     }
 
     fn new(conditions: &[Condition], metric: Metric, gram: DMatrix<f64>) -> Option<Self> {
@@ -87,38 +96,30 @@ impl Projection {
         values
     }
 
-    /// `x ← x + M Cᵀ λ`.
-    fn add(&self, x: &mut [f64], multipliers: &[f64]) {
-        match &self.metric {
-            Metric::Diagonal(diagonal) => {
-                for (condition, multiplier) in self.conditions.iter().zip(multipliers) {
-                    for &(j, factor) in &condition.row {
-                        x[j] += diagonal[j] * factor * multiplier;
-                    }
-                }
-            }
-            Metric::Columns(columns) => {
-                for (column, multiplier) in columns.iter().zip(multipliers) {
-                    x.iter_mut()
-                        .zip(column)
-                        .for_each(|(x, y)| *x += y * multiplier);
-                }
+    /// `x ← x + S (R − C x)` for one coordinate and a diagonal M: x obeys the conditions.
+    pub(in super::super) fn correct(&self, coordinate: usize, x: &mut [f64]) {
+        let Metric::Diagonal(diagonal) = &self.metric else {
+            return;
+        };
+        let left = |condition: &Condition| condition.value[coordinate] - product(condition, x);
+        let multipliers = self.multipliers(self.conditions.iter().map(left).collect());
+        for (condition, multiplier) in self.conditions.iter().zip(multipliers) {
+            for &(j, factor) in &condition.row {
+                x[j] += diagonal[j] * factor * multiplier;
             }
         }
     }
 
-    /// `x ← x + S (R − C x)` for one coordinate: x obeys the conditions.
-    pub(in super::super) fn correct(&self, coordinate: usize, x: &mut [f64]) {
-        let left = |condition: &Condition| condition.value[coordinate] - product(condition, x);
-        let left = self.conditions.iter().map(left).collect();
-        self.add(x, &self.multipliers(left));
-    }
-
-    /// `x ← x − S C x`: a step along x leaves the conditions as they are.
-    pub(in super::super) fn step(&self, x: &mut [f64]) {
+    /// `−Cᵀ (C M Cᵀ)⁻¹ C x`: with M times this added, a step along x leaves the conditions as they
+    /// are.
+    pub(in super::super) fn pull(&self, x: &[f64]) -> Vec<f64> {
         let left = self.conditions.iter();
         let left = left.map(|condition| -product(condition, x)).collect();
-        self.add(x, &self.multipliers(left));
+        let mut pull = vec![0.0; x.len()];
+        for (condition, multiplier) in self.conditions.iter().zip(self.multipliers(left)) {
+            condition.add(multiplier, &mut pull);
+        }
+        pull
     }
 
     /// `g ← g − Cᵀ (C M Cᵀ)⁻¹ C M g` for a diagonal M.
@@ -137,6 +138,15 @@ impl Projection {
                 gradient[j] -= factor * multiplier;
             }
         }
+    }
+}
+
+impl Condition {
+    /// Adds a multiple of its row.
+    fn add(&self, factor: f64, x: &mut [f64]) {
+        self.row
+            .iter()
+            .for_each(|&(j, entry)| x[j] += factor * entry);
     }
 }
 

@@ -1,0 +1,131 @@
+//! What need not be said: heights are a surface, explicit knots say how many control points there are, and
+//! results have the parameters of the data.
+
+use prost::Message;
+use serde_json::{Value, json};
+
+use crate::data;
+use crate::messages as pb;
+use crate::support::{Server, base};
+
+/// Heights of m × n points are a surface of one coordinate at equal steps of the parameters.
+#[tokio::test]
+async fn heights_are_a_surface() {
+    let server = Server::start().await;
+    let height = |i: usize, j: usize| (0.4 * i as f64).sin() + 0.1 * j as f64;
+    let rows = |wrap: &dyn Fn(f64) -> Value| -> Value {
+        let row = |i| (0..9).map(|j| wrap(height(i, j))).collect::<Value>();
+        (0..7).map(row).collect()
+    };
+    let job = |points: Value| json!({"surface": {"points": points}, "method": "direct"});
+    let heights = server.fit(&job(rows(&|z| json!(z)))).await;
+    assert_eq!(heights["state"], "converged", "{heights:#}");
+    assert_eq!(
+        (&heights["kind"], &heights["points"]),
+        (&json!("surface"), &json!(63))
+    );
+    let result = server.json(&format!("{}/result", base(&heights))).await;
+    assert_eq!(result["parameters"]["u"][3], 0.5);
+    assert_eq!(result["control_points"][0][0].as_array().unwrap().len(), 1);
+    // The same as points of one coordinate, and as it is given back.
+    let lists = server.fit(&job(rows(&|z| json!([z])))).await;
+    assert_eq!(lists["error"], heights["error"]);
+    let input = server.json(&format!("{}/input", base(&heights))).await;
+    assert_eq!(input["surface"]["parameters"], "uniform");
+    assert_eq!(server.fit(&input).await["error"], heights["error"]);
+    // Least squares leaves out what is missing.
+    let mut missing = rows(&|z| json!(z));
+    missing[2][3] = Value::Null;
+    let holed = json!({"surface": {"points": missing}, "method": {"kind": "least_squares", "control_points": 5}});
+    assert_eq!(server.fit(&holed).await["state"], "converged");
+    // Other parameters if they are asked for, and either heights or points.
+    let mut chords = job(json!([[0, 1, 3], [1, 2, 4], [3, 5, 9]]));
+    chords["surface"]["parameters"] = json!("chord_length");
+    let chords = server.fit(&chords).await;
+    let chords = server.json(&format!("{}/result", base(&chords))).await;
+    assert_ne!(chords["parameters"]["u"][1], 0.5);
+    let mixed = job(json!([[1, 2], [3, [4, 5]]]));
+    server
+        .assert_refused(
+            &mixed,
+            "/surface/points/1/1",
+            "this point has 2 coordinates, the first has 1",
+        )
+        .await;
+    let curve = json!({"curve": {"points": [1, 2, 3]}});
+    server
+        .assert_refused(&curve, "/curve/points/0", "expected a point")
+        .await;
+}
+
+/// In messages, too.
+#[tokio::test]
+async fn results_have_the_parameters_of_the_data() {
+    let server = Server::start().await;
+    let jobs = [
+        json!({"curve": {"points": data::wave(30)}}),
+        json!({"curve": {"points": data::wave(30), "closed": true}, "method": {"kind": "least_squares", "control_points": 9}}),
+        json!({"surface": {"points": data::peaks(8)}, "method": "direct"}),
+        json!({"curve": {"points": data::wave(60)}, "method": {
+            "kind": "least_squares", "control_points": "auto", "correct_parameters": true,
+        }, "stop": {"tolerance": 1e-3}}),
+    ];
+    for job in jobs {
+        let story = server.stream(&job).await;
+        let path = base(&story.job).to_owned();
+        let result = server.json(&format!("{path}/result")).await;
+        if job["method"]["correct_parameters"] != true {
+            assert_eq!(result["parameters"], story.job["parameters"], "{job}");
+        }
+        let accept = server
+            .get(&format!("{path}/result"))
+            .header("accept", "application/x-protobuf");
+        let message = accept.send().await.unwrap().bytes().await.unwrap();
+        let message = pb::FitResult::decode(message).unwrap();
+        let u = message.u.unwrap().parameters;
+        match message.v {
+            None => assert_eq!(json!(u), result["parameters"]),
+            Some(v) => assert_eq!(json!({"u": u, "v": v.parameters}), result["parameters"]),
+        }
+    }
+}
+
+#[tokio::test]
+async fn explicit_knots_imply_control_points() {
+    let server = Server::start().await;
+    let knots = json!([0, 0, 0, 0, 2, 5, 9, 9, 9, 9]);
+    let job = |knots: &Value, method: Value| {
+        let basis = json!({"kind": "bspline", "degree": 3, "knots": knots});
+        let parameters: Vec<u32> = (0..=9).collect();
+        json!({"curve": {"points": data::wave(10), "basis": basis, "parameters": parameters}, "method": method})
+    };
+    let implied = server.fit(&job(&knots, json!("least_squares"))).await;
+    assert_eq!(implied["method"]["control_points"], 6, "{implied:#}");
+    let method = json!({"kind": "least_squares", "control_points": 6});
+    let given = server.fit(&job(&knots, method)).await;
+    assert_eq!(implied["error"], given["error"]);
+    let input = server.json(&format!("{}/input", base(&implied))).await;
+    assert_eq!(input["method"]["control_points"], 6);
+
+    let each = json!({"u": {"kind": "bspline", "degree": 3, "knots": [0, 0, 0, 0, 4, 7, 7, 7, 7]}, "v": {"kind": "bspline", "degree": 2, "knots": [0, 0, 0, 7, 7, 7]}});
+    let parameters: Vec<u32> = (0..=7).collect();
+    let mut surface = json!({
+        "surface": {"points": data::peaks(8), "basis": each, "parameters": parameters},
+        "method": {"kind": "least_squares", "variant": "direct"},
+    });
+    let fitted = server.fit(&surface).await;
+    assert_eq!(
+        fitted["method"]["control_points"],
+        json!({"u": 5, "v": 3}),
+        "{fitted:#}"
+    );
+    surface["surface"]["basis"]["v"] = json!("bspline");
+    let detail = "least_squares needs control_points";
+    server.assert_refused(&surface, "/method", detail).await;
+    let without = json!({"curve": {"points": data::wave(10)}, "method": "least_squares"});
+    server.assert_refused(&without, "/method", detail).await;
+    let zero = json!({"curve": {"points": data::wave(10)}, "method": {"kind": "least_squares", "control_points": 0}});
+    server
+        .assert_refused(&zero, "/method/control_points", "give at least 2")
+        .await;
+}
