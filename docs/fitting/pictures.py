@@ -54,20 +54,18 @@ def jobs() -> dict:
 
 
 def growing(base: str) -> None:
-    """One fit on its way: the first iterations with 5, 9 and 14 control points."""
+    """One fit on its way: the first iterations with at least 5, 9 and 14 control points, and the last."""
     resource = json.loads(fetch(f"{base}/v1/jobs", json.dumps(leaves(0.01) | {"name": "on the way"}).encode()))
     path = base + resource["links"]["self"]
-    counts, k = [5, 9, 14], 0
-    while counts:
+    wanted = [5, 9, 14]
+    for k in range(resource["iteration"] + 1):
         iteration = json.loads(fetch(f"{path}/iterations/{k}"))
-        if len(iteration["control_points"]) >= counts[0]:
-            count = counts.pop(0)
-            (FOLDER / f"growing_{count}.svg").write_bytes(fetch(f"{path}/iterations/{k}/svg"))
-            print(f"{len(iteration['control_points'])} control points at iteration {k}: {iteration['error']['max']:.3g}")
-        k += 1
-    (FOLDER / "growing.svg").write_bytes(fetch(f"{path}/result/svg"))
-    result = json.loads(fetch(f"{path}/result"))
-    print(f"{len(result['control_points'])} control points at the end, iteration {resource['iteration']}")
+        count = len(iteration["control_points"])
+        if k < resource["iteration"] and not (wanted and count >= wanted[0]):
+            continue
+        del wanted[:1]
+        (FOLDER / f"growing_{count}.svg").write_bytes(fetch(f"{path}/iterations/{k}/svg"))
+        print(f"{count} control points at iteration {k}: largest distance {iteration['error']['max']:.3g}")
 
 
 def main() -> int:
