@@ -70,7 +70,7 @@ fn not_converged(job: &Job, status: Status) -> Problem {
             levels.last.iteration, levels.last.error.max
         ),
     };
-    let why = status.detail(tolerance);
+    let why = status.detail(job.outline());
     let why = why.map_or(String::new(), |detail| format!("; {detail}"));
     Problem::new(Kind::NotConverged, format!("the fit is {state}{left}{why}"))
 }
