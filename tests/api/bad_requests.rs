@@ -175,9 +175,9 @@ fn wrong_shape() -> Vec<Bad> {
             "null",
         ),
         bad(
-            surface("points", json!([[0, 0], [1, "1"]])),
-            "/surface/points/1/1",
-            "expected a point",
+            surface("points", json!([[0, 0], [1, 1]])),
+            "/surface/points/0",
+            "expected a row of points",
         ),
         bad(
             surface("points", json!([[[0, 0], [0, 1]]])),

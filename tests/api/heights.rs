@@ -39,12 +39,12 @@ async fn heights_are_a_surface() {
     let holed = json!({"surface": {"points": missing}, "method": {"kind": "least_squares", "control_points": 5}});
     assert_eq!(server.fit(&holed).await["state"], "converged");
     // Other parameters if they are asked for, and either heights or points.
-    let mut chords = job(json!([[0, 1, 3], [1, 2, 4], [3, 5, 9]]));
+    let mut chords = job(json!([[0, 1, 3, 4], [1, 2, 4, 6], [3, 5, 9, 1]]));
     chords["surface"]["parameters"] = json!("chord_length");
     let chords = server.fit(&chords).await;
     let chords = server.json(&format!("{}/result", base(&chords))).await;
     assert_ne!(chords["parameters"]["u"][1], 0.5);
-    let mixed = job(json!([[1, 2], [3, [4, 5]]]));
+    let mixed = job(json!([[1, 2, 3, 4], [3, [4, 5], 6, 7]]));
     server
         .assert_refused(
             &mixed,
@@ -52,6 +52,16 @@ async fn heights_are_a_surface() {
             "this point has 2 coordinates, the first has 1",
         )
         .await;
+    // A list of points is no surface.
+    let list = job(json!([[1, 2, 3], [3, 4, 5]]));
+    let detail = "a list of points is a curve";
+    server
+        .assert_refused(&list, "/surface/points/0", detail)
+        .await;
+    let few = server
+        .fit(&job(json!([[[1], [2], [4]], [[3], [4], [9]]])))
+        .await;
+    assert_eq!(few["state"], "converged", "{few:#}");
     let curve = json!({"curve": {"points": [1, 2, 3]}});
     server
         .assert_refused(&curve, "/curve/points/0", "expected a point")

@@ -186,7 +186,7 @@ async fn points_in_other_forms_are_explained() {
         ),
         (
             json!({"surface": {"points": [[0, 0], [1, 1]]}}),
-            "/surface/points/0/0",
+            "/surface/points/0",
             "a list of points is a curve",
         ),
         (

@@ -162,3 +162,26 @@ fn progress_and_a_summary_are_told_unless_it_is_quiet() {
         assert_eq!((told.err.as_str(), told.out.len()), ("", 0));
     }
 }
+
+/// A least-squares minimum further away than was asked for is no success, and is written all the same.
+#[test]
+fn a_minimum_above_the_tolerance_is_told_by_the_exit_status() {
+    let folder = Folder::new();
+    let points = "[[0, 0], [1, 2], [2, -1], [3, 2], [4, 0], [5, 3], [6, 1]]";
+    let method = r#"{"kind": "least_squares", "control_points": 4}"#;
+    for (stop, status, said) in [
+        ("", 0, "no tolerance was asked for"),
+        (
+            r#", "stop": {"tolerance": 1e-4}"#,
+            1,
+            "use more control points",
+        ),
+    ] {
+        let job = format!(r#"{{"curve": {{"points": {points}}}, "method": {method}{stop}}}"#);
+        folder.write("job.json", &job);
+        let told = folder.fit(&["job.json", "-o", "curve.step"]);
+        assert_eq!(told.status, status, "{}", told.err);
+        assert!(told.err.contains(said), "{}", told.err);
+        assert!(!folder.read("curve.step").is_empty());
+    }
+}

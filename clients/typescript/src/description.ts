@@ -908,7 +908,7 @@ export interface components {
             ends?: components["schemas"]["SurfaceEnds"] | null;
         };
         /**
-         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points are heights, points of one coordinate. Least-squares fits may have null for missing points.
+         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points, at least four of them in a row, are heights, points of one coordinate. Least-squares fits may have null for missing points.
          * @example [
          *       [
          *         [

@@ -1,6 +1,6 @@
 //! Reads points from JSON straight into the arrays that are computed with.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use serde::de::{MapAccess, SeqAccess};
 
@@ -175,24 +175,47 @@ impl Reader for PointRowReader<'_> {
     ) -> Result<Option<usize>, A::Error> {
         let Self(gathered, under) = self;
         let most = Most::of(at.limits().points, "points").after(gathered.borrow().count);
-        let mut length = 0;
+        let (mut length, heights) = (0, Cell::new(false));
         let whole = at.elements(
             list,
             most,
-            || PointReader(under),
+            || PointReader {
+                under,
+                heights: Some(&heights),
+            },
             |point, at| {
                 length += 1;
                 gathered.borrow_mut().push(point, at)
             },
         )?;
+        if whole && heights.get() && length <= MAX_DIMENSION {
+            at.wrong(format!(
+                "expected a row of points, found {length} numbers: a list of points is a curve, and rows of so few \
+                 heights are written as points, [[z], …]"
+            ));
+            return Ok(None);
+        }
         Ok(whole.then_some(length))
     }
 }
 
 /// A point; none if it is missing.
-struct PointReader(Under);
+struct PointReader<'a> {
+    under: Under,
+    /// Whether there was a number instead of a point.
+    heights: Option<&'a Cell<bool>>,
+}
 
-impl Reader for PointReader {
+impl PointReader<'_> {
+    fn of_edit() -> Self {
+        Self {
+            under: Under::Edit,
+            heights: None,
+        }
+    }
+}
+
+impl Reader for PointReader<'_> {
     type Value = Option<Coordinates>;
 
     fn expected(&self) -> String {
@@ -200,7 +223,7 @@ impl Reader for PointReader {
     }
 
     fn null(self, at: &mut Reading) -> Option<Option<Coordinates>> {
-        if self.0 == Under::Surface {
+        if self.under == Under::Surface {
             return Some(None);
         }
         at.mismatch(&self.expected(), "null");
@@ -208,8 +231,8 @@ impl Reader for PointReader {
     }
 
     fn number(self, value: Numeral, at: &mut Reading) -> Option<Option<Coordinates>> {
-        if self.0 == Under::Surface {
-            // A height.
+        if let (Under::Surface, Some(heights)) = (self.under, self.heights) {
+            heights.set(true);
             return Some(Coordinates::of(&[value.real()]));
         }
         at.wrong(format!("expected {}, found {value}", self.expected()));
@@ -223,7 +246,7 @@ impl Reader for PointReader {
     ) -> Result<Option<Option<Coordinates>>, A::Error> {
         let mut values = [0.0; MAX_DIMENSION];
         let mut count = 0;
-        let reader = || CoordinateReader(self.0);
+        let reader = || CoordinateReader(self.under);
         let whole = at.elements(list, Most::any(), reader, |x, _| {
             if let Some(place) = values.get_mut(count) {
                 *place = x;
@@ -291,11 +314,11 @@ impl Reader for Of<Coordinates> {
     type Value = Coordinates;
 
     fn expected(&self) -> String {
-        PointReader(Under::Edit).expected()
+        PointReader::of_edit().expected()
     }
 
     fn number(self, value: Numeral, at: &mut Reading) -> Option<Coordinates> {
-        PointReader(Under::Edit).number(value, at).flatten()
+        PointReader::of_edit().number(value, at).flatten()
     }
 
     fn list<'de, A: SeqAccess<'de>>(
@@ -303,7 +326,7 @@ impl Reader for Of<Coordinates> {
         list: A,
         at: &mut Reading,
     ) -> Result<Option<Coordinates>, A::Error> {
-        Ok(PointReader(Under::Edit).list(list, at)?.flatten())
+        Ok(PointReader::of_edit().list(list, at)?.flatten())
     }
 
     fn object<'de, A: MapAccess<'de>>(
@@ -311,6 +334,6 @@ impl Reader for Of<Coordinates> {
         members: Members<A>,
         at: &mut Reading,
     ) -> Result<Option<Coordinates>, A::Error> {
-        Ok(PointReader(Under::Edit).object(members, at)?.flatten())
+        Ok(PointReader::of_edit().object(members, at)?.flatten())
     }
 }

@@ -43,7 +43,7 @@ schema_of!(
     PointGrid,
     "PointGrid",
     json_schema!({
-        "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points are heights, points of one coordinate. Least-squares fits may have null for missing points.",
+        "description": "The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points, at least four of them in a row, are heights, points of one coordinate. Least-squares fits may have null for missing points.",
         "type": "array",
         "items": {
             "type": "array",
