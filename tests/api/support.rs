@@ -13,8 +13,23 @@ use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 
-/// How long a test waits for anything.
+/// A guard against hanging, also on a slow and busy machine: how long anything takes is measured by
+/// benches, not by tests.
 pub const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A limit that no test reaches.
+pub const NEVER: Duration = Duration::from_secs(3600);
+
+/// Asks until the answer is yes.
+pub async fn eventually(what: &str, mut is_so: impl AsyncFnMut() -> bool) {
+    let asked = async {
+        while !is_so().await {
+            sleep(Duration::from_millis(10)).await;
+        }
+    };
+    let answered = timeout(PATIENCE, asked).await;
+    assert!(answered.is_ok(), "not within {PATIENCE:?}: {what}");
+}
 
 /// A server of its own for a test, in the same process, on a free port.
 pub struct Server {
@@ -113,19 +128,24 @@ impl Server {
 
     /// Waits until one of the metrics has a value.
     pub async fn until(&self, name: &str, value: f64) {
-        let reached = async {
-            while self.metrics().await.get(name) != Some(&value) {
-                sleep(Duration::from_millis(10)).await;
-            }
-        };
-        let reached = timeout(PATIENCE, reached).await;
-        assert!(reached.is_ok(), "{name} is not {value}");
+        let what = format!("{name} is {value}");
+        eventually(&what, async || {
+            self.metrics().await.get(name) == Some(&value)
+        })
+        .await;
+    }
+
+    /// Waits until a job is in a state.
+    pub async fn until_state(&self, path: &str, state: &str) {
+        let what = format!("{path} is {state}");
+        eventually(&what, async || self.json(path).await["state"] == state).await;
     }
 
     /// Tells the server to stop and waits until it has.
     pub async fn stop(mut self) {
         self.stop.take().unwrap().send(()).unwrap();
-        self.served.await.unwrap().unwrap();
+        let served = timeout(PATIENCE, self.served).await.expect("it stops");
+        served.unwrap().unwrap();
     }
 }
 

@@ -9,18 +9,17 @@ mod lifecycle;
 pub mod refused;
 pub mod sessions;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
 use parking_lot::Mutex;
 use tokio::sync::Notify;
-use tokio::time::{sleep, timeout};
+use tokio::time::sleep;
 use tracing::{error, info};
 use uuid::Uuid;
 
-use super::Job;
 use super::memory::Share;
 use super::outline::Outline;
 use super::recent::Recent;
@@ -29,6 +28,7 @@ use super::scheduler::WorkLane;
 use super::slots::Slots;
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
+use super::Job;
 use sessions::Sessions;
 
 /// The longest time between two searches for jobs that have become too old.
@@ -36,6 +36,9 @@ const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 
 /// How long to wait after a job has ended before old ones are removed: others may end with it.
 const RETENTION_PAUSE: Duration = Duration::from_millis(50);
+
+/// How often jobs that were spared because somebody held them are looked at again.
+const SPARED_CHECK: Duration = Duration::from_secs(1);
 
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
@@ -117,19 +120,36 @@ impl Jobs {
             let slot = self.slots.occupy();
             tokio::spawn(Arc::clone(self).drive(job, None, slot));
         }
-        let jobs = Arc::downgrade(self);
-        let age_check = (self.limits.retention.age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK);
-        tokio::spawn(async move {
-            while let Some(jobs) = jobs.upgrade() {
-                jobs.retain().await;
-                let ended = Arc::clone(&jobs.ended);
-                drop(jobs);
-                let _ = timeout(age_check, ended.notified()).await;
-                // Many jobs may end at about the same time.
-                sleep(RETENTION_PAUSE).await;
-            }
-        });
+        tokio::spawn(Self::go_on_retaining(Arc::downgrade(self)));
         Ok(())
+    }
+
+    /// Removes old jobs after others have ended, after some time, and when those who held them have let go.
+    async fn go_on_retaining(jobs: Weak<Self>) {
+        while let Some(strong) = jobs.upgrade() {
+            let spared = strong.retain().await;
+            let age = strong.limits.retention.age;
+            let ended = Arc::clone(&strong.ended);
+            drop(strong);
+            let released = async {
+                // A commit takes longer than a look at the jobs in memory.
+                while !spared.is_empty() {
+                    sleep(SPARED_CHECK).await;
+                    let Some(strong) = jobs.upgrade() else { return };
+                    if !spared.is_subset(&strong.held()) {
+                        return;
+                    }
+                }
+                std::future::pending().await
+            };
+            tokio::select! {
+                () = ended.notified() => {}
+                () = sleep((age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK)) => {}
+                () = released => {}
+            }
+            // Many jobs may end at about the same time.
+            sleep(RETENTION_PAUSE).await;
+        }
     }
 
     /// Puts running jobs back into the queue for the next start of the server.
@@ -242,16 +262,27 @@ impl Jobs {
         }
     }
 
-    async fn retain(&self) {
+    /// Jobs that are read, that run, or whose request is not answered yet.
+    fn held(&self) -> HashSet<Uuid> {
+        self.recent.held(&self.live)
+    }
+
+    /// Removes jobs that are beyond the retention and that nobody holds; gives those that were held.
+    async fn retain(&self) -> HashSet<Uuid> {
         loop {
-            match self.store.retain(self.limits.retention).await {
+            let held = self.held();
+            let retained = self.store.retain(self.limits.retention, held.clone());
+            match retained.await {
                 Ok(forgotten) => {
                     self.forget(&forgotten);
                     if forgotten.len() < FORGOTTEN_AT_ONCE {
-                        return;
+                        return held;
                     }
                 }
-                Err(error) => return error!(%error, "old jobs could not be removed"),
+                Err(error) => {
+                    error!(%error, "old jobs could not be removed");
+                    return held;
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The store of ephemeral edits, which keeps nothing.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use async_trait::async_trait;
@@ -54,7 +55,7 @@ impl Store for Nowhere {
         done(false)
     }
 
-    fn retain(&self, _: Retention) -> Acknowledgement<Vec<Uuid>> {
+    fn retain(&self, _: Retention, _: HashSet<Uuid>) -> Acknowledgement<Vec<Uuid>> {
         done(Vec::new())
     }
 
