@@ -2,6 +2,7 @@
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
 use super::stop::DEFAULT_TOLERANCE;
+use crate::fit::admission::Admission;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{self as fit, Axis};
@@ -18,17 +19,22 @@ impl Mistakes {
     pub(super) fn fit(
         &mut self,
         request: Request,
+        admission: &Admission,
         place: impl Fn(fit::Place) -> SpecPart,
     ) -> Option<Problem> {
         let few = request.grid.count() <= MOST_COPIED;
         let mut copy = few.then(|| request.clone());
         let mut next = Some(request);
         while let Some(request) = next.take() {
-            let error = match Problem::new(request) {
+            let error = match Problem::admitted(request, admission) {
                 Ok(problem) => return Some(problem),
                 Err(error) => error,
             };
-            self.push(Mistake::at(place(error.place()), error.to_string()));
+            let part = match error {
+                fit::Invalid::TooMuch(_) => SpecPart::Whole,
+                _ => place(error.place()),
+            };
+            self.push(Mistake::at(part, error.to_string()));
             if self.full() {
                 break;
             }

@@ -19,6 +19,7 @@ mod patch;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::interrupt;
 use super::nurbs::Nurbs;
 use super::points::Points;
 use super::problem::Problem;
@@ -97,9 +98,11 @@ pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoi
     };
     let cells = Cells::new(surface, v, |index| place(&surface.points, index));
     let mut pairs = vec![[f64::NAN; 2]; points.len()];
+    let rule = interrupt::rule();
     pairs
         .par_chunks_mut(CHUNK)
         .enumerate()
+        .take_any_while(|_| rule.as_ref().is_none_or(|is_over| !is_over()))
         .for_each(|(chunk, pairs)| {
             let mut search = cells.search();
             for (i, pair) in pairs.iter_mut().enumerate() {
@@ -109,6 +112,7 @@ pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoi
                 }
             }
         });
+    interrupt::check();
     let lane = |k: usize| pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>();
     Ok(Points::from_lanes([lane(0), lane(1)]))
 }

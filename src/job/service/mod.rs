@@ -22,13 +22,15 @@ use uuid::Uuid;
 
 use super::memory::Share;
 use super::outline::Outline;
+use super::peer::Peer;
 use super::recent::Recent;
 use super::resources::Resources;
-use super::scheduler::WorkLane;
-use super::slots::Slots;
+use super::scheduler::{QUICK, WorkLane};
+use super::slots::{Quota, Slots};
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
-use super::Job;
+use super::{Job, Owner};
+use crate::fit::admission::Admission;
 use sessions::Sessions;
 
 /// The longest time between two searches for jobs that have become too old.
@@ -40,6 +42,12 @@ const RETENTION_PAUSE: Duration = Duration::from_millis(50);
 /// How often jobs that were spared because somebody held them are looked at again.
 const SPARED_CHECK: Duration = Duration::from_secs(1);
 
+/// The most multiplications of an iteration; they take a second or two.
+const MOST_OF_A_STEP: usize = 2_000_000_000;
+
+/// The most multiplications before the first iteration. They have the long lane and take some seconds.
+const MOST_OF_A_START: usize = 20_000_000_000;
+
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
 pub struct JobLimits {
@@ -48,7 +56,7 @@ pub struct JobLimits {
     /// Jobs that have not ended.
     pub jobs: usize,
     /// Those of them that one peer has made.
-    pub jobs_of_a_peer: usize,
+    pub jobs_of_a_peer: Quota,
     /// What is kept of jobs that have ended.
     pub retention: Retention,
 }
@@ -99,6 +107,19 @@ impl Jobs {
         &self.resources
     }
 
+    /// What a fit may take: no more memory than the share that it would be run in, and no steps so long
+    /// that others, and those who cancel it, would wait for seconds.
+    pub fn admission(&self) -> Admission {
+        let memory = &self.resources.memory;
+        Admission {
+            quick: memory.quick.bytes(),
+            heavy: memory.heavy.bytes(),
+            small_step: QUICK,
+            step: MOST_OF_A_STEP,
+            start: MOST_OF_A_START,
+        }
+    }
+
     /// How many jobs wait for their turn.
     pub fn queued(&self) -> usize {
         let running = self.resources.counters.running();
@@ -116,7 +137,7 @@ impl Jobs {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }
         for record in unfinished {
-            let job = self.bring_to_life(record);
+            let job = self.bring_to_life(record, None);
             let slot = self.slots.occupy();
             tokio::spawn(Arc::clone(self).drive(job, None, slot));
         }
@@ -180,7 +201,7 @@ impl Jobs {
             match self.store.get(id).await? {
                 None => return Ok(None),
                 Some(record) if record.status.state.is_final() => {
-                    let job = self.bring_to_life(record);
+                    let job = self.bring_to_life(record, None);
                     if self.deletions.load(Ordering::Acquire) == deletions {
                         return Ok(Some(job));
                     }
@@ -200,7 +221,7 @@ impl Jobs {
             let job = match record.status.state.is_final() {
                 true => Some(
                     self.live(record.outline.id)
-                        .unwrap_or_else(|| self.job(record)),
+                        .unwrap_or_else(|| self.job(record, None)),
                 ),
                 false => self.find(record.outline.id).await?,
             };
@@ -233,14 +254,15 @@ impl Jobs {
         self.live.lock().get(&id).and_then(Weak::upgrade)
     }
 
-    /// The [`Job`] of a record. There is only one in memory, which all share.
-    fn bring_to_life(&self, record: Record) -> Arc<Job> {
+    /// The [`Job`] of a record, which is computed for this peer. There is only one in memory, which all
+    /// share.
+    fn bring_to_life(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
         let mut live = self.live.lock();
         let id = record.outline.id;
         if let Some(job) = live.get(&id).and_then(Weak::upgrade) {
             return job;
         }
-        let job = self.job(record);
+        let job = self.job(record, peer);
         if live.len() == live.capacity() {
             live.retain(|_, job| job.strong_count() > 0);
         }
@@ -248,9 +270,10 @@ impl Jobs {
         job
     }
 
-    fn job(&self, record: Record) -> Arc<Job> {
+    fn job(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
         let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
-        Arc::new(Job::new(record, store, true, resources))
+        let owner = Owner { peer, keeps: true };
+        Arc::new(Job::new(record, store, owner, resources))
     }
 
     /// The share of the memory that a job is run in.

@@ -48,8 +48,8 @@ pub struct Record {
     pub watched: bool,
 }
 
-/// An idempotency key: the name by which a client recognises its request, and a digest of what was asked
-/// for with it.
+/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
+/// what was asked for with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdempotencyKey {
     /// The name.
