@@ -13,7 +13,9 @@ use jiff::SignedDuration;
 use crate::api::http::cors::Origin;
 use crate::command::arguments::FitArguments;
 use crate::server::listen::Listen;
+use crate::server::proxy::Network;
 
+use crate::fit::admission::Admission;
 use crate::model::job::Limits;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
@@ -70,9 +72,21 @@ pub struct Config {
         long,
         env = "PIAD_ALLOWED_HOST",
         value_delimiter = ',',
-        value_name = "NAME"
+        value_name = "NAME",
+        value_parser = host_name
     )]
     pub allowed_host: Vec<String>,
+
+    /// Proxies, such as 10.0.0.0/8, that are believed whose connections (PROXY protocol, versions 1 and 2)
+    /// and requests (Forwarded, X-Forwarded-For) they pass on: limits for an address are then those of
+    /// their clients.
+    #[arg(
+        long,
+        env = "PIAD_TRUSTED_PROXY",
+        value_delimiter = ',',
+        value_name = "NETWORK"
+    )]
+    pub trusted_proxy: Vec<Network>,
 
     /// The path below which clients see the server, such as /fits: links begin with it, and requests may
     /// come with it or, from a proxy that takes it off, without it.
@@ -110,7 +124,8 @@ pub struct Config {
     pub max_jobs: usize,
 
     /// Most jobs of one client address that have not ended; further ones are refused with 429.
-    /// Behind a proxy, which is one address: as many as --max-jobs [default: half of --max-jobs].
+    /// Behind a proxy that is not trusted, which is one address: as many as --max-jobs
+    /// [default: half of what other addresses leave of --max-jobs].
     #[arg(long, env = "PIAD_MAX_JOBS_PER_PEER")]
     pub max_jobs_per_peer: Option<usize>,
 
@@ -119,10 +134,15 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_CONNECTIONS")]
     pub max_connections: Option<usize>,
 
-    /// Most connections of one client address. Behind a proxy, which is one address: as many as
-    /// --max-connections [default: half of --max-connections].
+    /// Most connections of one client address. Behind a proxy that is not trusted, which is one address: as
+    /// many as --max-connections [default: half of --max-connections].
     #[arg(long, env = "PIAD_MAX_CONNECTIONS_PER_PEER")]
     pub max_connections_per_peer: Option<usize>,
+
+    /// Most requests of one client address that are open at a time over HTTP/2 or through a trusted proxy,
+    /// event streams included; further ones are answered 503.
+    #[arg(long, env = "PIAD_MAX_REQUESTS_PER_PEER", default_value_t = 1000)]
+    pub max_requests_per_peer: usize,
 
     /// Directory in which jobs are kept, or :memory: to forget them when the server ends.
     #[arg(long, env = "PIAD_DATA_DIR", default_value = "./piad-data")]
@@ -162,8 +182,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_BODY_TIMEOUT", default_value = "30", value_parser = seconds)]
     pub body_timeout: Duration,
 
-    /// Bytes of a large request body (more than 64 KiB) that come in a second at least, on average;
-    /// slower ones are given up after the time of --body-timeout.
+    /// Bytes of a request body that come in a second at least, on average; slower ones are given up after
+    /// the time of --body-timeout.
     #[arg(long, env = "PIAD_MIN_BODY_RATE", default_value = "16KiB")]
     pub min_body_rate: ByteSize,
 
@@ -268,11 +288,12 @@ impl Config {
         }
     }
 
-    /// The largest jobs that are accepted.
+    /// The largest jobs that are accepted, if there is memory and time for any.
     pub fn limits(&self) -> Limits {
         Limits {
             points: self.max_points,
             iterations: self.max_iterations,
+            admission: Admission::ANY,
         }
     }
 
@@ -320,6 +341,15 @@ fn machine_memory() -> Option<u64> {
 struct Standard {
     #[command(flatten)]
     config: Config,
+}
+
+/// A name, or all names below one.
+fn host_name(text: &str) -> Result<String, String> {
+    let name = text.strip_prefix("*.").unwrap_or(text);
+    match text != "*" && (name.is_empty() || name.contains('*')) {
+        true => Err("not a name such as fit.example.org, *.example.org or *".to_owned()),
+        false => Ok(text.to_owned()),
+    }
 }
 
 fn duration(text: &str) -> Result<Duration, String> {

@@ -2,8 +2,12 @@
 
 use std::sync::Arc;
 
+use tokio::time::{Duration, sleep};
+
+use super::app::App;
 use super::json::view;
 use super::language::Language;
+use super::order;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode;
@@ -13,6 +17,7 @@ use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
+use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::{Levels, Status};
 use crate::model::stream::form::{Form, View};
@@ -26,38 +31,79 @@ const BYTES_PER_DISTANCE: usize = 64;
 /// To find a nearest point takes about as long as so many multiplications.
 const OPERATIONS_PER_DISTANCE: usize = 5000;
 
-/// The frame of a level, or without a number that of the last level so far.
-pub async fn frame(job: &Arc<Job>, k: Option<usize>) -> Result<Arc<Frame>, Problem> {
+/// How long an iteration is waited for that has not been reached, if the client does not say it.
+pub const WAIT: Duration = Duration::from_secs(10);
+
+/// The frame of a level, or without a number that of the last level so far. It is waited for as long as the
+/// client wants; one that was reached before is computed again, which ends by itself.
+pub async fn frame(
+    app: &App,
+    job: &Arc<Job>,
+    k: Option<usize>,
+    wait: Option<Duration>,
+) -> Result<Arc<Frame>, Problem> {
     let k = match k {
         None => last_level(job)?,
         Some(k) => k,
     };
-    match Cursor::new(Arc::clone(job), k).next().await? {
+    let reached = job.status().levels.map(|levels| levels.last.iteration);
+    let wait = wait.or_else(|| (reached < Some(k)).then_some(WAIT));
+    let mut cursor = Cursor::new(Arc::clone(job), k);
+    let mut stopping = app.stopping.clone();
+    let next = tokio::select! {
+        next = cursor.next() => next?,
+        () = passed(wait) => return Err(not_yet(&job.status(), k)),
+        _ = stopping.wait_for(|stopping| *stopping) => return Err(order::stopping()),
+    };
+    match next {
         Next::Frame(frame) => Ok(frame),
-        Next::End(status) => {
-            let reached = status.levels.map(|levels| levels.last.iteration);
-            let detail = match reached {
-                Some(last) => format!(
-                    "the job is {} at iteration {last}, before {k}",
-                    status.state
-                ),
-                None => format!("the job is {} before its first iteration", status.state),
-            };
-            Err(Problem::new(Kind::NoSuchIteration, detail))
+        Next::End(status) => Err(Problem::new(Kind::NoSuchIteration, before(&status, k))),
+    }
+}
+
+/// Completes after this time, or never without one.
+async fn passed(wait: Option<Duration>) {
+    match wait {
+        Some(wait) => sleep(wait).await,
+        None => std::future::pending().await,
+    }
+}
+
+/// How far a job has come, which is not as far as iteration `k`.
+fn before(status: &Status, k: usize) -> String {
+    let state = status.state;
+    match status.levels.map(|levels| levels.last.iteration) {
+        None => format!("the job is {state} before its first iteration"),
+        Some(last) if last < k => format!("the job is {state} at iteration {last}, before {k}"),
+        Some(_) => format!("the job is {state}; iteration {k} is being computed again"),
+    }
+}
+
+/// An iteration does not come in time.
+fn not_yet(status: &Status, k: usize) -> Problem {
+    let mut detail = before(status, k);
+    if let Some(Levels { last, .. }) = status.levels {
+        detail += &format!(", and its largest distance is {:.3e}", last.error.max);
+        if let Some(end) = last.predicted {
+            detail += &format!(", it is expected to end at iteration {end}");
         }
     }
+    Problem::new(Kind::NotReached, detail).retry_after(WAIT.as_secs() as u32)
 }
 
 /// How far the data are from a level, or without a number from the last level so far.
 pub async fn deviation(
+    app: &App,
     job: &Arc<Job>,
     k: Option<usize>,
+    wait: Option<Duration>,
 ) -> Result<(Arc<Frame>, Deviation), Problem> {
-    let frame = frame(job, k).await?;
+    let frame = frame(app, job, k, wait).await?;
     let count = frame.problem.grid().count();
     let needed = foot::memory(&frame.problem) + count * BYTES_PER_DISTANCE;
     let resources = job.resources();
-    let _room = resources.memory.files.take(needed).await;
+    let peer = Peer::current();
+    let _room = resources.memory.files.take(peer, needed).await;
     let lane = WorkLane::of_wire(count.saturating_mul(OPERATIONS_PER_DISTANCE));
     let level = Arc::clone(&frame);
     let compute = move || Deviation::of(&level.problem, &level.control_points);
@@ -72,7 +118,10 @@ pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content
     // An input is made as a whole, so it needs memory for files.
     let room = &job.resources().memory.files;
     let permit = room
-        .take(job.outline().grid.count() * BYTES_PER_POINT)
+        .take(
+            Peer::current(),
+            job.outline().grid.count() * BYTES_PER_POINT,
+        )
         .await;
     let (owner, problem) = (Arc::clone(job), job.problem().await?);
     let numbers = problem.data().len() * problem.data().dimension();

@@ -18,6 +18,7 @@ use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::outline::{Label, Parent};
+use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 use crate::job::service::creating::Accepted;
 use crate::job::service::ephemeral::Ephemeral;
@@ -66,7 +67,7 @@ impl Order {
         read: impl FnOnce(&Config) -> Result<(JobSpec, W), Problem> + Send + 'static,
     ) -> Result<Self, Problem> {
         let config = Arc::clone(&app.config);
-        let limits = config.limits();
+        let limits = limits(app);
         let begun = compute(app, bytes <= PARSED_AT_ONCE, move || {
             let (spec, words) = read(&config)?;
             match spec.base().cloned() {
@@ -79,7 +80,13 @@ impl Order {
             Begun::OnSurface { spec, base, words } => {
                 let frame = frame_of(app, &base).await?;
                 let needed = frame.as_ref().map_or(0, |it| foot::memory(&it.problem));
-                let _room = app.jobs.resources().memory.files.take(needed).await;
+                let _room = app
+                    .jobs
+                    .resources()
+                    .memory
+                    .files
+                    .take(Peer::current(), needed)
+                    .await;
                 // Foot points take long enough even for small jobs.
                 let whole = move || {
                     let surface =
@@ -158,7 +165,7 @@ impl EditOrder {
             app.jobs.keep_at_hand(parent, &shared).await?;
         }
         let problem = Arc::clone(&frame.problem);
-        let limits = app.config.limits();
+        let limits = limits(app);
         let levels = parent.status().levels;
         let lambda_min = levels.and_then(|levels| levels.forecast.lambda_min);
         let small = problem.grid().count() <= EDITED_AT_ONCE;
@@ -219,9 +226,14 @@ pub async fn read<T: Send + 'static>(
 /// Refuses new jobs while the server stops.
 pub fn check_open(app: &App) -> Result<(), Problem> {
     if *app.stopping.borrow() {
-        return Err(Problem::new(Kind::Stopping, "the server is stopping").retry_after(5));
+        return Err(stopping());
     }
     Ok(())
+}
+
+/// The server stops.
+pub fn stopping() -> Problem {
+    Problem::new(Kind::Stopping, "the server is stopping").retry_after(5)
 }
 
 /// What is wrong with the name of an idempotency key.
@@ -235,7 +247,8 @@ pub fn check_key(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The key with a digest of the request: where it went and what it said.
+/// The key with a digest of the request: where it went and what it said. Each peer has keys of its own, so
+/// that nobody sits on those of another one.
 pub async fn key(
     app: &App,
     name: String,
@@ -243,6 +256,7 @@ pub async fn key(
     body: Bytes,
 ) -> Result<IdempotencyKey, Problem> {
     let small = body.len() <= PARSED_AT_ONCE;
+    let owner = Peer::current().map_or_else(|| "-".to_owned(), |peer| peer.to_string());
     compute(app, small, move || {
         let digest = Sha256::new()
             .chain_update(path)
@@ -250,7 +264,10 @@ pub async fn key(
             .chain_update(&body)
             .finalize();
         let digest = digest.into();
-        Ok(IdempotencyKey { name, digest })
+        Ok(IdempotencyKey {
+            name: format!("{owner} {name}"),
+            digest,
+        })
     })
     .await
 }
@@ -283,6 +300,14 @@ fn validate(
 ) -> Result<ValidJob, Problem> {
     let valid = spec.validate(limits, base);
     valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))
+}
+
+/// The largest jobs that are accepted.
+fn limits(app: &App) -> Limits {
+    Limits {
+        admission: app.jobs.admission(),
+        ..app.config.limits()
+    }
 }
 
 /// The level of another job that a new one refers to, or why there is none.

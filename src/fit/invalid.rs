@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+pub use super::admission::TooMuch;
 pub use super::ends::mistake::EndsMistake;
 pub use super::method::{ConstraintsMistake, LeastSquaresMistake};
 pub use super::place::{Axis, Place, Setting, Side};
@@ -12,6 +13,9 @@ pub use super::scattered::ScatteredMistake;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[allow(missing_docs, reason = "fields are the values that the messages name")]
 pub enum Invalid {
+    /// The fit takes more than it may.
+    #[error(transparent)]
+    TooMuch(#[from] TooMuch),
     /// A curve, or a line of a surface, has fewer than 2 data points.
     #[error("at least 2 points are needed in each direction, {count} given")]
     TooFewPoints { count: usize },

@@ -129,6 +129,22 @@ impl Iteration {
         iteration
     }
 
+    /// The same iteration at the same level, which goes on like this one, to the last bit. `None` where that
+    /// would be too much to be kept.
+    pub fn copy(&self) -> Option<Self> {
+        let engine = match &self.engine {
+            Engine::Plain(plain) => Engine::Plain(Box::new(plain.copy()?)),
+            Engine::Sweep(sweep) => Engine::Sweep(sweep.clone()),
+            Engine::Automatic(_) => return None,
+        };
+        Some(Self {
+            system: Arc::clone(&self.system),
+            engine,
+            decay: self.decay.clone(),
+            ..*self
+        })
+    }
+
     /// What does not change from level to level.
     pub fn system(&self) -> &Arc<System> {
         &self.system

@@ -105,6 +105,7 @@
 //!   [`linear`];
 //! - [`spectrum`]: eigenvalues and rates;
 //! - [`method`]: the methods, each with its settings, level 0, transform U, stop rule and forecast;
+//! - [`admission`]: what a fit may take; [`interrupt`]: ends what nobody waits for;
 //! - [`problem`]: a validated fitting problem, a [`setup`] with a method; [`invalid`]: everything
 //!   that can be wrong with one;
 //! - [`system`]: a problem with its collocation matrix and its transform, ready to be iterated;
@@ -128,6 +129,7 @@
 //! Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
 pub mod about;
+pub mod admission;
 mod automatic;
 mod bands;
 pub mod bases;
@@ -148,6 +150,7 @@ mod forecast;
 mod foresight;
 mod functional;
 pub mod geometry;
+pub mod interrupt;
 pub mod invalid;
 pub mod iteration;
 pub mod lane;

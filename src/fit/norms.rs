@@ -87,7 +87,7 @@ impl FitError {
 }
 
 /// Measures residuals, and remembers the norms of every block.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Norms {
     /// A power of two that brings the data to the order of one, so that squares of distances
     /// neither over- nor underflow.

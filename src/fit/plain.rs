@@ -53,6 +53,15 @@ impl Plain {
         (plain, error)
     }
 
+    /// The same at the same level.
+    pub(super) fn copy(&self) -> Option<Self> {
+        Some(Self {
+            update: self.update.copy()?,
+            state: self.state.clone(),
+            norms: self.norms.clone(),
+        })
+    }
+
     /// Moves on to the next level: how many control points have moved, and the error. Where the
     /// update has changed the residual of some points only, only their errors are computed anew.
     pub(super) fn step(&mut self, equations: &Equations) -> (usize, FitError) {

@@ -11,6 +11,7 @@ mod checks;
 use std::ops::Deref;
 use std::sync::Arc;
 
+use super::admission::Admission;
 use super::automatic as engine;
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
@@ -58,7 +59,16 @@ impl Problem {
     ///
     /// The first thing that is wrong, in this order: the points, the tolerance, the settings of the
     /// method, the directions, the weights, the start, and whether the method can converge.
-    pub fn new(mut request: Request) -> Result<Self, Invalid> {
+    pub fn new(request: Request) -> Result<Self, Invalid> {
+        Self::admitted(request, &Admission::ANY)
+    }
+
+    /// The same, unless it takes too much: that is found out before anything is computed that takes long.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new), and what is too much, before the start is looked at.
+    pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
         let missing = check_points(&mut request)?;
         let extents = request.points.extents();
         check_finite(&request.points, &extents)?;
@@ -85,7 +95,7 @@ impl Problem {
         let data = lifted.as_ref().unwrap_or(&request.points);
         let (offsets, target) = constants(&request, data, &u, v.as_ref())?;
         let choices = || std::iter::once(&request.u).chain(&request.v);
-        let mut setup = Setup {
+        let setup = Setup {
             points: Arc::clone(&request.points),
             grid: request.grid,
             extents: lifted.as_ref().map_or(extents, |it| it.extents()),
@@ -104,15 +114,18 @@ impl Problem {
             diagonal,
             clustered: choices().any(DirectionChoice::is_clustered),
         };
-        check_start(&setup)?;
-        while let Err(mistake) = request.method.scheme().check_convergence(&setup) {
-            setup = engine::finer(&setup, &request).ok_or(mistake)?;
-        }
-        Ok(Self {
+        let mut problem = Self {
             request,
             setup: Arc::new(setup),
             tolerance,
-        })
+        };
+        admission.check(&problem)?;
+        check_start(&problem.setup)?;
+        while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
+            let finer = engine::finer(&problem.setup, &problem.request);
+            problem.setup = Arc::new(finer.ok_or(mistake)?);
+        }
+        Ok(problem)
     }
 
     /// What was asked for. Missing points have the place of a neighbour.

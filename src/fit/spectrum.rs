@@ -11,6 +11,8 @@
 use nalgebra::DVector;
 
 use super::collocation::{Collocation, LONG};
+use super::direction::Direction;
+use super::interrupt;
 use super::linear::LineMap;
 use super::tensor::Tensor;
 
@@ -22,11 +24,23 @@ const BLOCK_ACCURACY: f64 = 1e-9;
 /// When a power iteration ends: its relative accuracy, and the most steps. Of long curves nobody
 /// needs more than a few digits.
 fn effort(matrix: &Collocation) -> (f64, usize) {
-    /// The most multiplications.
-    const WORK: usize = 200_000_000;
     let n = matrix.columns();
     let accuracy = if n <= LONG { 1e-13 } else { 1e-9 };
-    (accuracy, (WORK / matrix.entries()).clamp(20, 5000))
+    (accuracy, most_steps(matrix.entries()))
+}
+
+/// The most steps for a matrix with so many entries.
+fn most_steps(entries: usize) -> usize {
+    /// The most multiplications.
+    const WORK: usize = 200_000_000;
+    (WORK / entries.max(1)).clamp(20, 5000)
+}
+
+/// The most multiplications of [`largest_singular_value_squared`] for a direction.
+pub(super) fn singular_value_cost(direction: &Direction) -> usize {
+    let width = direction.basis.support_width();
+    let entries = direction.parameters.len().saturating_mul(width);
+    entries.saturating_mul(2 * most_steps(entries))
 }
 
 /// The least eigenvalue λ_min of the square matrix of one direction, at most 1.
@@ -92,6 +106,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let mut upper = extremes(&w, &z).1;
     let mut step = f64::INFINITY;
     for _ in 0..shifts {
+        interrupt::check();
         matrix.apply_to_lines(&z, &mut w);
         let exact = step < NEAR;
         matrix.shifted_inverse(upper, exact)?.apply(&mut w);
@@ -180,6 +195,7 @@ pub(super) fn of_block(matrix: &Tensor, points: &[usize]) -> Option<BlockSpectru
 fn growth(mut x: DVector<f64>, map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>) -> Option<f64> {
     let mut largest = 0.0;
     for _ in 0..BLOCK_STEPS {
+        interrupt::check();
         let next = map(&x)?;
         let growth = next.norm() / x.norm();
         x = next.normalize();
@@ -201,6 +217,7 @@ fn by_powers(matrix: &Collocation) -> f64 {
     let mut estimate = 0.0;
     let (accuracy, steps) = effort(matrix);
     for _ in 0..steps {
+        interrupt::check();
         let before = length(&x);
         inverse.apply(&mut x);
         let after = length(&x);
@@ -233,6 +250,7 @@ pub(super) fn largest_singular_value_squared(matrix: &Collocation) -> f64 {
     let mut estimate = 0.0;
     let (accuracy, steps) = effort(matrix);
     for _ in 0..steps {
+        interrupt::check();
         let before = length(&x);
         x.iter_mut().for_each(|x| *x /= before);
         matrix.apply_to_lines(&x, &mut y);

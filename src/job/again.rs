@@ -9,6 +9,7 @@ use parking_lot::Mutex;
 use tokio::time::timeout;
 
 use super::memory::{Permit, Share};
+use super::peer::Peer;
 
 /// A run from which nobody has read for this long gives its memory to those who wait.
 const IDLE: Duration = Duration::from_millis(500);
@@ -36,8 +37,13 @@ pub struct Again(Mutex<Vec<Weak<dyn Revocable>>>);
 
 impl Again {
     /// Waits for memory, and ends a run that may be ended to get it.
-    pub(super) async fn turn(&self, share: &Share, bytes: usize) -> Option<Permit> {
-        let mut permit = std::pin::pin!(share.take(bytes));
+    pub(super) async fn turn(
+        &self,
+        share: &Share,
+        peer: Option<Peer>,
+        bytes: usize,
+    ) -> Option<Permit> {
+        let mut permit = std::pin::pin!(share.take(peer, bytes));
         loop {
             if let Ok(permit) = timeout(LOOK, permit.as_mut()).await {
                 return permit;

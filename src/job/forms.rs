@@ -9,6 +9,7 @@ use parking_lot::Mutex;
 
 use super::content::Content;
 use super::memory::Cache;
+use super::peer;
 use super::store::StoreError;
 
 /// How many forms are kept at most. Clients could ask for a form for each number of samples.
@@ -63,7 +64,7 @@ impl Forms {
         let state = match encoding.as_mut().now_or_never() {
             Some(made) => FormState::Made(made?),
             None => {
-                let task = tokio::spawn(encoding);
+                let task = peer::spawn(encoding);
                 let broken = |_| Err(StoreError::Failed("an encoding broke down".to_owned()));
                 let made = task.map(move |made| made.unwrap_or_else(broken));
                 FormState::Making(made.boxed().shared())

@@ -8,9 +8,11 @@
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
 //!   for each other; [`peer`]: the client machine that a reader belongs to;
+//! - [`checkpoints`]: levels from which an iteration can go on again;
 //! - [`memory`]: how the memory is divided; [`again`]: runs for readers that have missed frames;
 //!   [`resources`]: what all jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
+//! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`suspects`]: jobs that may have crashed the process;
@@ -21,6 +23,7 @@
 //! are no longer in memory are computed again, by a run that starts over.
 
 pub(crate) mod again;
+mod checkpoints;
 pub(crate) mod codes;
 pub(crate) mod content;
 pub mod counters;
@@ -40,10 +43,12 @@ pub(crate) mod run;
 mod samples;
 pub(crate) mod scheduler;
 pub(crate) mod service;
+pub(crate) mod share;
 pub(crate) mod slots;
 pub(crate) mod state;
 pub mod store;
 pub(crate) mod suspects;
+mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, Weak};
@@ -73,11 +78,22 @@ const HELD: usize = 256 * 1024;
 /// The system of a job, if a stream holds it until it ends.
 pub type Held = Option<Arc<SharedSystem>>;
 
+/// Whom a job belongs to.
+#[derive(Clone, Copy, Debug)]
+struct Owner {
+    /// For whom it is computed.
+    peer: Option<Peer>,
+    /// Whether the store keeps it, or only a stream.
+    keeps: bool,
+}
+
 /// A job: a problem and what has become of it. Its points are in memory only while it runs or is read.
 pub struct Job {
     outline: Outline,
     /// How many crashes of the process it may have caused.
     crashes: u32,
+    /// For whom it is computed; of no one after a restart.
+    peer: Option<Peer>,
     /// Whether there is anything of it once nobody reads it.
     kept: bool,
     status: watch::Sender<Status>,
@@ -96,11 +112,12 @@ pub struct Job {
 
 impl Job {
     /// A job as the store knows it.
-    fn new(record: Record, store: Arc<dyn Store>, kept: bool, resources: Arc<Resources>) -> Self {
+    fn new(record: Record, store: Arc<dyn Store>, owner: Owner, resources: Arc<Resources>) -> Self {
         Self {
             outline: record.outline,
             crashes: record.crashes,
-            kept,
+            peer: owner.peer,
+            kept: owner.keeps,
             status: watch::Sender::new(record.status),
             store,
             system: Mutex::default(),
@@ -260,7 +277,7 @@ impl Job {
     /// Starts the primary run. Readers can attach to it as soon as this returns.
     fn begin(&self, system: Arc<SharedSystem>, permit: Option<Permit>) -> Arc<Run> {
         *self.system.lock() = Arc::downgrade(&system);
-        let run = Run::new(system, Arc::clone(&self.resources), permit);
+        let run = Run::new(system, Arc::clone(&self.resources), permit, self.peer);
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
         // The job may have been cancelled before there was a run to stop.
@@ -293,12 +310,12 @@ impl Job {
     ) -> Result<Attached, StoreError> {
         let resources = &self.resources;
         let share = &resources.memory.again;
-        let permit = resources.again.turn(share, self.outline.memory).await;
+        let permit = resources.again.turn(share, peer, self.outline.memory).await;
         // Another reader may have started a run in the meantime.
         if let Some(attached) = self.attach_to_live(next, peer) {
             return Ok(attached);
         }
-        let run = Run::new(self.system().await?, Arc::clone(resources), permit);
+        let run = Run::new(self.system().await?, Arc::clone(resources), permit, peer);
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
         let revocable: Weak<Run> = Arc::downgrade(&run);
         resources.again.add(revocable);
@@ -312,7 +329,14 @@ impl Job {
         let mut live: Vec<Arc<Run>> = runs.iter().filter_map(Weak::upgrade).collect();
         // The run that has come furthest needs the fewest steps.
         live.sort_by_key(|run| std::cmp::Reverse(run.levels().map(|levels| levels.last.iteration)));
-        live.iter().find_map(|run| run.attach(next, peer))
+        let system = self.system.lock().upgrade();
+        let is_quickest = |run: &&Arc<Run>| {
+            let reached = run.levels().map(|levels| levels.last.iteration);
+            let shared = reached.zip(system.as_ref());
+            !shared.is_some_and(|(from, shared)| shared.checkpoints.shorten(from, next))
+        };
+        let mut quickest = live.iter().filter(is_quickest);
+        quickest.find_map(|run| run.attach(next, peer))
     }
 }
 

@@ -1,11 +1,13 @@
 //! The peer that work is done for: the machine at the other end of a connection.
 //!
 //! Limits hold for each peer, so that no one client can take everything. The peer of a request is a
-//! task-local variable of the task that answers it; background work has no peer.
+//! task-local variable of the task that answers it; background work has no peer. Behind a trusted proxy it is
+//! the client that the proxy tells.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
 
+use tokio::task::JoinHandle;
 use tokio::task_local;
 
 task_local! {
@@ -34,10 +36,23 @@ impl Peer {
         CURRENT.try_with(|peer| *peer).ok().flatten()
     }
 
+    /// Calls a function for a peer.
+    pub fn sync_scope<T>(peer: Option<Self>, function: impl FnOnce() -> T) -> T {
+        CURRENT.sync_scope(peer, function)
+    }
+
     /// Runs a future for a peer.
     pub async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
         CURRENT.scope(peer, future).await
     }
+}
+
+/// Runs a future in a task of its own, for the current peer.
+pub(crate) fn spawn<F>(future: F) -> JoinHandle<F::Output>
+where
+    F: Future<Output: Send + 'static> + Send + 'static,
+{
+    tokio::spawn(Peer::scope(Peer::current(), future))
 }
 
 impl fmt::Display for Peer {

@@ -2,8 +2,8 @@
 //! moments, so they stay in memory with their recent frames and collocation matrices while there is room
 //! in the cache.
 
-use std::collections::VecDeque;
-use std::sync::Arc;
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::sync::{Arc, Weak};
 
 use parking_lot::Mutex;
 use uuid::Uuid;
@@ -124,6 +124,22 @@ impl Recent {
             drop(kept);
             drop(entry);
         }
+    }
+
+    /// Those of the jobs in memory that somebody reads, runs or makes: that are held not only here.
+    pub(super) fn held(&self, live: &Mutex<HashMap<Uuid, Weak<Job>>>) -> HashSet<Uuid> {
+        // While this is locked, no job is taken in or given up here.
+        let kept = self.kept.lock();
+        let mut here: HashMap<Uuid, usize> = HashMap::new();
+        for entry in &kept.jobs {
+            *here.entry(entry.job.id()).or_default() += 1;
+        }
+        let is_held = |id: &Uuid, job: &Weak<Job>| {
+            job.strong_count() > here.get(id).copied().unwrap_or_default()
+        };
+        let live = live.lock();
+        let held = live.iter().filter(|(id, job)| is_held(id, job));
+        held.map(|(&id, _)| id).collect()
     }
 
     /// Drops a job.

@@ -1,4 +1,5 @@
-//! The compute pool: threads that run work in slices of a few milliseconds, round robin.
+//! The compute pool: threads that run work in slices of a few milliseconds, round robin: first over the
+//! peers for which there is work, then over the work of each.
 //!
 //! There are four lanes, each with threads of its own:
 //!
@@ -9,10 +10,9 @@
 //!
 //! The operating system shares the cores between the lanes. So a small job never waits for a large
 //! one, and no request waits for the set-up of another client's job. Work on the long lane is not cut
-//! into slices. It takes the piece with the least work and the piece that came first in turn, so that
-//! a short one does not wait for many longer ones, and none waits for ever.
+//! into slices. Of each peer it takes the piece with the least work and the piece that came first in turn,
+//! so that a short one does not wait for many longer ones, and none waits for ever.
 
-use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread;
@@ -23,13 +23,16 @@ use thiserror::Error;
 use tokio::sync::oneshot;
 use tracing::error;
 
+use super::peer::Peer;
+use super::turns::{PeerQueue, Turns};
+use crate::fit::interrupt::{self, Interrupted};
 use crate::trim;
 
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);
 
 /// Multiplications that take well below a millisecond.
-const QUICK: usize = 200_000;
+pub(super) const QUICK: usize = 200_000;
 
 /// Multiplications that take a tenth of a second or more.
 const LONG: usize = 100_000_000;
@@ -88,7 +91,7 @@ pub(super) trait Work: Send + Sync {
     /// Works until about `deadline`.
     fn slice(&self, deadline: Instant) -> Turn;
 
-    /// Called after a panic in [`slice`](Self::slice), which will not be called again.
+    /// Called after a panic in [`slice`](Self::slice), or if that was given up; it will not be called again.
     fn broken(&self);
 }
 
@@ -136,30 +139,35 @@ struct Queue {
 
 #[derive(Default)]
 struct QueueState {
-    waiting: VecDeque<Waiting>,
-    /// Long lane: whether the piece with the least work was taken last time, not the oldest one.
-    least: bool,
+    waiting: Turns<Waiting>,
     closed: bool,
 }
 
 /// Work that waits, and on the long lane its number of multiplications.
 struct Waiting {
     multiplications: usize,
+    task: Task,
+}
+
+/// Work, and for whom it is done.
+struct Task {
+    peer: Option<Peer>,
     work: Arc<dyn Work>,
 }
 
 impl QueueState {
-    /// The oldest work; on the long lane, every other time that with the fewest multiplications.
-    fn next(&mut self, lane: WorkLane) -> Option<Arc<dyn Work>> {
-        let least = !self.least && matches!(lane, WorkLane::Long(_));
-        let waiting = self.waiting.iter().enumerate();
-        let place = match least {
-            true => waiting.min_by_key(|(_, it)| it.multiplications)?.0,
-            false => 0,
-        };
-        let taken = self.waiting.remove(place)?;
-        self.least = least;
-        Some(taken.work)
+    /// The oldest work of the peer whose turn it is; on the long lane, every other time that with the
+    /// fewest multiplications.
+    fn next(&mut self, lane: WorkLane) -> Option<Task> {
+        self.waiting.next(|_, PeerQueue { waiting, turns }| {
+            let least = *turns % 2 == 0 && matches!(lane, WorkLane::Long(_));
+            let pieces = waiting.iter().enumerate();
+            let place = match least {
+                true => pieces.min_by_key(|(_, it)| it.multiplications)?.0,
+                false => 0,
+            };
+            Some(waiting.remove(place)?.task)
+        })
     }
 }
 
@@ -178,25 +186,33 @@ impl Scheduler {
         Ok(scheduler)
     }
 
-    /// Queues work.
-    pub(super) fn submit(&self, lane: WorkLane, work: Arc<dyn Work>) {
-        self.0.push(lane, work);
+    /// Queues work that is done for a peer.
+    pub(super) fn submit(&self, lane: WorkLane, peer: Option<Peer>, work: Arc<dyn Work>) {
+        self.0.push(lane, Task { peer, work });
     }
 
-    /// Computes a value in the pool, off the threads that serve the network.
+    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is
+    /// given up if nobody waits for it any more.
     pub async fn compute<T: Send + 'static>(
         &self,
         lane: WorkLane,
         function: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Broken> {
         let (sender, receiver) = oneshot::channel();
+        let receiving = Arc::new(sender);
         let call: Box<dyn FnOnce() + Send> = Box::new(move || {
             // Nobody waits for the value any more if the request was dropped.
-            if !sender.is_closed() {
-                let _ = sender.send(function());
+            let waits = Arc::clone(&receiving);
+            if waits.is_closed() {
+                return;
+            }
+            let value = interrupt::until(Arc::new(move || waits.is_closed()), function);
+            if let Some(sender) = Arc::into_inner(receiving) {
+                let _ = sender.send(value);
             }
         });
-        self.submit(lane, Arc::new(Call(Mutex::new(Some(call)))));
+        let call = Call(Mutex::new(Some(call)));
+        self.submit(lane, Peer::current(), Arc::new(call));
         receiver.await.map_err(|_| Broken)
     }
 }
@@ -220,21 +236,21 @@ impl Queue {
     fn push(&self, waiting: Waiting) {
         let mut state = self.state.lock();
         if !state.closed {
-            state.waiting.push_back(waiting);
+            state.waiting.push(waiting.task.peer, waiting);
             self.filled.notify_one();
         }
     }
 
     /// Waits for the next work. A thread that waits for long gives memory back: see [`trim`].
-    fn pop(&self, lane: WorkLane) -> Option<Arc<dyn Work>> {
+    fn pop(&self, lane: WorkLane) -> Option<Task> {
         let mut state = self.state.lock();
         let mut rounds = trim::ROUNDS;
         loop {
             if state.closed {
                 return None;
             }
-            if let Some(work) = state.next(lane) {
-                return Some(work);
+            if let Some(task) = state.next(lane) {
+                return Some(task);
             }
             if rounds == 0 {
                 self.filled.wait(&mut state);
@@ -254,26 +270,28 @@ impl Queue {
 }
 
 impl Queues {
-    fn push(&self, lane: WorkLane, work: Arc<dyn Work>) {
+    fn push(&self, lane: WorkLane, task: Task) {
         let multiplications = match lane {
             WorkLane::Long(multiplications) => multiplications,
             _ => 0,
         };
         self.of(lane).push(Waiting {
             multiplications,
-            work,
+            task,
         });
     }
 
     fn serve(&self, lane: WorkLane) {
-        while let Some(work) = self.of(lane).pop(lane) {
+        while let Some(task) = self.of(lane).pop(lane) {
             let deadline = Instant::now() + SLICE;
-            match catch_unwind(AssertUnwindSafe(|| work.slice(deadline))) {
-                Ok(Turn::Again(lane)) => self.push(lane, work),
+            match catch_unwind(AssertUnwindSafe(|| task.work.slice(deadline))) {
+                Ok(Turn::Again(lane)) => self.push(lane, task),
                 Ok(Turn::Done) => {}
-                Err(_) => {
-                    error!("a computation panicked; its job fails, the others go on");
-                    work.broken();
+                Err(panic) => {
+                    if !panic.is::<Interrupted>() {
+                        error!("a computation panicked; its job fails, the others go on");
+                    }
+                    task.work.broken();
                 }
             }
         }
@@ -282,7 +300,13 @@ impl Queues {
 
 impl std::fmt::Debug for Queue {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let waiting = self.state.lock().waiting.len();
+        let waiting = self
+            .state
+            .lock()
+            .waiting
+            .iter()
+            .map(|(_, it)| it.len())
+            .sum::<usize>();
         f.debug_struct("Queue").field("waiting", &waiting).finish()
     }
 }
@@ -308,7 +332,7 @@ mod tests {
     use super::*;
     use futures_util::future::join_all;
 
-    /// Counts its turns and notes the order in which they come.
+    /// Notes the order in which its turns come.
     struct Counting {
         id: usize,
         left: Mutex<usize>,
@@ -331,26 +355,31 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn turns_go_round() {
+    async fn turns_go_round_the_peers_and_then_their_work() {
         let scheduler = Scheduler::new(1).unwrap();
         let log = Arc::new(Mutex::new(Vec::new()));
         let (release, blocked) = std::sync::mpsc::channel::<()>();
         let first = scheduler.compute(WorkLane::Heavy, move || blocked.recv().is_ok());
         let works = async {
-            for id in 0..3 {
+            for (id, last) in [(0, 1), (1, 1), (2, 1), (9, 2)] {
                 let left = Mutex::new(4);
                 let log = Arc::clone(&log);
-                scheduler.submit(WorkLane::Heavy, Arc::new(Counting { id, left, log }));
+                let peer = Some(Peer::at([192, 0, 2, last].into()));
+                let work = Arc::new(Counting { id, left, log });
+                scheduler.submit(WorkLane::Heavy, peer, work);
             }
             release.send(()).unwrap();
         };
         let (first, ()) = tokio::join!(first, works);
         assert_eq!(first, Ok(true));
         // Queued behind the rest: once it has run, the others have had their turns.
-        while log.lock().len() < 12 {
+        while log.lock().len() < 16 {
             scheduler.compute(WorkLane::Heavy, || ()).await.unwrap();
         }
-        assert_eq!(*log.lock(), [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]);
+        assert_eq!(
+            *log.lock(),
+            [0, 9, 1, 9, 2, 9, 0, 9, 1, 2, 0, 1, 2, 0, 1, 2]
+        );
     }
 
     #[tokio::test]
@@ -367,14 +396,32 @@ mod tests {
             let log = Arc::clone(&log);
             scheduler.compute(WorkLane::Long(size), move || log.lock().push(size))
         });
-        // All of them wait when the first one, which was taken as the one with the least, ends.
+        // All of them wait when the first one ends.
         let others = async {
             started.await.unwrap();
             let release = async { release.send(()).unwrap() };
             tokio::join!(join_all(sizes), release);
         };
         tokio::join!(first, others).0.unwrap();
-        assert_eq!(*log.lock(), [7, 1, 5, 3, 6]);
+        assert_eq!(*log.lock(), [1, 7, 3, 5, 6]);
+    }
+
+    #[tokio::test]
+    async fn what_nobody_waits_for_is_given_up() {
+        let scheduler = Scheduler::new(1).unwrap();
+        let (start, started) = oneshot::channel();
+        let endless = scheduler.compute(WorkLane::Quick, move || {
+            let _ = start.send(());
+            loop {
+                interrupt::check();
+                thread::yield_now();
+            }
+        });
+        tokio::select! {
+            _ = endless => unreachable!(),
+            started = started => started.unwrap(),
+        }
+        assert_eq!(scheduler.compute(WorkLane::Quick, || 7).await, Ok(7));
     }
 
     #[tokio::test]

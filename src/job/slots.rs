@@ -11,8 +11,18 @@ use super::peer::Peer;
 #[derive(Debug)]
 pub struct Slots {
     all: usize,
-    per_peer: usize,
+    per_peer: Quota,
     taken: Mutex<Taken>,
+}
+
+/// How many slots one peer may have.
+#[derive(Clone, Copy, Debug)]
+pub enum Quota {
+    /// So many.
+    Fixed(usize),
+    /// Half of those that the others leave: so there is one for somebody who comes later, however many
+    /// the first ones ask for.
+    Fair,
 }
 
 #[derive(Debug, Default)]
@@ -34,13 +44,13 @@ pub struct Slot {
 pub enum NoSlot {
     /// All slots are taken; this is their number.
     All(usize),
-    /// The peer has taken as many as one may have; this is that number.
+    /// The peer has taken as many as it may have now; this is that number.
     PerPeer(usize),
 }
 
 impl Slots {
     /// Nothing is taken yet.
-    pub fn new(all: usize, per_peer: usize) -> Arc<Self> {
+    pub fn new(all: usize, per_peer: Quota) -> Arc<Self> {
         Arc::new(Self {
             all,
             per_peer,
@@ -62,8 +72,12 @@ impl Slots {
         }
         if let Some(peer) = peer {
             let its = taken.peers.get(&peer).copied().unwrap_or(0);
-            if its >= self.per_peer {
-                return Err(NoSlot::PerPeer(self.per_peer));
+            let most = match self.per_peer {
+                Quota::Fixed(most) => most,
+                Quota::Fair => (self.all + its - taken.all).div_ceil(2),
+            };
+            if its >= most {
+                return Err(NoSlot::PerPeer(most));
             }
             taken.peers.insert(peer, its + 1);
         }
@@ -102,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_peer_takes_its_own_slots_only() {
-        let slots = Slots::new(3, 2);
+        let slots = Slots::new(3, Quota::Fixed(2));
         let peer = |last| Some(Peer::at([192, 0, 2, last].into()));
         let first = slots.take(peer(1)).unwrap();
         let second = slots.take(peer(1)).unwrap();
@@ -116,5 +130,16 @@ mod tests {
         drop((second, third, again));
         assert_eq!(slots.taken(), 0);
         assert!(slots.taken.lock().peers.is_empty());
+    }
+
+    #[test]
+    fn a_peer_takes_half_of_what_the_others_leave() {
+        let slots = Slots::new(16, Quota::Fair);
+        let take = |last| slots.take(Some(Peer::at([192, 0, 2, last].into())));
+        let many = |last| -> Vec<Slot> { std::iter::from_fn(|| take(last).ok()).collect() };
+        let taken: Vec<_> = (1..=5).map(many).collect();
+        let counts: Vec<_> = taken.iter().map(Vec::len).collect();
+        assert_eq!(counts, [8, 4, 2, 1, 1]);
+        assert_eq!(take(6).unwrap_err(), NoSlot::All(16));
     }
 }

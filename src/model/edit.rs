@@ -131,7 +131,7 @@ impl EditSpec {
         }
         request.start = Some(start(parent, &request)?);
         request.start_breaks = start_breaks(parent, &request)?;
-        let problem = mistakes.fit(request, |place| in_edit(place, &changed));
+        let problem = mistakes.fit(request, &limits.admission, |place| in_edit(place, &changed));
         if let Some(problem) = &problem {
             mistakes.keep(check_bases(problem, parent.problem));
         }

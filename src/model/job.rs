@@ -12,6 +12,7 @@ use super::shape::ShapeSpec;
 use super::stop::StopSpec;
 use super::stream::StreamSpec;
 use super::weights::Rational;
+use crate::fit::admission::Admission;
 use crate::fit::invalid as fit;
 use crate::fit::nurbs::Nurbs;
 use crate::fit::problem::{Problem, Request};
@@ -56,6 +57,8 @@ pub struct Limits {
     pub points: usize,
     /// The most iterations.
     pub iterations: usize,
+    /// What a fit may take.
+    pub admission: Admission,
 }
 
 impl JobSpec {
@@ -90,7 +93,8 @@ impl JobSpec {
         };
         // The points and the basis may be wrong beside what was found so far.
         let request = mistakes.keep(shape.request(base, method, rules));
-        let problem = request.and_then(|request| mistakes.fit(request, SpecPart::Fit));
+        let problem =
+            request.and_then(|request| mistakes.fit(request, &limits.admission, SpecPart::Fit));
         ValidJob::new(self.name, stream, problem, mistakes)
     }
 

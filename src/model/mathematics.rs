@@ -1,6 +1,7 @@
 //! What is wrong with a fitting problem, as far as one mistake does not follow from another.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
+use crate::fit::admission::Admission;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{self as fit, Axis};
@@ -17,13 +18,14 @@ impl Mistakes {
     pub(super) fn fit(
         &mut self,
         request: Request,
+        admission: &Admission,
         place: impl Fn(fit::Place) -> SpecPart,
     ) -> Option<Problem> {
         let few = request.grid.count() <= MOST_COPIED;
         let mut copy = few.then(|| request.clone());
         let mut next = Some(request);
         while let Some(request) = next.take() {
-            let error = match Problem::new(request) {
+            let error = match Problem::admitted(request, admission) {
                 Ok(problem) => return Some(problem),
                 Err(error) => error,
             };
@@ -33,7 +35,11 @@ impl Mistakes {
                     self.more("there are more of them");
                     break;
                 }
-                self.push(Mistake::at(place(error.place()), error.to_string()));
+                let part = match error {
+                    fit::Invalid::TooMuch(_) => SpecPart::Whole,
+                    _ => place(error.place()),
+                };
+                self.push(Mistake::at(part, error.to_string()));
             }
             if self.full() {
                 break;

@@ -1,21 +1,25 @@
 //! Accepts connections; each is served by a task of its own.
 
 use std::future::poll_fn;
-use std::io;
+use std::io::{self, Cursor};
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::task::Poll;
 use std::time::Instant;
 
 use axum::Router;
+use parking_lot::Mutex;
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, join};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 use tokio::task::{JoinError, JoinSet};
-use tokio::time::{Duration, sleep};
-use tracing::{error, warn};
+use tokio::time::{Duration, sleep, timeout};
+use tracing::{debug, error, warn};
 
 use super::activity::Times;
 use super::connection::{self, Caller};
 use super::limits::{Admission, Connections};
+use super::proxy::{self, Network};
 use super::rarely::Rarely;
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
@@ -40,35 +44,40 @@ pub(super) struct Doors {
     /// How long connections may do nothing.
     pub(super) times: Times,
     pub(super) connections: Connections,
+    /// Proxies that tell the addresses of their clients.
+    pub(super) proxies: Vec<Network>,
     pub(super) counters: Counters,
     /// Becomes true when no more are taken in.
     pub(super) stopping: watch::Receiver<bool>,
+    /// Connections beyond the limits.
+    pub(super) crowds: Mutex<Rarely>,
 }
 
 impl Doors {
     /// Accepts connections until the server stops; returns when all of them have ended.
-    pub(super) async fn serve(mut self, listeners: Vec<TcpListener>) {
+    pub(super) async fn serve(self, mut listeners: Vec<TcpListener>) {
         let mut tasks = JoinSet::new();
-        let (mut failures, mut crowds) = (Rarely::new(TELLING), Rarely::new(TELLING));
+        let mut failures = Rarely::new(TELLING);
+        let mut stopping = self.stopping.clone();
+        let doors = Arc::new(self);
         loop {
             let (accepted, room) = tokio::select! {
                 next = async {
-                    let room = self.connections.room().await;
-                    (next(&listeners).await, room)
+                    let room = doors.connections.room().await;
+                    (next(&mut listeners).await, room)
                 } => next,
                 Some(ended) = tasks.join_next() => {
                     tell(ended);
                     continue;
                 }
-                _ = self.stopping.wait_for(|stopping| *stopping) => break,
+                _ = stopping.wait_for(|stopping| *stopping) => break,
             };
             match accepted {
                 Ok((stream, address)) => {
                     prepare(&stream);
-                    let peer = Peer::at(address.ip());
-                    let task = self.take_in(stream, peer, &mut crowds);
+                    let doors = Arc::clone(&doors);
                     tasks.spawn(async move {
-                        task.await;
+                        doors.take_in(stream, address).await;
                         drop(room);
                     });
                 }
@@ -87,52 +96,71 @@ impl Doors {
         }
     }
 
-    /// The task of a connection.
-    fn take_in(
-        &self,
-        stream: TcpStream,
-        peer: Peer,
-        crowds: &mut Rarely,
-    ) -> impl Future<Output = ()> + use<> {
-        let open = self.counters.open_connection();
-        let admission = self.connections.admit(peer);
-        let (crowded, times) = match &admission {
-            Admission::Within(_) => (None, self.times),
-            Admission::Beyond(crowded, _) => (Some(*crowded), BEYOND),
-        };
-        if let Some(crowded) = crowded
-            && let Some(times) = crowds.happened(Instant::now())
-        {
-            warn!(%peer, times, "{crowded}: only /livez, /readyz and /metrics are answered");
+    /// Serves a connection; one of a trusted proxy may tell first whose it is.
+    async fn take_in(self: Arc<Self>, mut stream: TcpStream, address: SocketAddr) {
+        let _open = self.counters.open_connection();
+        let proxy = Peer::at(address.ip());
+        if !proxy::is_trusted(&self.proxies, address.ip()) {
+            return self.converse(stream, Caller::direct(proxy)).await;
         }
-        let caller = Caller { peer, crowded };
-        let (router, stopping) = (self.router.clone(), self.stopping.clone());
-        let served = connection::serve(stream, caller, router, times, stopping);
-        async move {
-            let _open = open;
-            match admission {
-                Admission::Within(_slot) => served.await,
-                Admission::Beyond(_, ended) => tokio::select! {
-                    () = served => {}
+        let begun = timeout(self.times.head, proxy::read(&mut stream)).await;
+        let begun = begun.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()));
+        let proxy::Beginning { client, rest } = match begun {
+            Ok(begun) => begun,
+            Err(reason) => return debug!(%proxy, "a connection is closed: {reason}"),
+        };
+        let caller = match client {
+            Some(address) => Caller::direct(Peer::at(address)),
+            None => Caller::proxy(proxy),
+        };
+        let (input, output) = stream.into_split();
+        let stream = join(Cursor::new(rest).chain(input), output);
+        self.converse(stream, caller).await;
+    }
+
+    async fn converse<S>(self: &Arc<Self>, stream: S, mut caller: Caller)
+    where
+        S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    {
+        let admission = self.connections.admit(caller.limited());
+        match admission {
+            Admission::Within(_slot) => {
+                connection::serve(stream, caller, Arc::clone(self), self.times).await;
+            }
+            Admission::Beyond(crowded, ended) => {
+                if let Some(times) = self.crowds.lock().happened(Instant::now()) {
+                    let peer = caller.peer;
+                    warn!(%peer, times, "{crowded}: only /livez, /readyz and /metrics are answered");
+                }
+                caller.crowded = Some(crowded);
+                tokio::select! {
+                    () = connection::serve(stream, caller, Arc::clone(self), BEYOND) => {}
                     // It makes room for another one.
                     _ = ended => {}
-                },
+                }
             }
         }
     }
 }
 
-/// The next connection at any of the addresses.
-async fn next(listeners: &[TcpListener]) -> io::Result<(TcpStream, SocketAddr)> {
-    poll_fn(|context| {
-        for listener in listeners {
+/// Log lines about connections beyond the limits.
+pub(super) fn crowds() -> Mutex<Rarely> {
+    Mutex::new(Rarely::new(TELLING))
+}
+
+/// The next connection at any of the addresses, which take turns.
+async fn next(listeners: &mut [TcpListener]) -> io::Result<(TcpStream, SocketAddr)> {
+    let (place, accepted) = poll_fn(|context| {
+        for (place, listener) in listeners.iter().enumerate() {
             if let Poll::Ready(accepted) = listener.poll_accept(context) {
-                return Poll::Ready(accepted);
+                return Poll::Ready((place, accepted));
             }
         }
         Poll::Pending
     })
-    .await
+    .await;
+    listeners.rotate_left(place + 1);
+    accepted
 }
 
 /// Events are small and must leave at once.
@@ -154,5 +182,28 @@ fn is_of_the_connection(reason: &io::Error) -> bool {
 fn tell(ended: Result<(), JoinError>) {
     if let Err(reason) = ended {
         error!("the task of a connection has failed: {reason}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn addresses_take_turns() {
+        let bind = || TcpListener::bind("127.0.0.1:0");
+        let mut listeners = [bind().await.unwrap(), bind().await.unwrap()];
+        let addresses = listeners.each_ref().map(|it| it.local_addr().unwrap());
+        let mut clients = Vec::new();
+        for place in [0, 0, 0, 1, 1] {
+            clients.push(TcpStream::connect(addresses[place]).await.unwrap());
+        }
+        let mut at = Vec::new();
+        for _ in &clients {
+            let (stream, _) = next(&mut listeners).await.unwrap();
+            let address = stream.local_addr().unwrap();
+            at.push(addresses.iter().position(|it| *it == address).unwrap());
+        }
+        assert_eq!(at, [0, 1, 0, 1, 0]);
     }
 }

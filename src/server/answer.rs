@@ -1,4 +1,5 @@
-//! The body of an answer; its request counts as open until all of it has been sent.
+//! The body of an answer; its request counts as open until all of it has been sent, and what it takes to
+//! make it is done for its peer.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
@@ -9,9 +10,20 @@ use http_body::{Body as HttpBody, Frame, SizeHint};
 
 use super::activity::OpenRequest;
 use super::stalled;
+use crate::job::peer::Peer;
+use crate::job::slots::Slot;
 
 /// The most bytes that an HTTP/2 stream is given at once, so that its progress can be observed.
 const PIECE: usize = 64 * 1024;
+
+/// The request of an answer.
+pub(super) struct Served {
+    /// Whose it is.
+    pub(super) peer: Peer,
+    pub(super) _open: OpenRequest,
+    /// Its place among the requests of the peer, if these are limited.
+    pub(super) _slot: Option<Slot>,
+}
 
 /// The body of an answer.
 pub(super) struct AnswerBody {
@@ -20,16 +32,16 @@ pub(super) struct AnswerBody {
     rest: Bytes,
     /// The most bytes that are given at once.
     most: usize,
-    _open: OpenRequest,
+    request: Served,
 }
 
 impl AnswerBody {
-    pub(super) fn new(body: Body, open: OpenRequest, multiplexed: bool) -> Self {
+    pub(super) fn new(body: Body, request: Served, multiplexed: bool) -> Self {
         Self {
             body,
             rest: Bytes::new(),
             most: if multiplexed { PIECE } else { usize::MAX },
-            _open: open,
+            request,
         }
     }
 
@@ -49,7 +61,9 @@ impl HttpBody for AnswerBody {
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         stalled::asked();
         if self.rest.is_empty() {
-            let frame = Pin::new(&mut self.body).poll_frame(context);
+            let peer = Some(self.request.peer);
+            let body = Pin::new(&mut self.body);
+            let frame = Peer::sync_scope(peer, || body.poll_frame(context));
             let frame = ready!(frame.map(|frame| frame.transpose())?);
             stalled::given();
             match frame.map(Frame::into_data) {

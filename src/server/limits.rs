@@ -1,4 +1,5 @@
-//! Limits of the number of connections, in all and of each peer.
+//! Limits of the number of connections, in all and of each peer, and of the requests of a peer where
+//! connections do not limit them: over HTTP/2, and through a trusted proxy.
 //!
 //! Every connection takes a file descriptor. Without free ones, not even health checks would be
 //! answered. So some descriptors are reserved for connections beyond the limits, on which only health
@@ -13,7 +14,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 
 use crate::config::Config;
 use crate::job::peer::Peer;
-use crate::job::slots::{NoSlot, Slot, Slots};
+use crate::job::slots::{NoSlot, Quota, Slot, Slots};
 
 /// The most connections beyond the limits that are open at a time.
 const BEYOND: usize = 32;
@@ -31,6 +32,8 @@ pub(super) struct ConnectionLimits {
     pub(super) all: usize,
     /// Of one peer.
     pub(super) per_peer: usize,
+    /// Requests of one peer.
+    pub(super) requests: usize,
 }
 
 impl ConnectionLimits {
@@ -44,6 +47,7 @@ impl ConnectionLimits {
         Self {
             all,
             per_peer: per_peer.unwrap_or(all.div_ceil(2)),
+            requests: config.max_requests_per_peer,
         }
     }
 }
@@ -56,6 +60,7 @@ const ON_THEIR_WAY: usize = 8;
 pub(super) struct Connections {
     /// For those within the limits.
     slots: Arc<Slots>,
+    requests: Arc<Slots>,
     /// For all that have a descriptor.
     room: Arc<Semaphore>,
     /// Those beyond the limits, the oldest first; dropping one of these ends its connection.
@@ -71,19 +76,27 @@ pub(super) enum Admission {
     Beyond(Crowded, oneshot::Receiver<()>),
 }
 
-/// Why a connection is beyond the limits.
+/// Why a connection or a request is beyond the limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Crowded(NoSlot);
+pub enum Crowded {
+    Connections(NoSlot),
+    /// So many requests of the peer are open.
+    Requests(usize),
+}
 
 impl fmt::Display for Crowded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            NoSlot::All(most) => {
+        match self {
+            Self::Connections(NoSlot::All(most)) => {
                 write!(f, "{most} connections are open, the limit of this server")
             }
-            NoSlot::PerPeer(most) => write!(
+            Self::Connections(NoSlot::PerPeer(most)) => write!(
                 f,
                 "{most} connections from one address are open, the limit of this server for each"
+            ),
+            Self::Requests(most) => write!(
+                f,
+                "{most} requests from one address are open, the limit of this server for each"
             ),
         }
     }
@@ -93,7 +106,8 @@ impl Connections {
     pub(super) fn new(limits: ConnectionLimits) -> Self {
         let room = (limits.all + BEYOND + ON_THEIR_WAY).min(Semaphore::MAX_PERMITS);
         Self {
-            slots: Slots::new(limits.all, limits.per_peer),
+            slots: Slots::new(limits.all, Quota::Fixed(limits.per_peer)),
+            requests: Slots::new(usize::MAX, Quota::Fixed(limits.requests)),
             room: Arc::new(Semaphore::new(room)),
             beyond: Mutex::default(),
         }
@@ -104,11 +118,11 @@ impl Connections {
         Arc::clone(&self.room).acquire_owned().await.ok()
     }
 
-    /// Lets in a connection of a peer.
-    pub(super) fn admit(&self, peer: Peer) -> Admission {
-        let crowded = match self.slots.take(Some(peer)) {
+    /// Lets in a connection of a peer, or of a proxy with many peers behind it.
+    pub(super) fn admit(&self, peer: Option<Peer>) -> Admission {
+        let crowded = match self.slots.take(peer) {
             Ok(slot) => return Admission::Within(slot),
-            Err(no_slot) => Crowded(no_slot),
+            Err(no_slot) => Crowded::Connections(no_slot),
         };
         let mut beyond = self.beyond.lock();
         beyond.retain(|connection| !connection.is_closed());
@@ -118,6 +132,15 @@ impl Connections {
         let (end, ended) = oneshot::channel();
         beyond.push_back(end);
         Admission::Beyond(crowded, ended)
+    }
+
+    /// Lets in a request of a peer.
+    pub(super) fn admit_request(&self, peer: Peer) -> Result<Slot, Crowded> {
+        self.requests
+            .take(Some(peer))
+            .map_err(|no_slot| match no_slot {
+                NoSlot::All(most) | NoSlot::PerPeer(most) => Crowded::Requests(most),
+            })
     }
 }
 
@@ -156,16 +179,20 @@ mod tests {
         let connections = Connections::new(ConnectionLimits {
             all: 3,
             per_peer: 2,
+            requests: 1,
         });
-        let admit = |last| match connections.admit(peer(last)) {
+        let admit = |last| match connections.admit(Some(peer(last))) {
             Admission::Within(place) => Ok(place),
             Admission::Beyond(crowded, _) => Err(crowded),
         };
         let first = admit(1).unwrap();
         let second = admit(1).unwrap();
-        assert_eq!(admit(1).unwrap_err(), Crowded(NoSlot::PerPeer(2)));
+        assert_eq!(
+            admit(1).unwrap_err(),
+            Crowded::Connections(NoSlot::PerPeer(2))
+        );
         let third = admit(2).unwrap();
-        assert_eq!(admit(2).unwrap_err(), Crowded(NoSlot::All(3)));
+        assert_eq!(admit(2).unwrap_err(), Crowded::Connections(NoSlot::All(3)));
         drop(first);
         let again = admit(1).unwrap();
         drop((second, third, again));
@@ -177,8 +204,9 @@ mod tests {
         let connections = Connections::new(ConnectionLimits {
             all: 0,
             per_peer: 0,
+            requests: 0,
         });
-        let admit = || match connections.admit(peer(1)) {
+        let admit = || match connections.admit(Some(peer(1))) {
             Admission::Within(_) => panic!("there are no places"),
             Admission::Beyond(_, ended) => ended,
         };

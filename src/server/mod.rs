@@ -4,7 +4,7 @@
 //! - [`listen`]: the addresses of the server;
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
-//! - [`limits`]: how many connections there may be;
+//! - [`limits`]: how many connections there may be; [`proxy`]: clients behind trusted proxies;
 //! - [`arriving`]: the bodies of its requests; [`answer`]: those of its answers; [`stalled`]: those that the client does not take;
 //! - [`rarely`]: log lines that are not told each time.
 
@@ -16,6 +16,7 @@ mod connection;
 pub(crate) mod limits;
 pub mod listen;
 pub mod local;
+pub mod proxy;
 mod rarely;
 mod stalled;
 mod watched;
@@ -41,6 +42,7 @@ use crate::job::counters::Counters;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Scheduler;
 use crate::job::service::{JobLimits, Jobs};
+use crate::job::slots::Quota;
 use crate::job::store::embedded::{EmbeddedStore, OpenError};
 use crate::job::store::{Retention, Store};
 use accept::Doors;
@@ -75,6 +77,7 @@ pub async fn serve(
     let base_path = config.base_path.as_str().to_owned();
     let (times, most) = (times(&config), ConnectionLimits::of(&config));
     let counters = jobs.resources().counters.clone();
+    let proxies = config.trusted_proxy.clone();
     let hosts = Hosts::new(&config.allowed_host, is_loopback(&listeners)?);
     let router = router::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
 
@@ -85,8 +88,10 @@ pub async fn serve(
         router,
         times,
         connections: Connections::new(most),
+        proxies,
         counters,
         stopping,
+        crowds: accept::crowds(),
     };
     tokio::select! {
         () = doors.serve(listeners) => {}
@@ -151,7 +156,7 @@ fn limits(config: &Config) -> JobLimits {
     JobLimits {
         recent: bytes(config.recent.as_u64()),
         jobs: config.max_jobs,
-        jobs_of_a_peer: config.jobs_of_a_peer(),
+        jobs_of_a_peer: config.max_jobs_per_peer.map_or(Quota::Fair, Quota::Fixed),
         retention: Retention {
             jobs: config.retain_jobs,
             bytes: config.retain_bytes.as_u64(),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::data;
 use crate::program::Program;
-use crate::support::{Server, Story, base, events, problem};
+use crate::support::{Server, Story, base, events, eventually, problem};
 use futures_util::StreamExt;
 
 /// How often each race is run.
@@ -158,4 +158,53 @@ async fn streams_of_jobs_that_are_deleted_while_they_wait_come_to_their_ends() {
             ("end", &json!("cancelled"))
         );
     }
+}
+
+/// With no room for jobs that have ended, each one is there until its request is answered and its streams
+/// have ended; then it goes.
+#[tokio::test(flavor = "multi_thread", worker_threads = 4)]
+async fn jobs_that_are_read_are_not_forgotten() {
+    let directory = tempfile::tempdir().unwrap();
+    let data_dir = DataDir::Directory(directory.path().to_owned());
+    let server = Server::with(|config| {
+        config.data_dir = data_dir;
+        config.recent = bytesize::ByteSize::b(0);
+        config.retain_jobs = 0;
+    })
+    .await;
+    let small = data::small_job();
+    for _ in 0..10 {
+        let streams = (0..30).map(|_| server.stream(&small));
+        for story in join_all(streams).await {
+            assert_eq!(story.state(), "converged");
+        }
+    }
+
+    // A stream that is not read to its end holds a job that has ended.
+    let job = json!({
+        "curve": {"points": data::wave(3000)},
+        "stop": {"tolerance": 0, "max_iterations": 300},
+    });
+    let request = server
+        .post("/v1/jobs")
+        .header("accept", "text/event-stream");
+    let response = request.json(&job).send().await.unwrap();
+    let path = response.headers()["location"].to_str().unwrap().to_owned();
+    let mut stream = events(response);
+    assert_eq!(stream.next().await.unwrap().name, "job");
+    server.until_state(&path, "exhausted").await;
+    // Others end, so that the server looks for what is to be forgotten.
+    let other = server.fit(&data::small_job()).await;
+    eventually("the other one is forgotten", async || {
+        server.get(base(&other)).send().await.unwrap().status() == 404
+    })
+    .await;
+    let result = format!("{path}/result");
+    assert_eq!(server.json(&result).await["state"], "exhausted");
+    drop(stream);
+    eventually("it is forgotten, too", async || {
+        server.get(&path).send().await.unwrap().status() == 404
+    })
+    .await;
+    server.stop().await;
 }

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use crate::support::{Server, problem};
+use crate::data;
+use crate::support::{Server, base, problem};
 
 #[tokio::test]
 async fn health() {
@@ -173,4 +174,81 @@ async fn json_ends_with_a_newline() {
         .unwrap();
     let lines = lines.text().await.unwrap();
     assert!(lines.ends_with("}\n") && !lines.contains("\n\n"));
+}
+
+#[tokio::test]
+async fn iterations_are_waited_for_as_long_as_the_client_wants() {
+    let server = Server::start().await;
+    let job = server.create(&data::endless_job()).await;
+    let ask = |k: usize, wait: &str| {
+        let request = server.get(&format!("{}/iterations/{k}", base(&job)));
+        request.header("prefer", wait).send()
+    };
+    let reached = ask(50, "wait=100").await.unwrap();
+    assert_eq!(reached.status(), 200);
+    assert_eq!(reached.headers()["preference-applied"], "wait=100");
+    // What was reached comes without waiting for anything else.
+    let first = server.json(&format!("{}/iterations/0", base(&job))).await;
+    assert_eq!(first["iteration"], 0);
+    for (wait, format) in [("wait=0", ""), ("wait=1", "/csv")] {
+        let path = format!("{}/iterations/999999999{format}", base(&job));
+        let request = server.get(&path).header("prefer", wait);
+        let response = request.send().await.unwrap();
+        assert_eq!(response.headers()["retry-after"], "10");
+        let (status, answer) = problem(response).await;
+        assert_eq!(status, 503);
+        assert_eq!(answer["type"], "/problems/not-reached");
+        let detail = answer["detail"].as_str().unwrap();
+        assert!(detail.contains("running at iteration"), "{detail}");
+        assert!(detail.contains("largest distance"), "{detail}");
+    }
+    let (status, answer) = problem(ask(1, "wait=soon").await.unwrap()).await;
+    assert_eq!(
+        (status, &answer["errors"][0]["header"]),
+        (400, &json!("Prefer"))
+    );
+    // The end of the server is not waited for, either.
+    let waits = tokio::spawn(ask(999_999_999, "wait=300"));
+    server.until("piad_jobs_running", 1.0).await;
+    server.stop().await;
+    if let Ok(answer) = waits.await.unwrap() {
+        assert_eq!(problem(answer).await.0, 503);
+    }
+}
+
+/// An iteration far behind is not computed from the start each time, and is the same to the last bit.
+#[tokio::test]
+async fn iterations_far_back_go_on_from_checkpoints() {
+    let server = Server::with(|config| config.ring = "1B".parse().unwrap()).await;
+    let points = data::wave(300);
+    let selected: Vec<usize> = (0..300).step_by(2).collect();
+    for method in [
+        json!({"kind": "weighted", "omega": 1e-4}),
+        json!({"kind": "transpose"}),
+        json!({"kind": "chebyshev"}),
+        json!({"kind": "local", "indices": selected, "omega": 1e-4}),
+    ] {
+        let job = json!({
+            "curve": {"points": points},
+            "method": method,
+            "stop": {"tolerance": 0, "max_iterations": 6000},
+        });
+        let story = server.stream(&job).await;
+        let last = story.iterations.len() - 1;
+        let path = base(&story.job).to_owned();
+        for k in [last - 1, last / 2, last - 1, 300, last / 3] {
+            if k == 0 || k > last {
+                continue;
+            }
+            let before = server.metrics().await["piad_iterations_total"];
+            let iteration = server.json(&format!("{path}/iterations/{k}")).await;
+            assert_eq!(iteration, story.iterations[k], "{method}");
+            let computed = server.metrics().await["piad_iterations_total"] - before;
+            // Checkpoints of 6000 levels are 1024 levels apart; a few levels are computed ahead.
+            assert!(
+                computed < 1200.0,
+                "{method}: {computed} levels for level {k}"
+            );
+        }
+    }
 }

@@ -39,15 +39,76 @@ async fn one_client_does_not_fill_the_queue() {
     let (status, answer) = problem(edit.send().await.unwrap()).await;
     assert_eq!(status, 429, "{answer}");
 
-    let other = Client::builder().local_address(Some([127, 0, 0, 2].into()));
-    let other = other.timeout(PATIENCE).build().unwrap();
-    let request = other.post(format!("{}/v1/jobs", server.url));
+    let request = another().post(format!("{}/v1/jobs", server.url));
     let response = request.json(&data::small_job()).send().await.unwrap();
     assert_eq!(response.status(), 201);
 
     let cancel = server.post(&format!("{}/cancel", base(&first)));
     assert!(cancel.send().await.unwrap().status().is_success());
     assert_eq!(server.fit(&data::small_job()).await["state"], "converged");
+}
+
+/// A client at 127.0.0.2.
+fn another() -> Client {
+    let client = Client::builder().local_address(Some([127, 0, 0, 2].into()));
+    client.timeout(PATIENCE).build().unwrap()
+}
+
+/// However many jobs one client has, running and waiting for memory, a small job of another one runs.
+#[tokio::test]
+async fn one_client_does_not_take_all_turns_and_memory() {
+    let server = Server::with(|config| config.memory = Some("64MiB".parse().unwrap())).await;
+    let job = json!({
+        "curve": {"points": data::wave(400)},
+        "method": {"kind": "transpose"},
+        "stop": {"tolerance": 0, "max_iterations": 100_000_000},
+    });
+    for _ in 0..200 {
+        server.create(&job).await;
+    }
+    let queued = server.json("/v1/jobs?state=queued").await;
+    assert!(!queued["jobs"].as_array().unwrap().is_empty(), "{queued}");
+    let other = another();
+    for _ in 0..10 {
+        let request = other.post(format!("{}/v1/jobs", server.url));
+        let request = request
+            .header("prefer", "wait=100")
+            .json(&data::small_job());
+        let job: Value = request.send().await.unwrap().json().await.unwrap();
+        assert_eq!(job["state"], "converged");
+    }
+    let ended = server.json("/v1/jobs?state=exhausted").await;
+    assert_eq!(
+        ended["jobs"],
+        json!([]),
+        "nothing of the first one has ended"
+    );
+}
+
+/// One client cannot sit on the keys of another one.
+#[tokio::test]
+async fn each_client_has_keys_of_its_own() {
+    let server = Server::start().await;
+    let other = another();
+    let post = async |client: &Client, job: &Value| {
+        let request = client.post(format!("{}/v1/jobs", server.url));
+        let request = request.header("idempotency-key", "wing-17").json(job);
+        let response = request.send().await.unwrap();
+        assert_eq!(response.status(), 201);
+        let replayed = response.headers().contains_key("idempotency-replayed");
+        let job: Value = response.json().await.unwrap();
+        (job["id"].clone(), replayed)
+    };
+    let (first, replayed) = post(&server.client, &data::small_job()).await;
+    assert!(!replayed);
+    let endless = data::endless_job();
+    let (second, replayed) = post(&other, &endless).await;
+    assert!(!replayed && second != first);
+    assert_eq!(post(&other, &endless).await, (second, true));
+    assert_eq!(
+        post(&server.client, &data::small_job()).await,
+        (first, true)
+    );
 }
 
 async fn connect_from(program: &Program, last: u8) -> TcpStream {

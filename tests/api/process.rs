@@ -91,6 +91,8 @@ fn wrong_settings_are_refused() {
         vec!["--log", "="],
         vec!["--retain-age", "long"],
         vec!["--data-dir", ""],
+        vec!["--allowed-host", "*example.org"],
+        vec!["--trusted-proxy", "10.0.0.0/33"],
         vec!["--cors-origin", "https://cad.example/path"],
         vec!["--speed", "9"],
         vec!["fly"],

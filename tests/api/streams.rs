@@ -6,7 +6,7 @@ use futures_util::{StreamExt, future::join_all};
 use serde_json::{Value, json};
 
 use crate::data;
-use crate::support::{NEVER, Server, Story, events};
+use crate::support::{NEVER, Server, Story, base, events, problem};
 
 fn id(job: &Value) -> &str {
     job["id"].as_str().unwrap()
@@ -172,13 +172,15 @@ async fn a_stream_resumes_after_the_last_event() {
         assert_eq!(rest.iterations, story.iterations[6..]);
         assert_eq!(rest.end, story.end);
     }
-    let beyond = server.get(&path).header("last-event-id", "100000");
-    assert!(
-        Story::read(beyond.send().await.unwrap())
-            .await
-            .iterations
-            .is_empty()
-    );
+    let last = story.end["iterations"].as_u64().unwrap();
+    let seen = |k: u64| server.get(&path).header("last-event-id", k).send();
+    let rest = Story::read(seen(last).await.unwrap()).await;
+    assert!(rest.iterations.is_empty());
+    let (status, answer) = problem(seen(last + 1).await.unwrap()).await;
+    assert_eq!(status, 400);
+    assert_eq!(answer["errors"][0]["header"], "Last-Event-ID");
+    let detail = answer["detail"].as_str().unwrap();
+    assert!(detail.contains(&format!("it ended at {last}")), "{detail}");
     let over = server.get(&path).header("last-event-id", "end");
     assert_eq!(over.send().await.unwrap().status(), 204);
     // What is wrong is said, even where it makes no difference.
@@ -186,6 +188,28 @@ async fn a_stream_resumes_after_the_last_event() {
         .get(&format!("{path}?last_event_id=x"))
         .header("last-event-id", "5");
     assert_eq!(wrong.send().await.unwrap().status(), 400);
+}
+
+/// A job that runs, or that was cancelled, may have come further before a restart than it has now.
+#[tokio::test]
+async fn a_running_job_resumes_after_any_iteration_that_it_can_have() {
+    let server = Server::start().await;
+    let mut job = data::endless_job();
+    job["stop"]["max_iterations"] = json!(1_000_000);
+    let job = server.create(&job).await;
+    let path = base(&job);
+    let events = format!("{path}/events");
+    let seen = |k: &str| server.get(&format!("{events}?last_event_id={k}")).send();
+    assert_eq!(seen("1000000").await.unwrap().status(), 200);
+    let (status, answer) = problem(seen("1000001").await.unwrap()).await;
+    assert_eq!(status, 400);
+    assert_eq!(answer["errors"][0]["parameter"], "last_event_id");
+    let detail = answer["detail"].as_str().unwrap();
+    assert!(detail.contains("at most 1000000"), "{detail}");
+    let cancel = server.post(&format!("{path}/cancel")).send().await;
+    assert_eq!(cancel.unwrap().status(), 200);
+    let rest = Story::read(seen("999999").await.unwrap()).await;
+    assert!(rest.iterations.is_empty() && rest.state() == "cancelled");
 }
 
 /// The ring holds only the newest frame, so that every reader falls out of it all the time.

@@ -14,7 +14,7 @@ use futures_util::stream;
 use http_body::Frame;
 use http_body_util::{BodyExt, StreamBody};
 use tokio::runtime::Handle;
-use tokio::sync::watch;
+use tokio::sync::{oneshot, watch};
 use tonic::server::NamedService;
 use tonic::{Code, Status};
 use tower::Service;
@@ -69,9 +69,20 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
         return answer.await;
     }
     let here = Handle::current();
-    let aside = tokio::task::spawn_blocking(move || here.block_on(answer));
+    let (waiting, gone) = oneshot::channel::<()>();
+    let aside = tokio::task::spawn_blocking(move || {
+        here.block_on(async {
+            tokio::select! {
+                answer = answer => answer,
+                // The client does not wait any more, nor does what is computed for it.
+                _ = gone => Status::cancelled("the client has gone").into_http(),
+            }
+        })
+    });
     let broken = |_| Status::internal("the call ran into a defect of the server").into_http();
-    aside.await.unwrap_or_else(broken)
+    let answer = aside.await.unwrap_or_else(broken);
+    drop(waiting);
+    answer
 }
 
 /// Reflection and health. Their streams last as long as the client likes, and end with the server.

@@ -262,7 +262,7 @@ impl FittingService for Service {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let form = form(&job, message.view, message.samples_u, message.samples_v)?;
-        let frame = levels::frame(&job, message.iteration.map(level)).await?;
+        let frame = levels::frame(&self.0, &job, message.iteration.map(level), None).await?;
         let bytes = encode::frame(&job, &frame, &form).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
@@ -281,7 +281,8 @@ impl FittingService for Service {
     ) -> Reply<pb::GetDeviationResponse> {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
-        let (frame, deviation) = levels::deviation(&job, message.iteration.map(level)).await?;
+        let (frame, deviation) =
+            levels::deviation(&self.0, &job, message.iteration.map(level), None).await?;
         let iteration = frame.level.iteration;
         Ok(Response::new(view::deviation(
             iteration,
@@ -324,6 +325,10 @@ impl FittingService for Service {
         let options = options.map_err(wrong)?;
         let held = job.held().await?;
         let seen = message.resume_after.map(level);
+        let possible = seen.map(|k| jobs::check_seen(&job, k));
+        possible
+            .transpose()
+            .map_err(|detail| Problem::at_field("resume_after", detail))?;
         Ok(Response::new(self.events(job, options, seen, held)))
     }
 }

@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::time::Duration;
 
-use super::intake::ReceivedBody;
+use super::intake::{ReceivedBody, Room};
 use super::negotiate::{self, Answer};
 use super::path::InPath;
 use super::points::Fields;
@@ -25,7 +25,6 @@ use crate::api::problem::{Problem, Words};
 use crate::api::proto;
 use crate::api::stream::feed::Feed;
 use crate::config::Config;
-use crate::job::memory::Permit;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::model::edit::EditSpec;
@@ -61,8 +60,9 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known).await;
     }
-    let (language, body, _room) = posted.take_body();
+    let (language, body, room) = posted.take_body();
     let order = order(&app, language, body, fields.map(|(_, fields)| fields)).await?;
+    drop(room);
     posted.create(&app, order).await
 }
 
@@ -120,7 +120,7 @@ async fn post_edit(
         return posted.answer(&app, known).await;
     }
     let parent = jobs::find(&app, &id).await?;
-    let (language, body, _room) = posted.take_body();
+    let (language, body, room) = posted.take_body();
     let (length, owner) = (body.len(), Arc::clone(&parent));
     let (framing, edit) = match language {
         Language::Json => {
@@ -140,6 +140,7 @@ async fn post_edit(
             (framing, EditOrder::new(&app, &parent, spec, &layout).await?)
         }
     };
+    drop(room);
     match framing {
         None => posted.create(&app, edit.order).await,
         Some(framing) => posted.stream(&app, edit, framing).await,
@@ -199,7 +200,7 @@ impl Posted {
     }
 
     /// Takes out the body and the memory that it holds, so that both are freed once it is read.
-    fn take_body(&mut self) -> (Language, Bytes, Vec<Permit>) {
+    fn take_body(&mut self) -> (Language, Bytes, Room) {
         let bytes = std::mem::take(&mut self.body.bytes);
         (self.language, bytes, std::mem::take(&mut self.body.room))
     }
@@ -287,10 +288,8 @@ impl Posted {
         if replayed {
             headers.insert(REPLAYED, HeaderValue::from_static("true"));
         }
-        if let (Some(wait), Answer::Job(_)) = (self.wait, self.answer) {
-            let applied = HeaderValue::from_str(&format!("wait={}", wait.as_secs())).ok();
-            let name = HeaderName::from_static("preference-applied");
-            headers.extend(applied.map(|applied| (name, applied)));
+        if let Answer::Job(_) = self.answer {
+            negotiate::waited(headers, self.wait);
         }
         Ok(response)
     }

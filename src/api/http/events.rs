@@ -30,6 +30,7 @@ use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
 use crate::api::stream::sending::Outgoing;
 use crate::api::whole::plain_number;
+use crate::job::Job;
 use crate::job::content::Content;
 use crate::model::short::quoted;
 use crate::model::stream::form::Encoding;
@@ -58,7 +59,7 @@ pub(super) async fn get(
         options::check_range(&spec, defaults, &problem)?;
     }
     let held = job.held().await?;
-    match last_event_id(&headers, query.last_event_id)? {
+    match last_event_id(&job, &headers, query.last_event_id)? {
         None => Ok(stream(framing, Feed::new(&app, job, options, None, held))),
         // 204 is the only status that keeps an EventSource from reconnecting.
         Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
@@ -79,31 +80,33 @@ enum LastEvent {
 
 /// The header wins over the query parameter, which is for clients that cannot set headers.
 fn last_event_id(
+    job: &Job,
     headers: &HeaderMap,
     parameter: Option<String>,
 ) -> Result<Option<LastEvent>, Problem> {
     let header = headers
         .get(LAST_EVENT_ID)
         .map(|value| value.to_str().unwrap_or("?"));
-    let in_header = event_of(header).map_err(|why| Problem::at_header("Last-Event-ID", why))?;
-    let in_query = event_of(parameter.as_deref())
+    let in_header =
+        event_of(job, header).map_err(|why| Problem::at_header("Last-Event-ID", why))?;
+    let in_query = event_of(job, parameter.as_deref())
         .map_err(|why| Problem::at_parameter("last_event_id", why))?;
     Ok(in_header.or(in_query))
 }
 
-/// The event with this id; an empty id is none. The error says what is wrong with the id.
-fn event_of(id: Option<&str>) -> Result<Option<LastEvent>, String> {
+/// The event of a job with this id; an empty id is none. The error says what is wrong with the id.
+fn event_of(job: &Job, id: Option<&str>) -> Result<Option<LastEvent>, String> {
     match id {
         None | Some("") => Ok(None),
         Some(END) => Ok(Some(LastEvent::End)),
-        Some(id) => plain_number(id)
-            .map(|k| Some(LastEvent::Iteration(k)))
-            .ok_or_else(|| {
-                format!(
-                    "{} is no event id: ids are iteration numbers and \"end\"",
-                    quoted(id)
-                )
-            }),
+        Some(id) => {
+            let k = plain_number(id).ok_or_else(|| {
+                let id = quoted(id);
+                format!("{id} is no event id: ids are iteration numbers and \"end\"")
+            })?;
+            jobs::check_seen(job, k)?;
+            Ok(Some(LastEvent::Iteration(k)))
+        }
     }
 }
 

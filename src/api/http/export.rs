@@ -20,6 +20,7 @@ use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};
 use crate::job::frame::Frame;
+use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 
 /// The most multiplications for computing the earlier levels again, whose errors drawings show.
@@ -82,7 +83,12 @@ pub async fn file(
         Format::Csv => 0,
         _ => count * BYTES_PER_POINT,
     };
-    let permit = job.resources().memory.files.take(bytes).await;
+    let permit = job
+        .resources()
+        .memory
+        .files
+        .take(Peer::current(), bytes)
+        .await;
     let system = job.system().await?;
     let owner = Arc::clone(job);
     let measured = if format == Format::Svg {

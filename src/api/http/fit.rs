@@ -39,7 +39,7 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     let status = tokio::select! {
         status = job.0.ended() => status,
         _ = stopping.wait_for(|stopping| *stopping) => {
-            return Err(Problem::new(Kind::Stopping, "the server is stopping").retry_after(5));
+            return Err(order::stopping());
         }
     };
     match status.state {

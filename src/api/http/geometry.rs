@@ -40,7 +40,7 @@ pub async fn iteration(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let (job, wanted) = job_and_wanted(&app, &id, &uri, &headers).await?;
-    show_iteration(&job, &k, wanted).await
+    show_iteration(&app, &job, &k, &headers, wanted).await
 }
 
 /// `GET /v1/jobs/{id}/iterations/{k}/{format}`
@@ -48,26 +48,36 @@ pub(super) async fn iteration_file(
     State(app): State<App>,
     InPath((id, k, format)): InPath<(String, String, String)>,
     uri: Uri,
+    headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let (job, file) = job_and_file(&app, &id, &format, &uri).await?;
-    show_iteration(&job, &k, file).await
+    show_iteration(&app, &job, &k, &headers, file).await
 }
 
-async fn show_iteration(job: &Arc<Job>, k: &str, wanted: Wanted) -> Result<Response, Problem> {
-    let frame = levels::frame(job, level(k)?).await?;
+async fn show_iteration(
+    app: &App,
+    job: &Arc<Job>,
+    k: &str,
+    headers: &HeaderMap,
+    wanted: Wanted,
+) -> Result<Response, Problem> {
+    let wait = negotiate::wait(headers)?;
+    let frame = levels::frame(app, job, level(k)?, wait).await?;
     let part = Part::Iteration(frame.level.iteration);
-    match wanted {
+    let (mut answer, extension) = match wanted {
         Wanted::Form(form) => {
             let content = encode::frame(job, &frame, &form.with_knots()).await?;
             let language = language(&form);
             let answer = answer(job, content, language.media_type());
-            Ok(named(answer, job.outline(), part, language.extension()))
+            (answer, language.extension())
         }
         Wanted::File(format, options) => {
             let file = export::file(job, frame, format, options).await?;
-            Ok(named(file, job.outline(), part, format.extension()))
+            (file, format.extension())
         }
-    }
+    };
+    negotiate::waited(answer.headers_mut(), wait);
+    Ok(named(answer, job.outline(), part, extension))
 }
 
 /// `GET /v1/jobs/{id}/input`: the job as it was accepted.
@@ -177,7 +187,8 @@ pub(super) async fn deviation(
     let query: DeviationQuery = negotiate::query(&uri)?;
     let (k, list) = query.choices()?;
     let job = jobs::find(&app, &id).await?;
-    let (frame, deviation) = levels::deviation(&job, k).await?;
+    let wait = negotiate::wait(&headers)?;
+    let (frame, deviation) = levels::deviation(&app, &job, k, wait).await?;
     let numbers = if list { deviation.distances.len() } else { 1 };
     let write = move || {
         let iteration = frame.level.iteration;

@@ -44,11 +44,17 @@ impl Hosts {
         }
         host == "localhost"
             || host.ends_with(".localhost")
-            || self.names.iter().any(|name| match name.strip_prefix('*') {
-                Some(ending) => host.ends_with(ending) && host.len() > ending.len(),
+            || self.names.iter().any(|name| match name.strip_prefix("*.") {
+                Some(parent) => is_below(&host, parent),
                 None => *name == host,
             })
     }
+}
+
+/// Whether a name is one more label, or several, before another one.
+fn is_below(name: &str, parent: &str) -> bool {
+    let labels = name.strip_suffix(parent);
+    labels.is_some_and(|labels| labels.len() > 1 && labels.ends_with('.'))
 }
 
 fn plain(name: &str) -> String {
@@ -134,6 +140,7 @@ mod tests {
             ".cad.example",
             "127.0.0.1.evil.example",
             "example.org",
+            "evilcad.example",
         ] {
             assert!(!hosts.know(host), "{host}");
         }

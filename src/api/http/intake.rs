@@ -1,5 +1,5 @@
-//! Receives the bodies of requests: within the limits of size, from a share of the memory, and with
-//! limits on pauses and rate. Compressed ones are unpacked as they come, and the limits are those of
+//! Receives the bodies of requests: within the limits of size, from a share of the memory (small ones from
+//! another than large ones), and with limits on pauses and rate. Compressed ones are unpacked as they come, and the limits are those of
 //! what is in them.
 
 use std::time::{Duration, Instant};
@@ -14,10 +14,11 @@ use super::coding::Coding;
 use super::unpacking::Unpacker;
 use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
-use crate::job::memory::Permit;
+use crate::job::memory::{Permit, Share};
+use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 
-/// Bodies up to this size take nothing from the share: the number of connections limits their memory.
+/// Bodies up to this size have a share of the memory for themselves.
 const SMALL: usize = 64 * 1024;
 
 /// A body takes memory twice: as bytes, and as the numbers that are read from them.
@@ -34,7 +35,15 @@ pub struct ReceivedBody {
     /// What was sent.
     pub bytes: Bytes,
     /// Held until the body has been read.
-    pub room: Vec<Permit>,
+    pub room: Room,
+}
+
+/// The memory of a body.
+#[derive(Default)]
+pub struct Room {
+    /// While it is small.
+    small: Option<Permit>,
+    large: Option<Permit>,
 }
 
 /// Collects a body, as it is.
@@ -72,7 +81,7 @@ async fn collect(
         begun: Instant::now(),
         received: 0,
         bytes: Vec::new(),
-        room: Vec::new(),
+        room: Room::default(),
     };
     match coding {
         None => intake.collect(body).await?,
@@ -93,7 +102,7 @@ struct Intake<'a> {
     /// The number of bytes that have come.
     received: usize,
     bytes: Vec<u8>,
-    room: Vec<Permit>,
+    room: Room,
 }
 
 impl Intake<'_> {
@@ -112,7 +121,7 @@ impl Intake<'_> {
         };
         let mut unpacker = Unpacker::new(coding).map_err(damaged)?;
         if unpacker.memory() > 0 {
-            self.take(unpacker.memory()).await?;
+            self.take_large(unpacker.memory()).await?;
         }
         while let Some(mut data) = self.receive(&mut body).await? {
             let mut more = !data.is_empty();
@@ -168,6 +177,7 @@ impl Intake<'_> {
             return Err(too_large(self.limit));
         }
         self.received += data.len();
+        self.check_rate()?;
         Ok(Some(data))
     }
 
@@ -175,9 +185,6 @@ impl Intake<'_> {
     async fn grow(&mut self, more: usize) -> Result<(), Problem> {
         let needed = self.bytes.len() + more;
         let capacity = self.bytes.capacity();
-        if needed > SMALL {
-            self.check_rate()?;
-        }
         if needed <= capacity {
             return Ok(());
         }
@@ -187,46 +194,59 @@ impl Intake<'_> {
             false => 2 * capacity,
         };
         let wanted = wanted.min(self.limit).max(needed);
-        if wanted > SMALL {
+        if wanted <= SMALL {
+            self.take_small(COPIES * (wanted - capacity)).await?;
+        } else {
             let before = if capacity > SMALL { capacity } else { 0 };
-            self.take(COPIES * (wanted - before)).await?;
+            self.take_large(COPIES * (wanted - before)).await?;
+            self.room.small = None;
         }
         self.bytes
             .try_reserve_exact(wanted - self.bytes.len())
             .map_err(|_| busy("the server has no memory for the body"))
     }
 
-    /// Takes memory from the share. A body that is larger than the whole share waits until it gets all
-    /// of it.
-    async fn take(&mut self, bytes: usize) -> Result<(), Problem> {
-        let share = &self.app.jobs.resources().memory.bodies;
-        let held: usize = self.room.iter().map(Permit::num_permits).sum();
-        let left = share
-            .bytes()
-            .saturating_sub(held * crate::job::memory::PAGE);
-        let permit = timeout(WAIT, share.take(bytes.min(left))).await;
-        let permit = permit.map_err(|_| {
-            busy("the server is taking in as many large requests as it has memory for")
-        })?;
-        self.room.extend(permit);
-        Ok(())
+    /// Takes memory for a small body.
+    async fn take_small(&mut self, bytes: usize) -> Result<(), Problem> {
+        let share = &self.app.jobs.resources().memory.requests;
+        take(share, &mut self.room.small, bytes).await
     }
 
-    /// Refuses large bodies that come so slowly that they keep memory from others.
+    /// Takes memory for a large body. One that is larger than the whole share waits until it gets all of
+    /// it.
+    async fn take_large(&mut self, bytes: usize) -> Result<(), Problem> {
+        let share = &self.app.jobs.resources().memory.bodies;
+        take(share, &mut self.room.large, bytes).await
+    }
+
+    /// Refuses bodies that come so slowly that they keep memory from others.
     fn check_rate(&self) -> Result<(), Problem> {
         let (rate, pause) = (self.app.config.min_body_rate, self.app.config.body_timeout);
         let passed = self.begun.elapsed();
         let least = rate.as_u64() as f64 * passed.as_secs_f64();
-        if passed > pause && (self.bytes.len() as f64) < least {
+        if passed > pause && (self.received.max(self.bytes.len()) as f64) < least {
             let detail = format!(
-                "only {} bytes of the body came in {} seconds; large bodies come at {rate} per second or more",
-                self.bytes.len(),
+                "only {} bytes of the body came in {} seconds; bodies that take that long come at {rate} per second or more",
+                self.received,
                 passed.as_secs()
             );
             return Err(Problem::new(Kind::BodyTimeout, detail));
         }
         Ok(())
     }
+}
+
+/// Waits for memory, not for long.
+async fn take(share: &Share, room: &mut Option<Permit>, bytes: usize) -> Result<(), Problem> {
+    let taken = async {
+        match room {
+            Some(permit) => share.extend(permit, bytes).await,
+            None => *room = share.take(Peer::current(), bytes).await,
+        }
+    };
+    timeout(WAIT, taken).await.map_err(|_| {
+        busy("the server is taking in as many requests of this size as it has memory for")
+    })
 }
 
 fn too_large(limit: usize) -> Problem {

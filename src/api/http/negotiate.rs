@@ -4,7 +4,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use axum::extract::Query;
-use axum::http::{HeaderMap, Uri, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Uri, header};
 use headers_accept::Accept;
 use mediatype::MediaType;
 use serde::de::DeserializeOwned;
@@ -153,6 +153,13 @@ pub(super) fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
         };
     }
     Ok(None)
+}
+
+/// Says in an answer that the client's time was obeyed.
+pub(super) fn waited(headers: &mut HeaderMap, wait: Option<Duration>) {
+    let applied = wait.map(|wait| HeaderValue::from_str(&format!("wait={}", wait.as_secs())));
+    let name = HeaderName::from_static("preference-applied");
+    headers.extend(applied.and_then(Result::ok).map(|applied| (name, applied)));
 }
 
 /// The query parameters of a resource; unknown ones are errors.

@@ -31,6 +31,7 @@ use crate::config::Config;
 use crate::fit::points::Grid;
 use crate::import::{self, Hints, Imported, Kind};
 use crate::job::memory::Permit;
+use crate::job::peer::Peer;
 use crate::model::job::JobSpec;
 use crate::model::short::quoted;
 use crate::model::stream::Samples;
@@ -68,7 +69,13 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     if json.len() <= ENOUGH {
         return Ok(whole(json, JSON));
     }
-    let room = app.jobs.resources().memory.files.take(json.len()).await;
+    let room = app
+        .jobs
+        .resources()
+        .memory
+        .files
+        .take(Peer::current(), json.len())
+        .await;
     Ok(whole(in_parts(json, room), JSON))
 }
 

@@ -289,14 +289,14 @@ fn request_headers() -> Vec<Value> {
         header(
             "Prefer",
             &format!(
-                "`wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to {LONGEST_WAIT}, as it then stands."
+                "`wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to {LONGEST_WAIT}, as it then stands."
             ),
             json!({"type": "string"}),
             json!("wait=10"),
         ),
         header(
             "Idempotency-Key",
-            "A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.",
+            "A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.",
             json!({
                 "type": "string",
                 "minLength": 1,

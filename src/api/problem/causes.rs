@@ -57,9 +57,6 @@ impl From<Refused> for Problem {
         match refused {
             Refused::Full { .. } => Self::new(Kind::QueueFull, detail).retry_after(5),
             Refused::PeerFull { .. } => Self::new(Kind::TooManyJobs, detail).retry_after(5),
-            Refused::TooLarge { .. } | Refused::TooMuchWork { .. } => {
-                Self::at_pointer(Kind::InvalidFit, String::new(), detail)
-            }
             Refused::KeyTaken(_) => Self::new(Kind::KeyTaken, detail),
             Refused::Store(error) => error.into(),
         }

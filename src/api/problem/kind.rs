@@ -80,6 +80,11 @@ kinds! {
         "The job has no such iteration",
         "The job ended before it reached this iteration."
     }
+    NotReached {
+        "not-reached", SERVICE_UNAVAILABLE, Unavailable,
+        "The job has not come to this iteration yet",
+        "An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After."
+    }
     NoResult {
         "no-result", CONFLICT, FailedPrecondition,
         "The job has no result",
@@ -165,12 +170,12 @@ kinds! {
     TooManyJobs {
         "too-many-jobs", TOO_MANY_REQUESTS, ResourceExhausted,
         "You have as many jobs as one client may have",
-        "So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After."
+        "So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After."
     }
     TooManyConnections {
         "too-many-connections", SERVICE_UNAVAILABLE, Unavailable,
         "The server has as many connections as it takes",
-        "So many connections may be open, in all and from one address. Send requests over those that are open, or again after the number of seconds in Retry-After."
+        "So many connections may be open, in all and from one address; and over HTTP/2, or through a trusted proxy, so many requests of one address. Send the request again over a connection that is open, when others have been answered, or after the number of seconds in Retry-After."
     }
     StoreFull {
         "store-full", SERVICE_UNAVAILABLE, ResourceExhausted,

@@ -9,6 +9,7 @@ use tokio::task::JoinHandle;
 
 use crate::job::Job;
 use crate::job::content::{Content, Pieces};
+use crate::job::peer;
 use crate::job::scheduler::Broken;
 
 /// Contents up to this size are copied together with what is around them.
@@ -134,6 +135,6 @@ impl Outgoing {
     /// Starts making a piece.
     fn make(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
         let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
-        tokio::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
+        peer::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
     }
 }

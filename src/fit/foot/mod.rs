@@ -20,6 +20,7 @@ mod patch;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::interrupt;
 use super::nurbs::{KnotVector, Nurbs};
 use super::points::Points;
 use super::problem::Problem;
@@ -113,18 +114,23 @@ fn nearest(fit: &Nurbs, points: &Points) -> Result<FootPoints, NoFootPoints> {
         pairs: vec![[f64::NAN; 2]; points.len()],
         distances: vec![f64::NAN; points.len()],
     };
+    let rule = interrupt::rule();
     let pairs = found.pairs.par_chunks_mut(CHUNK);
-    let chunks = pairs.zip(found.distances.par_chunks_mut(CHUNK)).enumerate();
-    chunks.for_each(|(chunk, (pairs, distances))| {
-        let mut search = cells.search();
-        for (i, (pair, distance)) in pairs.iter_mut().zip(distances).enumerate() {
-            let point = place(points, chunk * CHUNK + i);
-            if point.iter().all(|x| x.is_finite()) {
-                let (foot, square) = search.foot_point(point);
-                (*pair, *distance) = (foot, square.sqrt() / scale);
+    pairs
+        .zip(found.distances.par_chunks_mut(CHUNK))
+        .enumerate()
+        .take_any_while(|_| rule.as_ref().is_none_or(|is_over| !is_over()))
+        .for_each(|(chunk, (pairs, distances))| {
+            let mut search = cells.search();
+            for (i, (pair, distance)) in pairs.iter_mut().zip(distances).enumerate() {
+                let point = place(points, chunk * CHUNK + i);
+                if point.iter().all(|x| x.is_finite()) {
+                    let (foot, square) = search.foot_point(point);
+                    (*pair, *distance) = (foot, square.sqrt() / scale);
+                }
             }
-        }
-    });
+        });
+    interrupt::check();
     Ok(found)
 }
 

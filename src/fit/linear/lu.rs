@@ -11,6 +11,7 @@
 use super::band::{Band, unfolded};
 use super::banded::Banded;
 use super::map::LineMap;
+use crate::fit::interrupt;
 
 /// A factorized matrix: solves for a line in O(n · bandwidth).
 #[derive(Debug)]
@@ -41,6 +42,7 @@ impl BandedLu {
         let mut l = vec![0.0; n * lower];
         let mut pivots = Vec::with_capacity(n);
         for k in 0..n {
+            interrupt::check();
             let below = lower.min(n - 1 - k);
             let right = upper.min(n - 1 - k);
             let pivot = (k..=k + below)

@@ -14,6 +14,7 @@ use super::band::Band;
 use super::banded::Banded;
 use super::bordered::BorderedRotations;
 use super::map::LineMap;
+use crate::fit::interrupt;
 
 /// `H Qᵀ` of one direction. It does not depend on the signs that a QR decomposition chooses: a sign
 /// in a column of Q is one in a row of R, too.
@@ -58,6 +59,7 @@ impl Orthogonal {
         let mut rotations = Vec::with_capacity(n * lower);
         let mut diagonal = Vec::with_capacity(n);
         for k in 0..n {
+            interrupt::check();
             let right = upper.min(n - 1 - k);
             for r in 1..=lower {
                 if k + r >= n {

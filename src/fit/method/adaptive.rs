@@ -107,7 +107,7 @@ impl Scheme for Adaptive {
 }
 
 /// The points whose data point is further away than the threshold.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Far {
     threshold: Threshold,
     norms: Norms,

@@ -123,7 +123,7 @@ fn recurrence(forecast: &Forecast) -> Recurrence {
 }
 
 /// The steps of the plain loop.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Steps {
     recurrence: Recurrence,
     /// The last step d.
@@ -142,6 +142,10 @@ impl Steps {
 }
 
 impl Update for Steps {
+    fn copy(&self) -> Option<Box<dyn Update>> {
+        Some(Box::new(self.clone()))
+    }
+
     /// `d ← momentum d + gain Δ`, `X ← X + d`.
     fn update(&mut self, _equations: &Equations, state: &mut State) -> Change {
         let (momentum, gain) = self.recurrence.advance();

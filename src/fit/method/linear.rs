@@ -12,7 +12,7 @@ use crate::fit::points::Points;
 use crate::fit::transform::Transform;
 
 /// The update with the transform of the equations.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Linear {
     /// Updates that are left until `(I − U B)ᵏ` has vanished, if it does.
     left: Option<usize>,
@@ -46,6 +46,10 @@ impl Linear {
 }
 
 impl Update for Linear {
+    fn copy(&self) -> Option<Box<dyn Update>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change {
         self.left = self.left.map(|left| left.saturating_sub(1));
         let factor = match (&equations.transform, &self.step) {

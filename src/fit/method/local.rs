@@ -166,7 +166,7 @@ fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
 }
 
 /// Always the same points.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Fixed;
 
 impl Choice for Fixed {
@@ -176,7 +176,7 @@ impl Choice for Fixed {
 }
 
 /// The points of one line, until they are within the tolerance; then those of the next line.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct LineSweep {
     /// The lines with something to adjust.
     lines: Vec<Vec<usize>>,

@@ -22,7 +22,7 @@ use crate::fit::norms::Norms;
 use crate::fit::tensor::TensorColumns;
 
 /// How the moved control points are chosen.
-pub(super) trait Choice: Debug + Send {
+pub(super) trait Choice: Clone + Debug + Send + 'static {
     /// Whether each update has its own, rather than all of them the same.
     const VARIES: bool;
 
@@ -41,7 +41,7 @@ pub(super) trait Choice: Debug + Send {
 }
 
 /// Moves the chosen control points by ω times their adjusting vectors.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Selection<C> {
     choice: C,
     /// The relaxation ω.
@@ -138,6 +138,10 @@ impl<C: Choice> Selection<C> {
 }
 
 impl<C: Choice> Update for Selection<C> {
+    fn copy(&self) -> Option<Box<dyn Update>> {
+        Some(Box::new(self.clone()))
+    }
+
     /// Moves the chosen points, and brings the residual up to date where that is less work than all
     /// of it.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change {

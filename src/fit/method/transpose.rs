@@ -20,6 +20,7 @@ use super::update::Update;
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
+use crate::fit::setup::Setup;
 use crate::fit::spectrum;
 use crate::fit::tensor::Tensor;
 use crate::fit::transform::Transform;
@@ -49,6 +50,12 @@ impl Scheme for Transpose {
                 .map(spectrum::largest_singular_value_squared)
                 .product(),
         }
+    }
+
+    /// The power iterations.
+    fn start_cost(&self, setup: &Setup) -> usize {
+        let costs = setup.directions().map(spectrum::singular_value_cost);
+        costs.fold(0, usize::saturating_add)
     }
 
     fn update(&self, _equations: &Equations) -> Box<dyn Update> {

@@ -32,7 +32,7 @@ pub(in crate::fit) enum Change {
 }
 
 /// What an update works on.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(in crate::fit) struct State {
     /// The free control points X.
     pub control_points: Points,
@@ -48,6 +48,12 @@ pub(in crate::fit) struct State {
 pub(in crate::fit) trait Update: Debug + Send {
     /// Moves the control points once.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change;
+
+    /// The same update at the same level, from which the iteration can go on again. `None` if it is too much
+    /// to be kept.
+    fn copy(&self) -> Option<Box<dyn Update>> {
+        None
+    }
 
     /// Called when the residual of level 0 is known.
     fn begin(&mut self, equations: &Equations, state: &mut State) {

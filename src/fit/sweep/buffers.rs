@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::fit::points::Points;
 
 /// What an iteration carries from level to level: n points of R^d each, coordinate by coordinate.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Vectors {
     /// The control points X, which readers may share.
     pub x: Arc<Points>,
@@ -35,7 +35,7 @@ impl Vectors {
 /// Control points of earlier levels that readers have given back, to be overwritten: memory that
 /// has been used before is quicker than what comes from the operating system, which clears every
 /// page. Other readers may still share some of them.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Returned(Vec<Arc<Points>>);
 
 impl Returned {

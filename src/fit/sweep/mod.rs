@@ -103,7 +103,7 @@ pub type Measured = (FitError, f64);
 
 /// An iteration by sweeps. It holds two sets of control points, n × d numbers each (and two steps
 /// for methods with momentum), between which passes go to and fro.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Sweep {
     relaxation: Relaxation,
     current: Vectors,

@@ -9,7 +9,7 @@ use crate::fit::linear::banded::Banded;
 use crate::fit::points::Points;
 
 /// The working space of a part, d arrays each.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Room {
     /// Tiles: the control points of a tile at some level, with its margins. Surfaces: a part of a
     /// line of `B_u X`.

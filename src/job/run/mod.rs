@@ -19,13 +19,16 @@ use tokio::sync::Notify;
 pub use shared::SharedSystem;
 pub use state::{Ending, FrameLookup};
 
+use crate::fit::interrupt;
 use crate::fit::iteration::{Iteration, Outcome};
 use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
 use crate::job::again::Revocable;
+use crate::job::checkpoints::Checkpoints;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::patience::Patience;
+use crate::job::peer::Peer;
 use crate::job::resources::Resources;
 use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
@@ -38,25 +41,30 @@ const LOOK_AHEAD: usize = 32;
 #[derive(Debug)]
 pub struct Run {
     resources: Arc<Resources>,
+    /// Whose turns it takes.
+    peer: Option<Peer>,
     /// The lane of the first slice, which builds the system, and that of the steps.
     lanes: [WorkLane; 2],
     /// How many frames the ring holds, at least one.
     capacity: usize,
     frame_bytes: usize,
+    /// Bytes of the iteration.
+    bytes: usize,
     /// Frames of this run are small enough to be kept before anybody reads them.
     keeps_unread: bool,
     patience: Arc<Patience>,
     state: Mutex<RunState>,
     changed: Notify,
-    stopped: AtomicBool,
+    stopped: Arc<AtomicBool>,
 }
 
 impl Run {
-    /// A run that has not begun, with the memory that it takes.
+    /// A run for a peer that has not begun, with the memory that it takes.
     pub fn new(
         system: Arc<SharedSystem>,
         resources: Arc<Resources>,
         permit: Option<Permit>,
+        peer: Option<Peer>,
     ) -> Arc<Self> {
         let problem = &system.problem;
         let weight = Frame::weight(problem.data().dimension(), problem.most_control_points());
@@ -67,13 +75,15 @@ impl Run {
                 WorkLane::of(problem.step_cost()),
             ],
             resources,
+            peer,
             capacity,
             frame_bytes: weight,
+            bytes: problem.memory(),
             keeps_unread: capacity >= 4 * LOOK_AHEAD,
             patience: Arc::clone(&system.patience),
             state: Mutex::new(RunState::new(system, permit)),
             changed: Notify::new(),
-            stopped: AtomicBool::new(false),
+            stopped: Arc::default(),
         })
     }
 
@@ -133,8 +143,25 @@ impl Run {
             let lane = self.lanes[usize::from(state.levels.is_some())];
             drop(state);
             let work: Arc<dyn Work> = Arc::<Self>::clone(self);
-            self.resources.scheduler.submit(lane, work);
+            self.resources.scheduler.submit(lane, self.peer, work);
         }
+    }
+
+    /// The first level: 0, or for a run that computes again the last checkpoint before what its readers want.
+    fn start(&self, shared: &SharedSystem) -> Iteration {
+        let first = self.state.lock().first_wanted();
+        let checkpoint = first.and_then(|first| shared.checkpoints.before(first));
+        checkpoint.unwrap_or_else(|| {
+            self.resources.counters.iterations.inc();
+            self.level_0(shared)
+        })
+    }
+
+    /// Level 0. What it takes to get there is given up if the run is stopped.
+    fn level_0(&self, shared: &SharedSystem) -> Iteration {
+        let stopped = Arc::clone(&self.stopped);
+        let is_stopped = Arc::new(move || stopped.load(Ordering::Acquire));
+        interrupt::until(is_stopped, || Iteration::start(shared.get()))
     }
 
     /// Takes a step; takes several at once if nobody reads the levels between.
@@ -144,7 +171,8 @@ impl Run {
         let left = wanted.saturating_sub(iteration.level().iteration);
         let unseen = state.readers.is_empty() && !self.keeps_unread();
         drop(state);
-        let count = if unseen { left.clamp(1, LEVELS) } else { 1 };
+        let most = LEVELS.min(Checkpoints::at_once(iteration.level().iteration));
+        let count = if unseen { left.clamp(1, most) } else { 1 };
         iteration.steps(count, &mut |_| {
             self.resources.counters.iterations.inc();
         });
@@ -282,10 +310,7 @@ impl Work for Run {
         };
         loop {
             let (mut iteration, is_start) = match current.take() {
-                None => {
-                    self.resources.counters.iterations.inc();
-                    (Iteration::start(shared.get()), true)
-                }
+                None => (self.start(&shared), true),
                 Some(iteration) if self.stopped.load(Ordering::Acquire) => {
                     return self.end_stopped(iteration);
                 }
@@ -295,6 +320,8 @@ impl Work for Run {
                 }
             };
             self.publish(&mut iteration);
+            let cache = &self.resources.memory.cache;
+            shared.checkpoints.pass(&iteration, self.bytes, cache);
             let more = self.state.lock().has_work();
             let goes_on = more && Instant::now() < deadline;
             // The first slice and the steps may belong to different lanes.
@@ -308,7 +335,11 @@ impl Work for Run {
     fn broken(&self) {
         let mut state = self.state.lock();
         state.working = false;
-        state.end(Ending::Broken);
+        // What was stopped while it was set up was given up.
+        state.end(match self.stopped.load(Ordering::Acquire) {
+            true => Ending::Stopped,
+            false => Ending::Broken,
+        });
         state.permit = None;
         drop(state);
         self.changed.notify_waiters();

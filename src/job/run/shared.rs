@@ -6,6 +6,7 @@ use parking_lot::Mutex;
 
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
+use crate::job::checkpoints::Checkpoints;
 use crate::job::patience::Patience;
 
 /// The system of a problem: built when it is first needed, shared by all runs that need it at the
@@ -16,6 +17,8 @@ pub struct SharedSystem {
     system: Mutex<Weak<System>>,
     /// A system that may have the same collocation matrix; dropped once it has been used.
     similar: Mutex<Option<Arc<System>>>,
+    /// Levels from which runs can begin.
+    pub(in crate::job) checkpoints: Checkpoints,
     /// How long the readers of these runs have made each other wait.
     pub(super) patience: Arc<Patience>,
 }
@@ -27,6 +30,7 @@ impl SharedSystem {
             problem,
             system: Mutex::new(Weak::new()),
             similar: Mutex::new(similar),
+            checkpoints: Checkpoints::default(),
             patience: Arc::default(),
         }
     }

@@ -113,6 +113,12 @@ impl RunState {
         number
     }
 
+    /// The first level that a reader wants of a run that computes again.
+    pub(super) fn first_wanted(&self) -> Option<usize> {
+        let levels = self.readers.values().map(|reader| reader.next);
+        levels.min().filter(|_| !self.to_the_end)
+    }
+
     pub(super) fn is_read(&self, level: usize) -> bool {
         self.readers.values().any(|reader| reader.next <= level)
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tracing::info;
 
 use super::Jobs;
-use super::refused::{Refused, check_work};
+use super::refused::Refused;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::job::Job;
@@ -64,10 +64,8 @@ impl Jobs {
         peer: Option<Peer>,
     ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem);
-        self.admit(&outline)?;
-        check_work(&problem)?;
         let slot = self.slots.take(peer)?;
-        let memory = self.share(&outline).take_at_once(outline.memory);
+        let memory = self.share(&outline).take_at_once(peer, outline.memory);
         let record = Record {
             outline,
             status: match memory {
@@ -78,7 +76,7 @@ impl Jobs {
             watched: false,
         };
         // In memory before it is in the store, so that whoever finds it there finds this one.
-        let job = self.bring_to_life(record.clone());
+        let job = self.bring_to_life(record.clone(), peer);
         let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
         // The answer waits for the disk, the fit does not. A job that has to wait for memory drops its
         // points and reads them from the store again.
@@ -129,17 +127,5 @@ impl Jobs {
             job,
             replayed: true,
         }))
-    }
-
-    /// Refuses jobs that need more memory than they can ever get.
-    pub(super) fn admit(&self, outline: &Outline) -> Result<(), Refused> {
-        let share = self.share(outline);
-        if !share.holds(outline.memory) {
-            return Err(Refused::TooLarge {
-                needed: outline.memory,
-                limit: share.bytes(),
-            });
-        }
-        Ok(())
     }
 }

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use super::Jobs;
-use super::refused::{Refused, check_work};
+use super::refused::Refused;
 use super::sessions::SessionTurn;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
-use crate::job::Job;
 use crate::job::memory::Permit;
 use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
@@ -17,6 +16,7 @@ use crate::job::scheduler::WorkLane;
 use crate::job::state::Status;
 use crate::job::store::nowhere::Nowhere;
 use crate::job::store::{Record, StoreError};
+use crate::job::{Job, Owner};
 
 /// A fit for one answer. Whoever drops it has to ask the job to end.
 pub struct Ephemeral {
@@ -62,15 +62,13 @@ impl Jobs {
         mut turn: Option<SessionTurn>,
     ) -> Result<Ephemeral, Refused> {
         let outline = Outline::new(label, &problem);
-        self.admit(&outline)?;
-        check_work(&problem)?;
         let peer = Peer::current();
         let slot = self.slots.take(peer)?;
         let share = self.share(&outline);
         let room = tokio::select! {
             biased;
             () = replaced(&mut turn) => None,
-            room = share.take(outline.memory) => room,
+            room = share.take(peer, outline.memory) => room,
         };
         let record = Record {
             outline,
@@ -79,12 +77,9 @@ impl Jobs {
             watched: false,
         };
         let resources = Arc::clone(&self.resources);
-        let job = Arc::new(Job::new(
-            record,
-            Arc::new(Nowhere::default()),
-            false,
-            resources,
-        ));
+        let owner = Owner { peer, keeps: false };
+        let nowhere = Arc::new(Nowhere::default());
+        let job = Arc::new(Job::new(record, nowhere, owner, resources));
         if room.is_none() {
             job.request_cancel();
         }

@@ -115,7 +115,7 @@ impl Jobs {
     async fn turn(&self, job: &Job) -> Result<Option<StartedRun>, StoreError> {
         let permits = async {
             let outline = job.outline();
-            let memory = self.share(outline).take(outline.memory).await?;
+            let memory = self.share(outline).take(job.peer, outline.memory).await?;
             Some((memory, self.suspects.turn(job.crashes).await))
         };
         let permits = tokio::select! {

@@ -9,26 +9,28 @@ mod lifecycle;
 pub mod refused;
 pub mod sessions;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
 use parking_lot::Mutex;
 use tokio::sync::Notify;
-use tokio::time::{sleep, timeout};
+use tokio::time::sleep;
 use tracing::{error, info};
 use uuid::Uuid;
 
-use super::Job;
 use super::memory::Share;
 use super::outline::Outline;
+use super::peer::Peer;
 use super::recent::Recent;
 use super::resources::Resources;
-use super::scheduler::WorkLane;
-use super::slots::Slots;
+use super::scheduler::{QUICK, WorkLane};
+use super::slots::{Quota, Slots};
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use super::suspects::Suspects;
+use super::{Job, Owner};
+use crate::fit::admission::Admission;
 use sessions::Sessions;
 
 /// The longest time between two searches for jobs that have become too old.
@@ -36,6 +38,15 @@ const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 
 /// How long to wait after a job has ended before old ones are removed: others may end with it.
 const RETENTION_PAUSE: Duration = Duration::from_millis(50);
+
+/// How often jobs that were spared because somebody held them are looked at again.
+const SPARED_CHECK: Duration = Duration::from_secs(1);
+
+/// The most multiplications of an iteration; they take a second or two.
+const MOST_OF_A_STEP: usize = 2_000_000_000;
+
+/// The most multiplications before the first iteration. They have the long lane and take some seconds.
+const MOST_OF_A_START: usize = 20_000_000_000;
 
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +56,7 @@ pub struct JobLimits {
     /// Jobs that have not ended.
     pub jobs: usize,
     /// Those of them that one peer has made.
-    pub jobs_of_a_peer: usize,
+    pub jobs_of_a_peer: Quota,
     /// What is kept of jobs that have ended.
     pub retention: Retention,
 }
@@ -96,6 +107,19 @@ impl Jobs {
         &self.resources
     }
 
+    /// What a fit may take: no more memory than the share that it would be run in, and no steps so long
+    /// that others, and those who cancel it, would wait for seconds.
+    pub fn admission(&self) -> Admission {
+        let memory = &self.resources.memory;
+        Admission {
+            quick: memory.quick.bytes(),
+            heavy: memory.heavy.bytes(),
+            small_step: QUICK,
+            step: MOST_OF_A_STEP,
+            start: MOST_OF_A_START,
+        }
+    }
+
     /// How many jobs wait for their turn.
     pub fn queued(&self) -> usize {
         let running = self.resources.counters.running();
@@ -113,23 +137,40 @@ impl Jobs {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }
         for record in unfinished {
-            let job = self.bring_to_life(record);
+            let job = self.bring_to_life(record, None);
             let slot = self.slots.occupy();
             tokio::spawn(Arc::clone(self).drive(job, None, slot));
         }
-        let jobs = Arc::downgrade(self);
-        let age_check = (self.limits.retention.age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK);
-        tokio::spawn(async move {
-            while let Some(jobs) = jobs.upgrade() {
-                jobs.retain().await;
-                let ended = Arc::clone(&jobs.ended);
-                drop(jobs);
-                let _ = timeout(age_check, ended.notified()).await;
-                // Many jobs may end at about the same time.
-                sleep(RETENTION_PAUSE).await;
-            }
-        });
+        tokio::spawn(Self::go_on_retaining(Arc::downgrade(self)));
         Ok(())
+    }
+
+    /// Removes old jobs after others have ended, after some time, and when those who held them have let go.
+    async fn go_on_retaining(jobs: Weak<Self>) {
+        while let Some(strong) = jobs.upgrade() {
+            let spared = strong.retain().await;
+            let age = strong.limits.retention.age;
+            let ended = Arc::clone(&strong.ended);
+            drop(strong);
+            let released = async {
+                // A commit takes longer than a look at the jobs in memory.
+                while !spared.is_empty() {
+                    sleep(SPARED_CHECK).await;
+                    let Some(strong) = jobs.upgrade() else { return };
+                    if !spared.is_subset(&strong.held()) {
+                        return;
+                    }
+                }
+                std::future::pending().await
+            };
+            tokio::select! {
+                () = ended.notified() => {}
+                () = sleep((age / 4).clamp(RETENTION_PAUSE, MOST_AGE_CHECK)) => {}
+                () = released => {}
+            }
+            // Many jobs may end at about the same time.
+            sleep(RETENTION_PAUSE).await;
+        }
     }
 
     /// Puts running jobs back into the queue for the next start of the server.
@@ -160,7 +201,7 @@ impl Jobs {
             match self.store.get(id).await? {
                 None => return Ok(None),
                 Some(record) if record.status.state.is_final() => {
-                    let job = self.bring_to_life(record);
+                    let job = self.bring_to_life(record, None);
                     if self.deletions.load(Ordering::Acquire) == deletions {
                         return Ok(Some(job));
                     }
@@ -180,7 +221,7 @@ impl Jobs {
             let job = match record.status.state.is_final() {
                 true => Some(
                     self.live(record.outline.id)
-                        .unwrap_or_else(|| self.job(record)),
+                        .unwrap_or_else(|| self.job(record, None)),
                 ),
                 false => self.find(record.outline.id).await?,
             };
@@ -213,14 +254,15 @@ impl Jobs {
         self.live.lock().get(&id).and_then(Weak::upgrade)
     }
 
-    /// The [`Job`] of a record. There is only one in memory, which all share.
-    fn bring_to_life(&self, record: Record) -> Arc<Job> {
+    /// The [`Job`] of a record, which is computed for this peer. There is only one in memory, which all
+    /// share.
+    fn bring_to_life(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
         let mut live = self.live.lock();
         let id = record.outline.id;
         if let Some(job) = live.get(&id).and_then(Weak::upgrade) {
             return job;
         }
-        let job = self.job(record);
+        let job = self.job(record, peer);
         if live.len() == live.capacity() {
             live.retain(|_, job| job.strong_count() > 0);
         }
@@ -228,9 +270,10 @@ impl Jobs {
         job
     }
 
-    fn job(&self, record: Record) -> Arc<Job> {
+    fn job(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
         let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
-        Arc::new(Job::new(record, store, true, resources))
+        let owner = Owner { peer, keeps: true };
+        Arc::new(Job::new(record, store, owner, resources))
     }
 
     /// The share of the memory that a job is run in.
@@ -242,16 +285,27 @@ impl Jobs {
         }
     }
 
-    async fn retain(&self) {
+    /// Jobs that are read, that run, or whose request is not answered yet.
+    fn held(&self) -> HashSet<Uuid> {
+        self.recent.held(&self.live)
+    }
+
+    /// Removes jobs that are beyond the retention and that nobody holds; gives those that were held.
+    async fn retain(&self) -> HashSet<Uuid> {
         loop {
-            match self.store.retain(self.limits.retention).await {
+            let held = self.held();
+            let retained = self.store.retain(self.limits.retention, held.clone());
+            match retained.await {
                 Ok(forgotten) => {
                     self.forget(&forgotten);
                     if forgotten.len() < FORGOTTEN_AT_ONCE {
-                        return;
+                        return held;
                     }
                 }
-                Err(error) => return error!(%error, "old jobs could not be removed"),
+                Err(error) => {
+                    error!(%error, "old jobs could not be removed");
+                    return held;
+                }
             }
         }
     }

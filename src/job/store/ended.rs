@@ -1,6 +1,6 @@
 //! Which of the jobs that have ended to forget: the bookkeeping of stores that keep it in memory.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use jiff::Timestamp;
 use uuid::Uuid;
@@ -28,8 +28,9 @@ impl Ended {
         bytes
     }
 
-    /// The jobs to be forgotten.
-    pub(crate) fn surplus(&self, retention: Retention) -> Vec<Uuid> {
+    /// The jobs to be forgotten, without those in `spared`. Younger jobs do not have to go instead of these:
+    /// until nobody holds them any more, there are so many jobs more.
+    pub(crate) fn surplus(&self, retention: Retention, spared: &HashSet<Uuid>) -> Vec<Uuid> {
         let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
         let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
             let old = is_older(at, retention.age);
@@ -40,6 +41,7 @@ impl Ended {
         });
         surplus
             .map(|(&(_, id), _)| id)
+            .filter(|id| !spared.contains(id))
             .take(FORGOTTEN_AT_ONCE)
             .collect()
     }

@@ -12,6 +12,7 @@ pub mod embedded;
 pub(crate) mod ended;
 pub(crate) mod nowhere;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -47,8 +48,8 @@ pub struct Record {
     pub watched: bool,
 }
 
-/// An idempotency key: the name by which a client recognises its request, and a digest of what was asked
-/// for with it.
+/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
+/// what was asked for with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdempotencyKey {
     /// The name.
@@ -161,8 +162,9 @@ pub trait Store: Send + Sync {
     fn remove(&self, id: Uuid) -> Acknowledgement<bool>;
 
     /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
-    /// and keys that have expired. Gives the ids of these jobs.
-    fn retain(&self, retention: Retention) -> Acknowledgement<Vec<Uuid>>;
+    /// and keys that have expired. Jobs in `spared` stay, beyond the retention. Gives the ids of those that
+    /// were forgotten.
+    fn retain(&self, retention: Retention, spared: HashSet<Uuid>) -> Acknowledgement<Vec<Uuid>>;
 
     /// The job of this id.
     async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError>;

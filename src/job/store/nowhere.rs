@@ -1,5 +1,6 @@
 //! The store of an ephemeral fit, which keeps nothing.
 
+use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use async_trait::async_trait;
@@ -58,7 +59,7 @@ impl Store for Nowhere {
         done(false)
     }
 
-    fn retain(&self, _: Retention) -> Acknowledgement<Vec<Uuid>> {
+    fn retain(&self, _: Retention, _: HashSet<Uuid>) -> Acknowledgement<Vec<Uuid>> {
         done(Vec::new())
     }
 

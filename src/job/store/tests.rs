@@ -1,5 +1,6 @@
 //! What every store promises. Each case runs against each store.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -292,7 +293,7 @@ async fn a_key_is_forgotten_after_a_day(store: &impl Store) {
     // The key is free, and the job that had it first does not take it along.
     let new = queued();
     assert_eq!(insert_with_key(store, &new, "old").await, None);
-    store.retain(FOR_EVER).await.unwrap();
+    store.retain(FOR_EVER, HashSet::new()).await.unwrap();
     store.remove(old.outline.id).await.unwrap();
     let entry = store.idempotency_entry("old").await.unwrap().unwrap();
     assert_eq!(entry.id, new.outline.id);
@@ -341,10 +342,20 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &impl Store)
     let last = ended(store, 10).await;
     let first = ended(store, 30).await;
     let second = ended(store, 20).await;
-    let retain = async |jobs| store.retain(Retention { jobs, ..FOR_EVER }).await.unwrap();
+    let retain = async |jobs| {
+        let retained = store.retain(Retention { jobs, ..FOR_EVER }, HashSet::new());
+        retained.await.unwrap()
+    };
     assert!(retain(3).await.is_empty());
     assert_eq!(retain(1).await, [first, second]);
     assert_eq!(ids(store).await, [unfinished, last]);
+    // One that is spared stays, and no younger one goes for it.
+    let spared = HashSet::from([last]);
+    let none = Retention {
+        jobs: 0,
+        ..FOR_EVER
+    };
+    assert!(store.retain(none, spared).await.unwrap().is_empty());
     assert!(store.problem(first).await.unwrap().is_none());
     assert!(store.result(first).await.unwrap().is_none());
     assert_eq!(retain(0).await, [last]);
@@ -354,7 +365,7 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &impl Store)
 async fn jobs_are_forgotten_for_their_bytes_and_their_age(store: &impl Store) {
     let old = ended(store, 100).await;
     let young = ended(store, 10).await;
-    let retain = async |retention| store.retain(retention).await.unwrap();
+    let retain = async |retention| store.retain(retention, HashSet::new()).await.unwrap();
     let age = Duration::from_secs(50);
     assert_eq!(retain(Retention { age, ..FOR_EVER }).await, [old]);
     // The coordinates of a job and of its result alone are 640 bytes.
@@ -380,8 +391,8 @@ async fn many_jobs_are_forgotten_in_several_goes(store: &impl Store) {
         jobs: 0,
         ..FOR_EVER
     };
-    let forgotten = store.retain(none).await.unwrap();
+    let forgotten = store.retain(none, HashSet::new()).await.unwrap();
     assert_eq!(forgotten.len(), FORGOTTEN_AT_ONCE);
-    assert_eq!(store.retain(none).await.unwrap().len(), 1);
+    assert_eq!(store.retain(none, HashSet::new()).await.unwrap().len(), 1);
     assert!(ids(store).await.is_empty());
 }

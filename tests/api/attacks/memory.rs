@@ -1,11 +1,14 @@
 //! The resident size of a server stays within what it may take and a constant of its own.
 
+use bytes::Bytes;
 use futures_util::future::join_all;
+use reqwest::Client;
 use serde_json::{Value, json};
 use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
 
 use super::{MIB, alone, iterations, post, spiral};
+use crate::bodies::Http2;
 use crate::program::Program;
 use crate::support::{base, eventually};
 
@@ -159,6 +162,39 @@ async fn announced_bodies_take_nothing() {
     assert_eq!(program.get("/livez").send().await.unwrap().status(), 200);
     check(&program, 64 * MIB);
     drop(announced);
+}
+
+/// Small bodies that come in half, as many as HTTP/2 connections carry.
+#[tokio::test]
+async fn small_bodies_over_http2_are_counted() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::with(directory.path(), &["--memory", "64MiB"]);
+    let half = Bytes::from_static(&[b' '; 16 * 1024]);
+    let mut connections = Vec::new();
+    let mut attacks = Vec::new();
+    for _ in 0..100 {
+        let mut connection = Http2::connect(&program.address).await;
+        for _ in 0..100 {
+            let body = Some(half.clone());
+            attacks.push(connection.begin("POST", "/v1/jobs", body).await);
+        }
+        connections.push(connection);
+    }
+    eventually("most of them are refused", async || {
+        attacks.iter().filter(|it| it.is_finished()).count() > 8_900
+    })
+    .await;
+    check(&program, 64 * MIB);
+    // Another client is served.
+    let other = Client::builder().local_address(Some([127, 0, 0, 2].into()));
+    let job = json!({"curve": {"points": spiral(12)}});
+    let url = format!("http://{}/v1/jobs", program.address);
+    let request = other.build().unwrap().post(url).json(&job);
+    assert_eq!(request.send().await.unwrap().status(), 201);
+    for attack in attacks {
+        attack.abort();
+    }
 }
 
 /// Bodies that come to a large part, and then wait: some get in, the others are told to come back.

@@ -96,6 +96,70 @@ async fn too_much_work_in_one_piece_is_refused() {
     assert!(detail.contains("lower degree"), "{detail}");
 }
 
+/// A scattered surface with fairness, whose matrices take long.
+fn fair(points: usize, degree: usize, control_points: usize) -> Value {
+    let place = |i: usize| {
+        [
+            (i as f64 * 0.618_033_988_75) % 1.0,
+            (i as f64 + 0.5) / points as f64,
+        ]
+    };
+    let places: Vec<_> = (0..points).map(place).collect();
+    let point = |&[u, v]: &[f64; 2]| [u, v, (7.0 * u).sin() * v];
+    let data: Vec<_> = places.iter().map(point).collect();
+    json!({
+        "surface": {"scattered": data, "parameters": places, "degree": degree},
+        "method": {"kind": "least_squares", "control_points": control_points, "fairness": 1e-6},
+    })
+}
+
+/// How much processor time the server has used, in clock ticks, which are hundredths of a second.
+fn ticks(program: &Program) -> u64 {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", program.id())).unwrap();
+    let (_, fields) = stat.rsplit_once(')').unwrap();
+    let fields: Vec<&str> = fields.split_whitespace().collect();
+    fields[11..=12]
+        .iter()
+        .map(|it| it.parse::<u64>().unwrap())
+        .sum()
+}
+
+/// Sizes are known before anything is computed that takes long.
+#[tokio::test]
+async fn too_much_memory_is_refused_before_anything_is_computed() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::with(directory.path(), &["--memory", "1GiB"]);
+    let job = fair(40_000, 100, 150);
+    let before = ticks(&program);
+    let answer = program.post("/v1/jobs").json(&job).send().await.unwrap();
+    assert_eq!(answer.status(), 422);
+    let problem: Value = answer.json().await.unwrap();
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.contains("bytes of memory"), "{detail}");
+    let used = ticks(&program) - before;
+    assert!(used < 300, "it took {used} hundredths of a second");
+}
+
+/// The set-up of a job that nobody wants any more ends.
+#[tokio::test]
+async fn set_ups_end_with_their_jobs() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::start(directory.path());
+    // Seconds each.
+    let body = dense(700);
+    let jobs = join_all((0..8).map(|_| post(&program, "/v1/jobs", &body))).await;
+    for job in &jobs {
+        let answer = program.delete(base(job)).send().await.unwrap();
+        assert_eq!(answer.status(), 204);
+    }
+    let before = ticks(&program);
+    serves_others(&program).await;
+    let used = ticks(&program) - before;
+    assert!(used < 300, "set-ups go on: {used} hundredths of a second");
+}
+
 /// Edits of a job whose system is being made: the threads of the network do not wait for it.
 #[tokio::test]
 async fn edits_do_not_stop_the_network() {

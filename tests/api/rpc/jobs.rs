@@ -21,8 +21,17 @@ async fn streams_resume_after_an_iteration_and_show_what_they_are_asked_for() {
     for (message, json) in rest.iterations.iter().zip(&story.iterations[6..]) {
         assert_same_iteration(message, json, 1);
     }
-    let beyond = Messages::read(watch(&mut client, id, Some(u64::MAX), plain.clone()).await).await;
+    let last = story.iterations.len() as u64 - 1;
+    let beyond = Messages::read(watch(&mut client, id, Some(last), plain.clone()).await).await;
     assert!(beyond.iterations.is_empty());
+    let request = pb::WatchJobRequest {
+        id: id.to_owned(),
+        resume_after: Some(u64::MAX),
+        stream: None,
+    };
+    let refused = client.watch_job(request).await.unwrap_err();
+    assert_eq!(refused.code(), tonic::Code::InvalidArgument);
+    assert!(refused.message().starts_with("resume_after: "), "{refused}");
     for (query, options) in [
         (
             "view=samples&samples=17&every=4",

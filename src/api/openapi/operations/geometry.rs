@@ -13,6 +13,9 @@ use serde_json::json;
 /// The headers of answers that are kept in files.
 pub(super) const NAMED: &[&str] = &["Content-Disposition"];
 
+/// Those of answers that are waited for.
+const WAITED: &[&str] = &["Content-Disposition", "Preference-Applied"];
+
 /// The files of a level. For generated clients all of them are bytes.
 fn files() -> [Content; Format::ALL.len()] {
     Format::ALL.map(|format| {
@@ -43,12 +46,16 @@ pub fn iteration() -> Operation {
         Tag::Geometry,
         "getIteration",
         "Show an iteration",
-        "The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for. With `?format=` or an Accept header also as a file.",
+        "The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With `?format=` or an Accept header also as a file.",
     )
-    .parameters(&["id", "k", "view", "samples", "encoding", "digits"])
-    .answer(200, "The iteration.", &[json_of::<IterationEvent>()], NAMED)
+    .parameters(&["id", "k", "view", "samples", "encoding", "digits", "Prefer"])
+    .answer(200, "The iteration.", &[json_of::<IterationEvent>()], WAITED)
     .problems(&OF_A_JOB)
-    .problems(&[Kind::NoSuchIteration, Kind::NoExport])
+    .problems(&[Kind::NoSuchIteration,
+        Kind::NoExport,
+        Kind::NotReached,
+        Kind::Stopping,
+    ])
 }
 
 /// `GET /v1/jobs/{id}/iterations/{k}/{format}`
@@ -59,10 +66,15 @@ pub fn iteration_file() -> Operation {
         "Show an iteration as a file",
         "The curve or surface of an iteration in a file format.",
     )
-    .parameters(&["id", "k", "format", "samples", "dots", "units"])
-    .answer(200, "The file.", &files(), NAMED)
+    .parameters(&["id", "k", "format", "samples", "dots", "units", "Prefer"])
+    .answer(200, "The file.", &files(), WAITED)
     .problems(&OF_A_JOB)
-    .problems(&[Kind::NoSuchIteration, Kind::NoExport])
+    .problems(&[
+        Kind::NoSuchIteration,
+        Kind::NoExport,
+        Kind::NotReached,
+        Kind::Stopping,
+    ])
 }
 
 /// `GET /v1/jobs/{id}/result`

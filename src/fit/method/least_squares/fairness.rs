@@ -14,6 +14,7 @@
 
 use super::settings::Fairness;
 use crate::fit::direction::Direction;
+use crate::fit::interrupt;
 use crate::fit::linear::columns::Columns;
 use crate::fit::setup::Setup;
 
@@ -123,6 +124,17 @@ impl Energy {
         sums
     }
 
+    /// About how many multiplications take as long as all integrals of products: each product is looked
+    /// for among those of its function, four in the time of a multiplication.
+    pub(super) fn cost(setup: &Setup, order: usize) -> usize {
+        let of = |direction: &Direction| {
+            let width = direction.basis.degree() + 1;
+            direction.free().saturating_mul(width.saturating_pow(4)) / 4
+        };
+        let grams = setup.directions().map(of).fold(0, usize::saturating_add);
+        grams.saturating_mul(order + 1)
+    }
+
     /// How many rows there are.
     pub(super) fn count(setup: &Setup, order: usize) -> usize {
         let nodes = |direction: &Direction| {
@@ -178,6 +190,7 @@ impl Gram {
         }
         let mut lines = vec![Vec::<(usize, f64)>::new(); direction.free()];
         for row in &rows {
+            interrupt::check();
             for &(i, a) in row {
                 for &(j, b) in row {
                     match lines[i].iter_mut().find(|(other, _)| *other == j) {

@@ -152,11 +152,12 @@ impl Scheme for LeastSquares {
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         independent(setup, self)?;
         let weighted = setup.is_homogeneous() || setup.directions().any(Direction::is_rational);
-        if let Some(fairness) = self.fairness() {
+        if self.fairness().is_some() {
             if weighted {
                 return Err(LeastSquaresMistake::FairnessOfRational.into());
             }
-            if Energy::new(setup, fairness).is_none() {
+            // Derivatives are those of B-splines.
+            if setup.directions().any(|it| it.basis.knots().is_none()) {
                 return Err(LeastSquaresMistake::FairnessOfBasis.into());
             }
         }
@@ -168,11 +169,13 @@ impl Scheme for LeastSquares {
         Ok(())
     }
 
-    /// The factorization of the normal equations.
+    /// The factorization of the normal equations, and the matrix of fairness.
     fn start_cost(&self, setup: &Setup) -> usize {
+        let fairness = self.fairness();
+        let fairness = fairness.map_or(0, |it| Energy::cost(setup, it.order));
         match self.variant {
-            Variant::Direct => solver::cost(setup, self),
-            _ => 0,
+            Variant::Direct => fairness.saturating_add(solver::cost(setup, self)),
+            _ => fairness,
         }
     }
 

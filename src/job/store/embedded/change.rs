@@ -1,5 +1,6 @@
 //! Changes of the store, and what comes of them.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use uuid::Uuid;
@@ -35,7 +36,10 @@ pub(super) enum Change {
     Remove {
         id: Uuid,
     },
-    Retain(Retention),
+    Retain {
+        retention: Retention,
+        spared: HashSet<Uuid>,
+    },
     /// Nothing: its reply comes after the changes before it.
     Nothing,
 }

@@ -36,6 +36,7 @@ mod version_2;
 mod warning;
 mod writer;
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -163,8 +164,9 @@ impl Store for EmbeddedStore {
         })
     }
 
-    fn retain(&self, retention: Retention) -> Acknowledgement<Vec<Uuid>> {
-        self.write(Change::Retain(retention), |outcome| match outcome {
+    fn retain(&self, retention: Retention, spared: HashSet<Uuid>) -> Acknowledgement<Vec<Uuid>> {
+        let change = Change::Retain { retention, spared };
+        self.write(change, |outcome| match outcome {
             Outcome::Forgotten(jobs) => jobs,
             _ => Vec::new(),
         })

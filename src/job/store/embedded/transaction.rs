@@ -6,7 +6,7 @@ use redb::{ReadableTable, Table, WriteTransaction};
 use uuid::Uuid;
 
 use super::super::ended::Ended;
-use super::super::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
+use super::super::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
 use super::change::{Change, Outcome};
 use super::header::Header;
 use super::idempotency::EntryMessage;
@@ -81,7 +81,9 @@ impl<'a> Transaction<'a> {
                 Outcome::Done
             }
             Change::Remove { id } => Outcome::Removed(self.remove(*id)?),
-            Change::Retain(retention) => Outcome::Forgotten(self.retain(*retention, ended)?),
+            Change::Retain { retention, spared } => {
+                Outcome::Forgotten(self.retain(ended.surplus(*retention, spared))?)
+            }
             Change::Nothing => Outcome::Done,
         })
     }
@@ -199,10 +201,9 @@ impl<'a> Transaction<'a> {
         Ok(true)
     }
 
-    /// Forgets keys that have expired, and jobs that are beyond the retention.
-    fn retain(&mut self, retention: Retention, ended: &Ended) -> Result<Vec<Uuid>, StoreError> {
+    /// Forgets keys that have expired, and these jobs.
+    fn retain(&mut self, surplus: Vec<Uuid>) -> Result<Vec<Uuid>, StoreError> {
         self.forget_keys()?;
-        let surplus = ended.surplus(retention);
         for &id in &surplus {
             self.remove(id)?;
         }

@@ -7,6 +7,7 @@
 
 use super::conditions::{Condition, conditions};
 use super::mistake::ConstraintsMistake as Mistake;
+use crate::fit::interrupt;
 use crate::fit::method::least_squares::settings::{EndPoints, LeastSquares};
 use crate::fit::setup::Setup;
 
@@ -33,6 +34,7 @@ pub(in super::super) fn independent(
     let mut basis = Orthogonal::default();
     let mut kept: Vec<Condition> = Vec::new();
     for mut condition in conditions(setup, settings)? {
+        interrupt::check();
         condition.normalize();
         let Some(factors) = basis.insert(&condition, &kept) else {
             kept.push(condition);

@@ -1,0 +1,97 @@
+//! Levels of an iteration from which it can go on again, so that a level far back is not computed from the
+//! start each time somebody asks for it.
+//!
+//! They are evenly spaced, and as many as there is room for in the cache: when there are more, every second
+//! one is dropped. Taking one costs as much as a few levels.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+
+use super::memory::{Cache, Charge};
+use crate::fit::iteration::Iteration;
+
+/// The most that are kept of an iteration.
+const MOST: usize = 8;
+
+/// The distance of the first ones, in levels.
+const NEAR: usize = 256;
+
+/// The checkpoints of one problem.
+#[derive(Debug, Default)]
+pub(super) struct Checkpoints(Mutex<Kept>);
+
+#[derive(Debug)]
+struct Kept {
+    /// Levels that are multiples of this are kept.
+    distance: usize,
+    levels: BTreeMap<usize, Checkpoint>,
+}
+
+#[derive(Debug)]
+struct Checkpoint {
+    iteration: Iteration,
+    _charge: Charge,
+}
+
+impl Default for Kept {
+    fn default() -> Self {
+        Self {
+            distance: NEAR,
+            levels: BTreeMap::new(),
+        }
+    }
+}
+
+impl Checkpoints {
+    /// Keeps the level that an iteration has reached, if it is one of those and there is room for so many
+    /// bytes.
+    pub(super) fn pass(&self, iteration: &Iteration, bytes: usize, cache: &Arc<Cache>) {
+        let level = iteration.level().iteration;
+        if level == 0 || !level.is_multiple_of(NEAR) || iteration.outcome().is_some() {
+            return;
+        }
+        let mut kept = self.0.lock();
+        if cache.is_full() {
+            return kept.levels.clear();
+        }
+        let wanted = level.is_multiple_of(kept.distance) && !kept.levels.contains_key(&level);
+        if !wanted || cache.is_half_full() {
+            return;
+        }
+        let Some(iteration) = iteration.copy() else {
+            return;
+        };
+        let checkpoint = Checkpoint {
+            iteration,
+            _charge: cache.charge(bytes),
+        };
+        kept.levels.insert(level, checkpoint);
+        if kept.levels.len() > MOST {
+            kept.distance *= 2;
+            let distance = kept.distance;
+            kept.levels
+                .retain(|level, _| level.is_multiple_of(distance));
+        }
+    }
+
+    /// How many levels may be computed at once from this one, so that none is left out that may be kept.
+    pub(super) fn at_once(level: usize) -> usize {
+        NEAR - level % NEAR
+    }
+
+    /// Whether it is quicker to begin at a checkpoint than to go on from this level, to get to another one.
+    pub(super) fn shorten(&self, from: usize, to: usize) -> bool {
+        let kept = self.0.lock();
+        let last = kept.levels.range(..=to).next_back();
+        last.is_some_and(|(&level, _)| level > from + 2 * NEAR)
+    }
+
+    /// The last one that is not beyond this level.
+    pub(super) fn before(&self, level: usize) -> Option<Iteration> {
+        let kept = self.0.lock();
+        let (_, checkpoint) = kept.levels.range(..=level).next_back()?;
+        checkpoint.iteration.copy()
+    }
+}
