@@ -441,7 +441,7 @@ export interface paths {
         };
         /**
          * Show an iteration
-         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for. With `?format=` or an Accept header also as a file.
+         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With `?format=` or an Accept header also as a file.
          */
         get: operations["getIteration"];
         put?: never;
@@ -2074,7 +2074,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/no-result" | "/problems/no-limit" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/no-limit" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -3604,12 +3604,12 @@ export interface components {
          */
         "Last-Event-ID": string;
         /**
-         * @description `wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to 300, as it then stands.
+         * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
          * @example wait=10
          */
         Prefer: string;
         /**
-         * @description A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+         * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
          * @example wing-17
          */
         "Idempotency-Key": string;
@@ -4506,12 +4506,12 @@ export interface operations {
             query?: never;
             header?: {
                 /**
-                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to 300, as it then stands.
+                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
                  * @example wait=10
                  */
                 Prefer?: components["parameters"]["Prefer"];
                 /**
-                 * @description A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -4609,7 +4609,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After. */
+            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
             429: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -4706,7 +4706,7 @@ export interface operations {
             };
             header?: {
                 /**
-                 * @description A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -4804,7 +4804,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After. */
+            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
             429: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5056,12 +5056,12 @@ export interface operations {
             query?: never;
             header?: {
                 /**
-                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended, or after so many seconds, up to 300, as it then stands.
+                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
                  * @example wait=10
                  */
                 Prefer?: components["parameters"]["Prefer"];
                 /**
-                 * @description A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -5178,7 +5178,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After. */
+            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
             429: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5275,7 +5275,7 @@ export interface operations {
             };
             header?: {
                 /**
-                 * @description A key of the client's choice for this request. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -5392,7 +5392,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities). Send the job again after the number of seconds in Retry-After. */
+            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
             429: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5665,7 +5665,13 @@ export interface operations {
                  */
                 digits?: components["parameters"]["digits"];
             };
-            header?: never;
+            header?: {
+                /**
+                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+                 * @example wait=10
+                 */
+                Prefer?: components["parameters"]["Prefer"];
+            };
             path: {
                 /**
                  * @description The id of the job.
@@ -5687,6 +5693,7 @@ export interface operations {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     "Content-Disposition": components["headers"]["Content-Disposition"];
+                    "Preference-Applied": components["headers"]["Preference-Applied"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -5741,6 +5748,20 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
+             *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
+             */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -5858,7 +5879,13 @@ export interface operations {
                  */
                 units?: components["parameters"]["units"];
             };
-            header?: never;
+            header?: {
+                /**
+                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+                 * @example wait=10
+                 */
+                Prefer?: components["parameters"]["Prefer"];
+            };
             path: {
                 /**
                  * @description The id of the job.
@@ -5885,6 +5912,7 @@ export interface operations {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     "Content-Disposition": components["headers"]["Content-Disposition"];
+                    "Preference-Applied": components["headers"]["Preference-Applied"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -5946,6 +5974,20 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
+             *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
+             */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {
