@@ -264,6 +264,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/fit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Fit, and answer with the geometry
+         * @description One request, one answer: the curve or surface of a fit that converges, which is computed while the request waits and kept nowhere. With an Accept header also as a file or a message. A fit that does not come within its tolerance is answered with 422 and how near it came; a client that goes away ends its fit. For fits that take longer than proxies wait, make a job. The body may also be a file of points, as for `/v1/jobs`; what a job says of its streams has no meaning here.
+         */
+        post: operations["fit"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs": {
         parameters: {
             query?: never;
@@ -504,6 +524,26 @@ export interface paths {
          * @description The final curve or surface in a file format.
          */
         get: operations["getResultFile"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/v1/jobs/{id}/deviation": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Measure how far the data are
+         * @description Distances of the data from the nearest points of the curve or surface (foot points), of the last iteration so far or of any other. The errors of iterations are distances at the parameters of the data, which are larger.
+         */
+        get: operations["getDeviation"];
         put?: never;
         post?: never;
         delete?: never;
@@ -847,7 +887,7 @@ export interface components {
          *     }
          */
         SurfaceInput: {
-            /** @description Rows (u) of columns (v) of data points. */
+            /** @description Rows (u) of columns (v) of data points, or of heights. */
             points?: components["schemas"]["PointGrid"] | null;
             /** @description Points without rows and columns, for least-squares fits; `parameters` says where each of them is. */
             scattered?: components["schemas"]["ScatteredPoints"] | null;
@@ -856,8 +896,8 @@ export interface components {
             /** @description Short for B-splines of this degree, instead of `basis`. */
             degree?: number | components["schemas"]["DegreePair"] | null;
             /**
-             * @description The parameters of the data points; of a grid without them `chord_length`. Scattered points need
-             *     them.
+             * @description The parameters of the data points; of a grid without them `chord_length`, of heights `uniform`.
+             *     Scattered points need them.
              */
             parameters?: components["schemas"]["SurfaceParameters"] | null;
             /** @description Weights of the data points, for a rational surface. */
@@ -868,7 +908,7 @@ export interface components {
             ends?: components["schemas"]["SurfaceEnds"] | null;
         };
         /**
-         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Least-squares fits may have null for missing points.
+         * @description The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points, at least four of them in a row, are heights, points of one coordinate. Least-squares fits may have null for missing points.
          * @example [
          *       [
          *         [
@@ -896,7 +936,7 @@ export interface components {
          *       ]
          *     ]
          */
-        PointGrid: (number[] | null)[][];
+        PointGrid: (number[] | number | null)[][];
         /**
          * @description The scattered data points of a surface, in any order.
          * @example [
@@ -1341,8 +1381,8 @@ export interface components {
         MostControlPoints: number | components["schemas"]["CountPair"];
         /**
          * @description The step of a least-squares fit: with a diagonal matrix, with one number, of conjugate gradients,
-         *     the fastest iteration, or `direct` to the minimum, which iteration 1 is then. Default: `"diagonal"`.
-         * @example diagonal
+         *     the fastest iteration, or `direct` to the minimum, which iteration 1 is then. Default: `"cg"`.
+         * @example cg
          * @enum {string}
          */
         LeastSquaresVariant: "diagonal" | "lspia" | "cg" | "direct";
@@ -1807,17 +1847,17 @@ export interface components {
          */
         GeometryKind: "curve" | "surface";
         /**
-         * @description Where a job is in its life: queued → running → converged (within the tolerance) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
+         * @description Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
          * @example converged
          * @enum {string}
          */
         JobState: "queued" | "running" | "converged" | "exhausted" | "stalled" | "failed" | "cancelled";
         /**
-         * @description Why a job ended, where its state does not say it.
-         * @example stationary
+         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
+         * @example minimum
          * @enum {string}
          */
-        EndReason: "stationary" | "convexity" | "nilpotent" | "rounding" | "diverging";
+        EndReason: "minimum" | "convexity" | "nilpotent" | "rounding" | "diverging";
         /**
          * @description What is doubtful about a fit that is computed even so.
          * @example {
@@ -1828,19 +1868,21 @@ export interface components {
          */
         Warning: {
             /**
-             * @description What it is. `few_points`: with knots at the data the degree is no less than the number of
-             *     points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
+             * @description What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
+             *     number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
              *     the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
              *     `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
              *     others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
              *     after the last iteration. `without_data`: control points of a least-squares fit have no data
-             *     and stay. There may be others in later versions.
+             *     and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
+             *     part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
              * @example few_points
              * @example even_degree
              * @example rounding
              * @example shorter_interval
              * @example ill_conditioned
              * @example without_data
+             * @example outliers
              */
             code: string;
             /** @description A JSON pointer into the input of the job. */
@@ -2074,7 +2116,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/no-limit" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -2860,6 +2902,12 @@ export interface components {
          *         3,
          *         3
          *       ],
+         *       "parameters": [
+         *         0,
+         *         1,
+         *         2,
+         *         3
+         *       ],
          *       "control_points": [
          *         [
          *           0,
@@ -2919,6 +2967,8 @@ export interface components {
             bad_weight?: components["schemas"]["BadWeight"];
             /** @description The knots, in base64 always with 64 bits. */
             knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
+            /** @description The parameters of the data points, likewise. */
+            parameters: number[] | string | components["schemas"]["NumberArrayPair"];
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
@@ -3052,6 +3102,85 @@ export interface components {
              */
             max: number;
         };
+        /**
+         * @description Distances of the data from the nearest points of the curve or surface. They are never larger than the
+         *     `error` of the iteration, which is taken at the parameters of the data.
+         * @example {
+         *       "iteration": 12,
+         *       "max": 0.0021,
+         *       "rms": 0.0009,
+         *       "at": 41,
+         *       "percentiles": {
+         *         "50": 0.0007,
+         *         "90": 0.0016,
+         *         "95": 0.0018,
+         *         "99": 0.002
+         *       }
+         *     }
+         */
+        Deviation: {
+            /**
+             * Format: int64
+             * @description The number of the iteration.
+             */
+            iteration: number;
+            /**
+             * Format: double
+             * @description The largest distance.
+             */
+            max: number;
+            /**
+             * Format: double
+             * @description The root mean square of the distances.
+             */
+            rms: number;
+            /** @description The data point with the largest distance. */
+            at: components["schemas"]["PointIndex"];
+            /** @description Distances that so many per cent of the data do not exceed. */
+            percentiles: components["schemas"]["Percentiles"];
+            /** @description The distance of each data point; with `list=true`. */
+            distances?: components["schemas"]["Distances"];
+        };
+        /**
+         * @description Distances that so many per cent of the data do not exceed.
+         * @example {
+         *       "50": 0.0007,
+         *       "90": 0.0016,
+         *       "95": 0.0018,
+         *       "99": 0.002
+         *     }
+         */
+        Percentiles: {
+            /**
+             * Format: double
+             * @description The median.
+             */
+            50: number;
+            /**
+             * Format: double
+             * @description Of 90 per cent.
+             */
+            90: number;
+            /**
+             * Format: double
+             * @description Of 95 per cent.
+             */
+            95: number;
+            /**
+             * Format: double
+             * @description Of 99 per cent.
+             */
+            99: number;
+        };
+        /**
+         * @description Distances in the order of the data: a list, or rows and columns of a grid; null where a point is missing.
+         * @example [
+         *       0.002,
+         *       0.0004,
+         *       0.0011
+         *     ]
+         */
+        Distances: number[] | (number | null)[][];
         /**
          * @description How fast classical PIA converges with each basis at the same parameters.
          * @example {
@@ -3536,6 +3665,16 @@ export interface components {
          */
         tolerance: number;
         /**
+         * @description Which iteration is measured: its number, or `last`: the last one so far.
+         * @example last
+         */
+        iteration: number | "last";
+        /**
+         * @description Whether the distance of each data point is told.
+         * @example true
+         */
+        list: boolean;
+        /**
          * @description What is shown: control points, samples, or the errors alone.
          * @example samples
          */
@@ -3762,6 +3901,9 @@ export type FilePoints = components['schemas']['FilePoints'];
 export type CurvePoints = components['schemas']['CurvePoints'];
 export type SurfacePoints = components['schemas']['SurfacePoints'];
 export type Limit = components['schemas']['Limit'];
+export type Deviation = components['schemas']['Deviation'];
+export type Percentiles = components['schemas']['Percentiles'];
+export type Distances = components['schemas']['Distances'];
 export type Rates = components['schemas']['Rates'];
 export type BasisRate = components['schemas']['BasisRate'];
 export type ProblemTypes = components['schemas']['ProblemTypes'];
@@ -3789,6 +3931,8 @@ export type ParameterPoints = components['parameters']['points'];
 export type ParameterParameters = components['parameters']['parameters'];
 export type ParameterDegree = components['parameters']['degree'];
 export type ParameterTolerance = components['parameters']['tolerance'];
+export type ParameterIteration = components['parameters']['iteration'];
+export type ParameterList = components['parameters']['list'];
 export type ParameterView = components['parameters']['view'];
 export type ParameterSamples = components['parameters']['samples'];
 export type ParameterEncoding = components['parameters']['encoding'];
@@ -4422,6 +4566,156 @@ export interface operations {
                 };
             };
             /** @description - `/problems/busy`: Send the request again after the number of seconds in Retry-After. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    fit: {
+        parameters: {
+            query?: {
+                /**
+                 * @description How arrays of numbers are written in JSON.
+                 * @example base64
+                 */
+                encoding?: components["parameters"]["encoding"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description JSON. */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["JobRequest"];
+            };
+        };
+        responses: {
+            /** @description The result; its id is that of no job. */
+            200: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Content-Disposition": components["headers"]["Content-Disposition"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FitResult"];
+                };
+            };
+            /**
+             * @description - `/problems/not-json`: The body could not be read as JSON; detail names line and column. JSON has no NaN and no Infinity.
+             *     - `/problems/not-protobuf`: The body could not be read as a message of piad.v1 (proto/piad/v1/fitting.proto): it is cut off, or has fields of other types.
+             *     - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it.
+             */
+            400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
+            406: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
+            408: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
+            409: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
+            413: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
+             *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
+             */
+            415: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why.
+             *     - `/problems/key-taken`: The same Idempotency-Key was sent with another body, or for another resource, within the last day; every request needs a key of its own.
+             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state.
+             */
+            422: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+            500: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
+             */
             503: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6087,6 +6381,98 @@ export interface operations {
              * @description - `/problems/no-result`: The job has not ended yet, or it ended without any geometry.
              *     - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead.
              */
+            409: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+            500: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    getDeviation: {
+        parameters: {
+            query?: {
+                /**
+                 * @description Which iteration is measured: its number, or `last`: the last one so far.
+                 * @example last
+                 */
+                iteration?: components["parameters"]["iteration"];
+                /**
+                 * @description Whether the distance of each data point is told.
+                 * @example true
+                 */
+                list?: components["parameters"]["list"];
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description The id of the job.
+                 * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
+                 */
+                id: components["parameters"]["id"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The distances. */
+            200: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Deviation"];
+                };
+            };
+            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
+            400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
+             *     - `/problems/not-found`: The path is not one of this API.
+             *     - `/problems/no-such-iteration`: The job ended before it reached this iteration.
+             */
+            404: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
+            406: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/no-deviation`: Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way. */
             409: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
