@@ -256,7 +256,7 @@ pub async fn key(
     body: Bytes,
 ) -> Result<IdempotencyKey, Problem> {
     let small = body.len() <= PARSED_AT_ONCE;
-    let owner = Peer::current().map_or_else(|| "-".to_owned(), |peer| peer.to_string());
+    let peer = Peer::current();
     compute(app, small, move || {
         let digest = Sha256::new()
             .chain_update(path)
@@ -264,10 +264,7 @@ pub async fn key(
             .chain_update(&body)
             .finalize();
         let digest = digest.into();
-        Ok(IdempotencyKey {
-            name: format!("{owner} {name}"),
-            digest,
-        })
+        Ok(IdempotencyKey::new(peer, &name, digest))
     })
     .await
 }

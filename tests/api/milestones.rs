@@ -73,7 +73,7 @@ async fn resuming_between_milestones() {
     let milestones = [1e-1, 1e-3, 1e-6];
     let all = expected(&story, &milestones);
     let path = format!("{}/events?milestones=0.1,0.001,0.000001", base(&story.job));
-    for k in 0..story.iterations.len() + 2 {
+    for k in 0..story.iterations.len() {
         let (rest, _) = thinned(&server, &path, Some(&k.to_string())).await;
         let after = |it: &&Value| it["iteration"].as_u64().unwrap() > k as u64;
         assert_eq!(rest, all.iter().filter(after).cloned().collect::<Vec<_>>());

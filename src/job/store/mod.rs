@@ -23,6 +23,7 @@ use thiserror::Error;
 use uuid::Uuid;
 
 use super::outline::Outline;
+use super::peer::Peer;
 use super::scheduler::Broken;
 use super::state::{State, Status};
 use crate::fit::problem::Problem;
@@ -56,6 +57,23 @@ pub struct IdempotencyKey {
     pub name: String,
     /// SHA-256 of the request.
     pub digest: [u8; 32],
+}
+
+impl IdempotencyKey {
+    /// A key of a peer, under the name that it has chosen. Each peer has keys of its own: no name contains
+    /// the end of a line.
+    pub fn new(peer: Option<Peer>, name: &str, digest: [u8; 32]) -> Self {
+        let owner = peer.map_or_else(String::new, |peer| peer.to_string());
+        Self {
+            name: format!("{owner}\n{name}"),
+            digest,
+        }
+    }
+
+    /// The name alone, under which an earlier program has kept it.
+    pub(super) fn plain_name(&self) -> &str {
+        self.name.split_once('\n').map_or("", |(_, name)| name)
+    }
 }
 
 /// What is remembered of an idempotency key.
