@@ -289,8 +289,9 @@ async fn answers_are_compressed_for_those_who_take_it() {
             );
             let bytes = response.bytes().await.unwrap();
             assert!(unpacked(coding, &bytes) == plain, "{path}");
+            // Of numbers in binary hardly more than their exponents are alike.
             assert!(
-                bytes.len() < plain.len() * 9 / 10,
+                bytes.len() < plain.len() * 19 / 20,
                 "{path} {coding}: {} of {}",
                 bytes.len(),
                 plain.len()
