@@ -2,8 +2,8 @@
 
 import type * as api from "./api.js";
 import type { Fetch } from "./attempt.js";
-import { Connection, serverUrl } from "./connection.js";
-import type { IterationIn, Result } from "./iteration.js";
+import { type Call, Connection, serverUrl } from "./connection.js";
+import { type IterationIn, type Result, resultOf } from "./iteration.js";
 import { Job, create, createStream } from "./job.js";
 import type { Cancellable, Creation, Making, Repeatable } from "./options.js";
 import type { Stream } from "./stream.js";
@@ -55,6 +55,19 @@ export class Client {
   async fit(request: api.JobRequest, options: Repeatable = {}): Promise<Result> {
     const job = await this.create(request, { ...options, wait: WAIT });
     return job.result({ signal: options.signal });
+  }
+
+  /**
+   * The result of a fit that is no job and is kept nowhere. A fit that does not come within its tolerance is an
+   * `ApiError` with status 422. It takes one request, which proxies may not let wait for long.
+   */
+  async fitOnce(
+    request: api.JobRequest,
+    options: Cancellable & { readonly encoding?: api.NumberEncoding | undefined } = {},
+  ): Promise<Result> {
+    const { encoding = "base64", signal } = options;
+    const call: Call = { method: "POST", path: "/v1/fit", query: { encoding }, body: request, signal };
+    return resultOf(await this.#connection.json<api.FitResult>(call));
   }
 
   /** The job with this id. */

@@ -64,7 +64,7 @@ describe("in a browser", () => {
   });
 
   for (const name of Object.keys(scenarios)) {
-    test(name, { timeout: 60_000 }, async () => {
+    test(name, { timeout: 180_000 }, async () => {
       const wrong = await page.evaluate(play, [name, server.url, methods] as [string, string, (keyof Backstage)[]]);
       if (wrong !== null) throw new Error(wrong);
     });

@@ -39,7 +39,7 @@ describe("in Node", () => {
   };
 
   for (const [name, scenario] of Object.entries(scenarios)) {
-    test(name, { timeout: 60_000 }, () => scenario({ url: server.url, backstage, client }));
+    test(name, { timeout: 180_000 }, () => scenario({ url: server.url, backstage, client }));
   }
 
   test("every operation of the API has been used", () => {
@@ -54,7 +54,7 @@ describe("in Node", () => {
     assert.deepEqual(unused, []);
   });
 
-  test("who is slow has no more in memory than what is on its way", { timeout: 60_000 }, async () => {
+  test("who is slow has no more in memory than what is on its way", { timeout: 180_000 }, async () => {
     const stream = client().createStream(large(400), { view: "control_points" });
     setFlagsFromString("--expose-gc");
     const collect = runInNewContext("gc") as () => void;

@@ -38,7 +38,7 @@ describe("the documentation", () => {
   after(() => server.kill());
 
   for (const { section, file } of examples) {
-    test(section, { timeout: 60_000 }, async (context) => {
+    test(section, { timeout: 180_000 }, async (context) => {
       const said: unknown[] = [];
       context.mock.method(console, "log", (...values: unknown[]) => said.push(...values));
       await import(pathToFileURL(file.replace(/ts$/, "js")).href);

@@ -91,6 +91,15 @@ export const jobs: Scenarios = {
     equal([gone.status, gone.type], [404, "/problems/unknown-job"]);
   },
 
+  "fits need not be jobs": async ({ client }) => {
+    const once = await client().fitOnce({ ...POINTS, stop: { tolerance: 1e-9 } });
+    const kept = await client().fit({ ...POINTS, stop: { tolerance: 1e-9 } });
+    equal([once.state, [...once.controlPoints.data]], ["converged", [...kept.controlPoints.data]]);
+    equal((await refused(client().job(once.id), ApiError)).status, 404);
+    const short = await refused(client().fitOnce({ ...POINTS, stop: { tolerance: 1e-9, max_iterations: 1 } }), ApiError);
+    equal([short.status, short.type], [422, "/problems/not-converged"]);
+  },
+
   "data are measured from the nearest points": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
     const told = await job.deviation({ list: true });
