@@ -72,15 +72,6 @@ impl Condition {
             self.value.iter_mut().for_each(scale);
         }
     }
-
-    /// The product with another row.
-    fn dot(&self, other: &Self) -> f64 {
-        let factor = |index: usize| other.row.iter().find(|(other, _)| *other == index);
-        let products = self.row.iter();
-        products
-            .filter_map(|&(index, x)| factor(index).map(|(_, y)| x * y))
-            .sum()
-    }
 }
 
 /// The Cholesky factor of `C Cᵀ` of the rows so far.
@@ -91,29 +82,80 @@ struct Orthogonal {
 
 impl Orthogonal {
     /// Adds a row of length one, or returns its factors as a sum of the `kept` ones.
+    ///
+    /// The factor of `C Cᵀ` has its condition squared: what is left of the row is computed itself, and
+    /// reduced once more (corrected semi-normal equations; Björck 1987).
     fn insert(&mut self, condition: &Condition, kept: &[Condition]) -> Option<Vec<f64>> {
-        let mut row: Vec<f64> = kept.iter().map(|other| condition.dot(other)).collect();
-        for k in 0..row.len() {
-            let (before, rest) = row.split_at_mut(k);
+        let mut left = Remainder::of(condition, kept);
+        let first = self.forward(kept.iter().map(|other| left.dot(other)).collect());
+        let mut factors = self.backward(first.clone());
+        left.subtract(&factors, kept);
+        let again = self.forward(kept.iter().map(|other| left.dot(other)).collect());
+        let again = self.backward(again);
+        left.subtract(&again, kept);
+        factors.iter_mut().zip(&again).for_each(|(x, y)| *x += y);
+        let pivot = left.square();
+        if pivot <= DEPENDENT {
+            return Some(factors);
+        }
+        let mut row = first;
+        row.push(pivot.sqrt());
+        self.rows.push(row);
+        None
+    }
+
+    /// Solves `L x = b`.
+    fn forward(&self, mut b: Vec<f64>) -> Vec<f64> {
+        for k in 0..b.len() {
+            let (before, rest) = b.split_at_mut(k);
             let known = self.rows[k].iter().zip(&*before);
             let known: f64 = known.map(|(a, b)| a * b).sum();
             rest[0] = (rest[0] - known) / self.rows[k][k];
         }
-        let pivot = condition.dot(condition) - row.iter().map(|x| x * x).sum::<f64>();
-        if pivot > DEPENDENT {
-            row.push(pivot.sqrt());
-            self.rows.push(row);
-            return None;
-        }
-        // Lᵀ c = row.
-        for k in (0..row.len()).rev() {
-            row[k] /= self.rows[k][k];
-            let factor = row[k];
-            for (x, entry) in row[..k].iter_mut().zip(&self.rows[k]) {
+        b
+    }
+
+    /// Solves `Lᵀ x = b`.
+    fn backward(&self, mut b: Vec<f64>) -> Vec<f64> {
+        for k in (0..b.len()).rev() {
+            b[k] /= self.rows[k][k];
+            let factor = b[k];
+            for (x, entry) in b[..k].iter_mut().zip(&self.rows[k]) {
                 *x -= factor * entry;
             }
         }
-        Some(row)
+        b
+    }
+}
+
+/// What is left of a row when sums of others are taken away, for all control points.
+struct Remainder(Vec<f64>);
+
+impl Remainder {
+    fn of(condition: &Condition, kept: &[Condition]) -> Self {
+        let entries = kept.iter().chain([condition]).flat_map(|it| &it.row);
+        let count = entries.map(|(index, _)| index + 1).max().unwrap_or(0);
+        let mut left = vec![0.0; count];
+        for &(index, x) in &condition.row {
+            left[index] += x;
+        }
+        Self(left)
+    }
+
+    fn dot(&self, other: &Condition) -> f64 {
+        other.row.iter().map(|&(index, x)| self.0[index] * x).sum()
+    }
+
+    fn subtract(&mut self, factors: &[f64], kept: &[Condition]) {
+        for (factor, other) in factors.iter().zip(kept) {
+            for &(index, x) in &other.row {
+                self.0[index] -= factor * x;
+            }
+        }
+    }
+
+    fn square(&self) -> f64 {
+        self.0.iter().map(|x| x * x).sum()
     }
 }
 
