@@ -1,4 +1,4 @@
-"""The pictures of docs/FITTING.md, fitted and drawn by a real server.
+"""The pictures of docs/FITTING.md and of the README, fitted and drawn by a real server.
 
     docs/fitting/pictures.py PROGRAM    # the server to start, such as target/debug/piad
 
@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 FOLDER = Path(__file__).resolve().parent
+EXAMPLES = FOLDER.parents[1] / "examples"
 sys.path.insert(0, str(FOLDER.parents[1] / "tests" / "python"))
 from over_http import fetch, server
 
@@ -30,8 +31,20 @@ def half_circle() -> list:
 
 def leaves(tolerance: float) -> dict:
     """The outline of `examples/leaves.json`, within another tolerance."""
-    example = json.loads((FOLDER.parents[1] / "examples" / "leaves.json").read_text())
+    example = json.loads((EXAMPLES / "leaves.json").read_text())
     return example | {"stop": {"tolerance": tolerance}}
+
+
+def recipes() -> dict:
+    """What the README's recipes fit."""
+    auto = {"kind": "least_squares", "control_points": "auto"}
+    airfoil = np.loadtxt(EXAMPLES / "naca2412.dat", skiprows=1).tolist()
+    scan = np.loadtxt(EXAMPLES / "scan.xyz").tolist()
+    return {
+        "airfoil": {"curve": {"points": airfoil}, "method": auto, "stop": {"tolerance": 1e-4}},
+        "scan": {"surface": {"scattered": scan, "parameters": "project"}, "method": auto, "stop": {"tolerance": 0.2}},
+        "peaks": json.loads((EXAMPLES / "peaks.json").read_text()),
+    }
 
 
 def jobs() -> dict:
@@ -71,11 +84,12 @@ def growing(base: str) -> None:
 def main() -> int:
     with server(sys.argv[1]) as base:
         growing(base)
-        for name, job in jobs().items():
+        for name, job in (jobs() | recipes()).items():
             job["name"] = name.replace("_", " ")
             resource = json.loads(fetch(f"{base}/v1/jobs", json.dumps(job).encode()))
             assert resource["state"] == "converged", resource
-            picture = fetch(f"{base}{resource['links']['result']}?format=svg")
+            samples = "?samples=40x40" if resource["kind"] == "surface" else ""
+            picture = fetch(f"{base}{resource['links']['result']}/svg{samples}")
             (FOLDER / f"{name}.svg").write_bytes(picture)
             print(f"{name}: largest distance {resource['error']['max']:.3g} after {resource['iteration']} iterations")
     return 0
