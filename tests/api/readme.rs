@@ -1,78 +1,172 @@
-//! The first commands of the README, as a newcomer copies them.
+//! The commands of the README and of the tour, as a newcomer copies them.
 
 use std::os::unix::fs::symlink;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Output};
 
-use crate::program::Program;
+use crate::program::{PROGRAM, Program};
 
 const README: &str = include_str!("../../README.md");
+const CALLS: &str = include_str!("../../docs/CALLS.md");
+const CLIENTS: &str = include_str!("../../docs/CLIENTS.md");
+const JOBS: &str = include_str!("../../docs/JOBS.md");
 
-/// The blocks of code in this language, between two headings.
-fn code(language: &str, from: &str, to: &str) -> Vec<String> {
-    let (_, section) = README.split_once(from).unwrap();
-    let (section, _) = section.split_once(to).unwrap();
-    let blocks = section.split("```").skip(1).step_by(2);
+/// The blocks of code in a language.
+fn code(text: &str, language: &str) -> Vec<String> {
+    let blocks = text.split("```").skip(1).step_by(2);
     let blocks = blocks.filter_map(|block| block.strip_prefix(language)?.strip_prefix('\n'));
     blocks.map(str::to_owned).collect()
 }
 
-/// Runs code in a folder that has the examples, and gives what it prints.
-fn run(program: &str, code: &str, folder: &Path) -> String {
+/// A directory like a new clone that has been built: with the examples and the program.
+fn clone() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    symlink(examples, folder.path().join("examples")).unwrap();
+    let release = folder.path().join("target/release");
+    std::fs::create_dir_all(&release).unwrap();
+    symlink(PROGRAM, release.join("piad")).unwrap();
+    folder
+}
+
+fn run(program: &str, code: &str, folder: &Path) -> Output {
     let script = folder.join("script");
     std::fs::write(&script, code).unwrap();
     let mut command = Command::new(program);
     let output = command.arg(&script).current_dir(folder).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{program}: {said}");
-    String::from_utf8(output.stdout).unwrap()
+    output
 }
 
-fn folder_with_examples() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    symlink(examples, folder.path().join("examples")).unwrap();
-    folder
+/// Runs all commands of a text, with a server.
+fn run_all(text: &str, folder: &Path) -> (String, String) {
+    let data = tempfile::tempdir().unwrap();
+    let program = Program::start(data.path());
+    let commands = code(text, "sh").join("\n");
+    let commands = commands.replace("127.0.0.1:8080", &program.address);
+    // The server runs already.
+    let script = format!("set -e -o pipefail\ncargo() {{ :; }}\n{commands}");
+    let output = run("bash", &script, folder);
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr))
+}
+
+/// The types of the problems that were answered.
+fn problems(printed: &str) -> Vec<&str> {
+    let problems = printed.split("\"type\":\"/problems/").skip(1);
+    problems
+        .map(|rest| rest.split('"').next().unwrap())
+        .collect()
+}
+
+#[test]
+fn each_command_works_and_shows_what_it_says() {
+    let folder = clone();
+    let (printed, told) = run_all(README, folder.path());
+    // Only the points that are equal are refused, as it says there.
+    assert_eq!(problems(&printed), ["invalid-fit"]);
+    for file in ["wing", "airfoil", "peaks", "naca"] {
+        let text = std::fs::read_to_string(folder.path().join(format!("{file}.step"))).unwrap();
+        assert!(text.starts_with("ISO-10303-21;"), "{file}");
+    }
+    assert!(folder.path().join("scan.iges").is_file());
+    // "16 instead of 121", and "four times the noise" is the tolerance.
+    assert!(told.contains("121 points, 16 control points, method least_squares"));
+
+    let shown = code(README, "");
+    let summary = shown.iter().find(|block| block.contains("wrote")).unwrap();
+    for line in summary.lines() {
+        // How long it takes is another matter.
+        let (begin, end) = match line.split_once(" in ") {
+            Some((begin, rest)) => (begin, rest.split_once(": ").unwrap().1),
+            None => (line, ""),
+        };
+        let is_told = |it: &str| it.starts_with(begin) && it.ends_with(end);
+        assert!(told.lines().any(is_told), "{line}\n{told}");
+    }
+    let stream = shown.iter().find(|block| block.contains("event:")).unwrap();
+    for part in [
+        "\"basis\":\"bernstein\",\"degree\":10",
+        "\"error\":{\"max\":0.462013452",
+        "\"iterations\":149,",
+    ] {
+        assert!(stream.contains(part) && printed.contains(part), "{part}");
+    }
+}
+
+#[test]
+fn it_is_short() {
+    assert!(README.len() <= 8000, "{} bytes", README.len());
+}
+
+/// What GitHub makes of a heading.
+fn anchor(heading: &str) -> String {
+    let kept = heading.chars().filter_map(|c| match c {
+        ' ' => Some('-'),
+        _ if c.is_alphanumeric() || "-_".contains(c) => Some(c.to_ascii_lowercase()),
+        _ => None,
+    });
+    kept.collect()
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let docs = std::fs::read_dir(root.join("docs")).unwrap();
+    let docs = docs.map(|entry| entry.unwrap().path());
+    let pages = docs.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    for page in pages.chain([root.join("README.md")]) {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let links = text
+            .split("](")
+            .skip(1)
+            .map(|rest| rest.split_once(')').unwrap().0);
+        for link in links.filter(|link| !link.contains("://")) {
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = match path {
+                "" => page.clone(),
+                _ => page.parent().unwrap().join(path),
+            };
+            assert!(target.exists(), "{}: {link}", page.display());
+            if !heading.is_empty() {
+                let text = std::fs::read_to_string(target).unwrap();
+                let mut headings = text.lines().filter_map(|line| line.strip_prefix('#'));
+                let found =
+                    headings.any(|line| anchor(line.trim_start_matches('#').trim()) == heading);
+                assert!(found, "{}: {link}", page.display());
+            }
+        }
+    }
 }
 
 #[test]
 fn the_tour_with_curl_is_short_and_works() {
-    let data = tempfile::tempdir().unwrap();
-    let program = Program::start(data.path());
-    let blocks = code("sh", "## Five minutes with curl", "## A job");
-    assert_eq!(blocks.len(), 3);
-    let tour = blocks
-        .join("\n")
-        .replace("127.0.0.1:8080", &program.address);
-    let folder = folder_with_examples();
-    let printed = run(
-        "bash",
-        &format!("set -e -o pipefail\n{tour}"),
-        folder.path(),
-    );
+    let folder = clone();
+    let (printed, _) = run_all(CALLS, folder.path());
     assert!(printed.len() < 100_000, "{} bytes", printed.len());
-    // Only the job that has ended and the points that are equal are refused, as it says there.
-    let problems: Vec<&str> = printed
-        .split("\"type\":\"/problems/")
-        .skip(1)
-        .map(|rest| rest.split('"').next().unwrap())
-        .collect();
-    assert_eq!(problems, ["already-ended", "invalid-fit"]);
+    // Only the job that has ended is refused, as it says there.
+    assert_eq!(problems(&printed), ["already-ended"]);
     assert!(folder.path().join("helix.step").is_file());
     let lines = std::fs::read_to_string(folder.path().join("peaks.ndjson")).unwrap();
     assert!(lines.lines().last().unwrap().contains("\"end\""));
 }
 
 #[test]
-fn python_without_the_client_fits_and_says_why_not() {
+fn files_are_posted_as_it_says() {
+    let (printed, _) = run_all(JOBS, clone().path());
+    assert_eq!(problems(&printed), [""; 0]);
+    assert!(printed.contains("\"kind\":\"chebyshev\""), "{printed}");
+}
+
+#[test]
+fn python_without_a_package_fits_and_says_why_not() {
     let data = tempfile::tempdir().unwrap();
     let program = Program::start(data.path());
-    let blocks = code("python", "### From your CAD system", "## From code");
-    let bare = blocks
-        .iter()
-        .find(|block| block.contains("urllib"))
-        .unwrap();
-    let bare = bare.replace("127.0.0.1:8080", &program.address);
+    let (_, section) = CLIENTS.split_once("## Python without a package").unwrap();
+    let (section, _) = section.split_once("## Generated clients").unwrap();
+    let blocks = code(section, "python");
+    let bare = blocks[0].replace("127.0.0.1:8080", &program.address);
     let more = "
 print(degree, len(knots), len(poles))
 try:
@@ -80,14 +174,13 @@ try:
 except ValueError as refusal:
     print(refusal)
 ";
-    let folder = folder_with_examples();
-    let printed = run("python3", &format!("{bare}{more}"), folder.path());
+    let output = run("python3", &format!("{bare}{more}"), clone().path());
+    let printed = String::from_utf8(output.stdout).unwrap();
     let lines: Vec<&str> = printed.lines().collect();
     assert_eq!(lines[0], "3 10 6");
     assert!(lines[1].starts_with("/curve/points/2: point 2 equals point 1"));
-    // What follows in the README uses what the snippet has made, and brings its own modules.
-    let others = blocks.iter().filter(|block| !block.contains("urllib"));
-    let others: String = others.cloned().collect();
+    // What follows uses what the snippet has made, and brings its own modules.
+    let others = blocks[1..].concat();
     for (name, import) in [
         ("App.Vector", "import FreeCAD as App, Part"),
         ("Rhino.Geometry", "import Rhino"),

@@ -14,7 +14,6 @@ mod inputs;
 mod interrupted;
 mod kin;
 mod outputs;
-mod readme;
 mod refused;
 mod remote;
 mod secure;

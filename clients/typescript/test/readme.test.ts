@@ -23,7 +23,7 @@ interface Example {
 const guide = readFileSync(join(ROOT, "docs/CLIENTS.md"), "utf8");
 const examples = [
   ...examplesIn(readFileSync(join(PACKAGE, "README.md"), "utf8"), "readme"),
-  ...examplesIn(guide.slice(guide.indexOf("## Written clients"), guide.indexOf("## What was tried")), "clients"),
+  ...examplesIn(guide.slice(guide.indexOf("## Written clients"), guide.indexOf("## Python without a package")), "clients"),
 ];
 
 describe("the documentation", () => {

@@ -95,7 +95,7 @@ class Client:
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
         object such as `{"kind": "local", "indices": [3, 4]}`, and so are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. What is not given is left to the
-        server, whose README says more about each.
+        server; docs/JOBS.md there says more about each.
 
         Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
         makes no second job; `idempotency_key` sets it for programs that may themselves start again.
