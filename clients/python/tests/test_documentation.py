@@ -1,0 +1,24 @@
+"""The Python of the documentation, as a reader copies it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT, Server
+
+
+def snippets(page: str, section: str) -> list[str]:
+    text = (ROOT / page).read_text(encoding="utf-8")
+    part = re.search(rf"^## {re.escape(section)}$(.*?)(?=^## |\Z)", text, re.M | re.S)
+    assert part, f"{page} has no section {section}"
+    return re.findall(r"```python\n(.*?)```", part[1], re.S)
+
+
+@pytest.mark.parametrize(("page", "section"), [("README.md", "From CAD"), ("clients/python/README.md", "Five minutes")])
+def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    code = snippets(page, section)[0].replace("http://127.0.0.1:8080", server.url)
+    exec(compile(code, page, "exec"), {})
