@@ -37,6 +37,7 @@ LOADS = {
     "8 dense set-ups": (8, DENSE),
     "64 jobs of 400 points": (64, TRANSPOSE),
     "256 jobs of 400 points": (256, TRANSPOSE),
+    "5000 jobs of 400 points": (5000, TRANSPOSE),
 }
 
 

@@ -80,8 +80,8 @@ pub fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     Failure::usage(format!("{name}:{line}: {detail}"))
 }
 
-/// What is found out about a file of points of that size, in sentences.
-pub fn notices(bytes: &[u8], size: Option<&str>) -> Vec<String> {
+/// What is found out about a file of points of that size, in sentences. `closed` is what is said of it.
+pub fn notices(bytes: &[u8], size: Option<&str>, closed: Option<bool>) -> Vec<String> {
     let size = match size.and_then(Samples::of_text) {
         Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
         _ => None,
@@ -89,6 +89,7 @@ pub fn notices(bytes: &[u8], size: Option<&str>) -> Vec<String> {
     let hints = Hints {
         kind: None,
         size,
+        closed,
         most: usize::MAX,
     };
     let read = import::read(&String::from_utf8_lossy(bytes), &hints);

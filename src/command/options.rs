@@ -176,6 +176,7 @@ fn shape(input: &Input) -> Result<&'static str, Failure> {
             let hints = Hints {
                 kind: None,
                 size: None,
+                closed: None,
                 most: usize::MAX,
             };
             // What is wrong with it is told by those who read it.

@@ -77,6 +77,11 @@ impl Lane {
         self.numbers.push(value);
     }
 
+    /// Keeps the first numbers, as many as `count`.
+    pub fn truncate(&mut self, count: usize) {
+        self.numbers.truncate(self.start + count);
+    }
+
     /// Gives back memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
         self.numbers.shrink_to_fit();

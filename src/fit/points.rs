@@ -181,6 +181,13 @@ impl Points {
         }
     }
 
+    /// Keeps the first points, as many as `count`.
+    pub fn truncate(&mut self, count: usize) {
+        for lane in &mut self.lanes {
+            lane.truncate(count);
+        }
+    }
+
     /// Gives back memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
         self.lanes.iter_mut().for_each(Lane::shrink_to_fit);

@@ -1,7 +1,7 @@
 //! Points of a surface come in rows: blank lines separate them, or x and y say it, or somebody does.
 
 use super::table::Table;
-use super::{Hints, Imported, Kind, Mistake};
+use super::{Hints, Imported, Kind, Mistake, closing};
 use crate::fit::points::{Grid, Points};
 
 /// The points as a curve or a surface.
@@ -16,9 +16,11 @@ pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, Mist
         } => None,
         _ => shown(&mut table),
     };
+    let closed = grid.is_none() && closing::closed(&mut table, hints);
     Ok(Imported {
         points: table.points,
         grid,
+        closed,
         lines: table.lines,
         name: table.name,
         notices: table.notices,

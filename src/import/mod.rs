@@ -8,9 +8,11 @@
 //! - `table`: lines become points, with titles above them and remarks below them;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
+//! - `closing`: an outline that comes back to its first point is closed;
 //! - `lattice`: rows of points become a surface.
 
 mod airfoil;
+mod closing;
 mod lattice;
 mod layout;
 mod notation;
@@ -28,6 +30,8 @@ pub struct Hints {
     pub kind: Option<Kind>,
     /// How many rows and columns a surface has.
     pub size: Option<Grid>,
+    /// Whether a curve is closed; the file shows it where nobody says it.
+    pub closed: Option<bool>,
     /// The most points that may be in it.
     pub most: usize,
 }
@@ -48,6 +52,8 @@ pub struct Imported {
     pub points: Points,
     /// The rows and columns of a surface.
     pub grid: Option<Grid>,
+    /// Whether the curve is closed, so that the copy of its first point has been taken away.
+    pub closed: bool,
     /// The line of each point, from 1.
     pub lines: Vec<u32>,
     /// What the file calls itself.

@@ -5,41 +5,37 @@
 pub(super) struct Notation {
     /// What separates columns; blanks if there is nothing.
     separator: Option<char>,
-    /// Decimals follow a comma.
+    /// Decimals may follow a comma: it separates no columns, and no point was seen.
     comma: bool,
 }
 
 impl Notation {
-    /// All of them; the first that fits is taken. `1,5 2,5` is only understood with decimal commas,
-    /// and `1,5` are two numbers unless there are semicolons or tabs.
-    const ALL: [Self; 6] = [
-        Self::new(Some(';'), false),
-        Self::new(Some(';'), true),
-        Self::new(Some(','), false),
-        Self::new(None, false),
-        Self::new(Some('\t'), true),
-        Self::new(None, true),
-    ];
-
-    const fn new(separator: Option<char>, comma: bool) -> Self {
-        Self { separator, comma }
-    }
+    /// What separates columns; the first that fits is taken. `1,5 2,5` is only understood with decimal
+    /// commas, and `1,5` are two numbers unless there are semicolons or tabs.
+    const SEPARATORS: [Option<char>; 4] = [Some(';'), Some(','), Some('\t'), None];
 
     /// The notation in which a line consists of numbers, if there is one.
     pub(super) fn of(line: &str) -> Option<Self> {
+        let mut notations = Self::SEPARATORS.into_iter().map(|separator| Self {
+            separator,
+            comma: separator != Some(',') && !line.contains('.'),
+        });
         let fits = |notation: &Self| {
             notation.separator.is_none_or(|it| line.contains(it))
                 && notation
                     .fields(line)
                     .all(|field| notation.number(field).is_some())
         };
-        Self::ALL.into_iter().find(fits)
+        notations.find(fits)
     }
 
     /// How names of columns are separated in a line.
     pub(super) fn of_names(line: &str) -> Self {
         let separator = [';', ',', '\t'].into_iter().find(|it| line.contains(*it));
-        Self::new(separator, false)
+        Self {
+            separator,
+            comma: false,
+        }
     }
 
     /// Whether columns are separated by the same character, and not by blanks.

@@ -31,7 +31,10 @@ pub(super) struct Table {
 /// Reads the lines of a file, no more points than that.
 pub(super) fn read(text: &str, most: usize) -> Result<Table, Vec<Mistake>> {
     let mut reader = Reader::new(most);
-    for (index, line) in text.lines().enumerate() {
+    // Blanks at the ends of lines are taken away, among them that of `\r\n`. Old Macintosh files end
+    // their lines with it alone.
+    let end = if text.contains('\n') { '\n' } else { '\r' };
+    for (index, line) in text.split(end).enumerate() {
         let line = without_comment(line);
         if line.is_empty() {
             reader.pause();

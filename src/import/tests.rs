@@ -7,6 +7,7 @@ use super::*;
 const HINTS: Hints = Hints {
     kind: None,
     size: None,
+    closed: None,
     most: 100,
 };
 
@@ -30,6 +31,7 @@ fn tables_are_read_however_they_are_written() {
         "1.5, 2\r\n-3, 0.25",
         "1.5;2\n-3;0.25\n",
         "1,5;2\n-3;0,25\n",
+        "1,5;2\r-3;0,25\r",
         "1.5 2\n-3 0.25\n",
         "  1.5\t2  \n\n\n-3\t0.25\n\n",
         "1,5\t2,0\n-3,0\t0,25\n",
@@ -47,6 +49,47 @@ fn tables_are_read_however_they_are_written() {
         "u,x,y\n0,1.5,2\n1,-3,0.25\n",
     ] {
         assert_eq!(points(text), expected, "{text:?}");
+    }
+}
+
+#[test]
+fn decimal_commas_need_not_be_in_the_first_line() {
+    for text in ["0;0\n1,5;2\n", "0\t0\n1,5\t2\n", "0 0\n1,5 2\n"] {
+        assert_eq!(points(text), [[0.0, 0.0], [1.5, 2.0]], "{text:?}");
+    }
+}
+
+#[test]
+fn outlines_that_come_back_are_closed_unless_there_is_a_corner() {
+    let outline = "0 0\n2 0\n3 1\n2 3\n0 2\n0 0\n";
+    let read_as =
+        |closed: Option<bool>, text: &str| read(text, &Hints { closed, ..HINTS }).unwrap();
+    for (closed, text, expected, notice) in [
+        (None, outline, true, "is closed"),
+        (Some(true), outline, true, "is closed"),
+        (Some(false), outline, false, "as it was asked for"),
+        // A trailing edge.
+        (
+            None,
+            "1 0\n.5 .06\n0 0\n.5 -.04\n1 0\n",
+            false,
+            "sharp corner",
+        ),
+    ] {
+        let imported = read_as(closed, text);
+        let count = text.lines().count() - usize::from(expected);
+        assert_eq!((imported.closed, imported.points.len()), (expected, count));
+        assert_eq!(imported.lines.len(), count);
+        assert!(
+            imported.notices[0].contains(notice),
+            "{:?}",
+            imported.notices
+        );
+    }
+    // There and back is no outline, and neither are points that end elsewhere.
+    for text in ["0 0\n1 1\n0 0\n", "0 0\n2 0\n2 2\n0 2\n"] {
+        let imported = read_as(None, text);
+        assert!(!imported.closed && imported.notices.is_empty());
     }
 }
 

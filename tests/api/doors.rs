@@ -13,7 +13,12 @@ use tokio::time::{sleep, timeout};
 use crate::data;
 use crate::support::{NEVER, PATIENCE, Server, base, events};
 
-const SOON: Duration = Duration::from_millis(300);
+/// When connections that do nothing are closed. Long enough for a client on a busy machine to send its
+/// request in time.
+const SOON: Duration = Duration::from_secs(1);
+
+/// A limit that clients keep which are slow on purpose, also on a busy machine.
+const LIMIT: Duration = Duration::from_secs(3);
 
 async fn connect(server: &Server) -> TcpStream {
     let address = server.url.strip_prefix("http://").unwrap();
@@ -131,9 +136,9 @@ async fn idle_connections_are_closed() {
 #[tokio::test]
 async fn what_takes_long_is_not_idle() {
     let server = Server::with(|config| {
-        config.header_timeout = SOON;
-        config.idle_timeout = SOON;
-        config.write_timeout = SOON;
+        config.header_timeout = LIMIT;
+        config.idle_timeout = LIMIT;
+        config.write_timeout = LIMIT;
         config.heartbeat = NEVER;
     })
     .await;
@@ -149,7 +154,7 @@ async fn what_takes_long_is_not_idle() {
     let mut body = response.await.unwrap().into_body();
 
     // An answer that takes longer than all limits.
-    let request = server.post("/v1/jobs").header("prefer", "wait=2");
+    let request = server.post("/v1/jobs").header("prefer", "wait=4");
     let response = request.json(&data::endless_job()).send().await.unwrap();
     assert_eq!(response.status(), 201);
     assert_eq!(
@@ -171,12 +176,12 @@ async fn what_takes_long_is_not_idle() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn answers_that_nobody_takes_are_given_up() {
     let server = Server::with(|config| {
-        config.write_timeout = Duration::from_secs(1);
+        config.write_timeout = LIMIT;
     })
     .await;
     let job = server.create(&data::endless_job()).await;
     let path = format!("{}/events", base(&job));
-    // Reads a little now and then; a second is long for that, also on a busy machine.
+    // Reads a little now and then.
     let mut slow = connect(&server).await;
     let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n");
     slow.write_all(request.as_bytes()).await.unwrap();
@@ -217,9 +222,9 @@ async fn answers_that_nobody_takes_are_given_up() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn slow_clients_get_all_of_a_large_answer() {
     let server = Server::with(|config| {
-        config.header_timeout = SOON;
-        config.idle_timeout = SOON;
-        config.write_timeout = Duration::from_secs(1);
+        config.header_timeout = LIMIT;
+        config.idle_timeout = LIMIT;
+        config.write_timeout = LIMIT;
     })
     .await;
     let points: Vec<_> = (0..100_000)
@@ -235,6 +240,7 @@ async fn slow_clients_get_all_of_a_large_answer() {
         .bytes()
         .await
         .unwrap();
+    // Forty pauses of a tenth of a second: longer than the limits.
     let step = whole.len() / 40;
 
     let (mut client, _connection) = connect_h2(&server, 16384).await;
@@ -247,7 +253,7 @@ async fn slow_clients_get_all_of_a_large_answer() {
         body.flow_control().release_capacity(length).unwrap();
         if taken > pause {
             pause += step;
-            sleep(Duration::from_millis(50)).await;
+            sleep(Duration::from_millis(100)).await;
         }
     }
     assert_eq!(taken, whole.len());
@@ -263,7 +269,7 @@ async fn slow_clients_get_all_of_a_large_answer() {
         }
         if taken > pause {
             pause += step;
-            sleep(Duration::from_millis(50)).await;
+            sleep(Duration::from_millis(100)).await;
         }
     }
     assert!(

@@ -92,6 +92,35 @@ async fn files_are_shown_as_jobs_have_them() {
 }
 
 #[tokio::test]
+async fn outlines_that_come_back_are_closed() {
+    let server = Server::start().await;
+    let outline = "0,0\n2,0\n3,1\n2,3\n0,2\n0,0\n";
+    let shown = read(&server, outline).await;
+    assert_eq!(shown["curve"]["closed"], true);
+    assert_eq!(shown["curve"]["points"].as_array().unwrap().len(), 5);
+    assert!(shown["notices"][0].as_str().unwrap().contains("is closed"));
+    for (query, closed) in [
+        ("", json!(true)),
+        ("?curve.closed=true", json!(true)),
+        ("?curve.basis.kind=bspline", json!(true)),
+        ("?curve.closed=false", json!(false)),
+        ("?curve.basis.kind=bernstein", Value::Null),
+        ("?curve.ends=natural", Value::Null),
+    ] {
+        let job = input(&server, query, outline).await;
+        let count = if closed == true { 5 } else { 6 };
+        let points = job["curve"]["points"].as_array().unwrap().len();
+        assert_eq!(points, count, "{query}");
+        let asked = job["curve"].get("closed").filter(|it| **it == true);
+        assert_eq!(asked.is_some(), closed == true, "{query}: {job:#}");
+    }
+    // A trailing edge is an end.
+    let wing = read(&server, "1 0\n.5 .06\n0 0\n.5 -.04\n1 0\n").await;
+    assert_eq!(wing["curve"].get("closed"), None);
+    assert_eq!(wing["curve"]["points"].as_array().unwrap().len(), 5);
+}
+
+#[tokio::test]
 async fn mistakes_are_told_at_their_lines() {
     let server = Server::start().await;
     for path in ["/v1/points", "/v1/jobs"] {

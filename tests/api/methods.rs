@@ -421,7 +421,8 @@ async fn capabilities_documentation_and_code_agree() {
     assert_eq!(known, kinds);
     for basis in capabilities["bases"].as_array().unwrap() {
         let kind = basis["kind"].as_str().unwrap();
-        assert!(readme.contains(&format!("\"kind\": \"{kind}\"")), "{kind}");
+        let described = format!("\"kind\": \"{kind}\"");
+        assert!(documented.contains(&described), "{kind}");
         let mut job = json!({"curve": {
             "points": [[0, 0], [1, 0], [1, 1], [0, 1]], "closed": true, "basis": {"kind": kind},
         }});

@@ -35,6 +35,98 @@ fn points_of_curves_come_in_many_kinds() {
     );
 }
 
+/// Files as people have them, and what is told of them: docs/COMMAND.md has the same table.
+const ODD: [(&[u8], i32, &str); 24] = [
+    (b"x;y\r\n0;0\r\n1,5;2\r\n3;1\r\n4,5;3\r\n", 0, "4 points"),
+    (b"\xef\xbb\xbfx,y\r\n0,0\r\n1,2\r\n3,1\r\n", 0, "3 points"),
+    (b"0 0\r1 2\r3 1\r", 0, "3 points"),
+    (b"\"x\",\"y\"\n\"0\",\"0\"\n\"1\",\"2\"\n", 0, "2 points"),
+    (b"0.0D0 0.0D0\n1.0D0 2.0D0\n3.0d0 1.0d0\n", 0, "3 points"),
+    (b"# scan\n0 0 0\n1 2 2\n3 1 3\n# end\n", 0, "3 points"),
+    (b"y,x\n2,1\n1,3\n3,4\n", 0, "3 points"),
+    (
+        b"0 0 0 255\n1 2 0 255\n3 1 0 255\n",
+        0,
+        "Columns 1, 2, 3 of 4 are the coordinates",
+    ),
+    (b"L\xe4nge;H\xf6he\n0;0\n1;2\n3;1\n", 0, "3 points"),
+    (b"0,0\n2,0\n3,1\n2,3\n0,2\n0,0\n", 0, "the curve is closed"),
+    (
+        b"TEST\n1 0\n.5 .06\n0 0\n.5 -.04\n1 0\n",
+        0,
+        "the curve stays open",
+    ),
+    (
+        b"TEST\n 3. 3.\n\n0 0\n.5 .06\n1 0\n\n0 0\n.5 -.04\n1 0\n",
+        0,
+        "(Lednicer)",
+    ),
+    (
+        b"0 0 0\n1 0 1\n\n0 1 0\n1 1 2\n",
+        0,
+        "2 rows of 2: blank lines",
+    ),
+    (
+        b"0 0 0\n1 0 1\n2 0 3\n0 1 0\n1 1 2\n2 1 1\n",
+        0,
+        "2 rows of 3: x and y form a lattice",
+    ),
+    (b"0 0 0\n0 1 1\n\n1 0 0\n", 0, "differ in length"),
+    (
+        b"x,y\n0,0\n1,2\n1,2\n3,1\n",
+        2,
+        ":4: point 2 equals point 1",
+    ),
+    (
+        b"x,y\n0,0\n1,2,5\n3,1\n",
+        2,
+        ":3: 3 columns here, and 2 in the first line of numbers",
+    ),
+    (
+        b"x,y\n0,0\n1,two\n3,1\n",
+        2,
+        ":3: column 2: \"two\" is no number",
+    ),
+    (
+        b"x,y\n0,0\n1,nan\n3,1\n",
+        2,
+        ":3: column 2: \"nan\" is no number",
+    ),
+    (
+        b"0,0\n1,1e999\n3,1\n",
+        2,
+        ":2: column 2: \"1e999\" is no number",
+    ),
+    (b"", 2, "there are no points in the file"),
+    (b"1,2\n", 2, "there is one point in the file"),
+    (b"[[0,0],[1,2]", 2, ":1: EOF while parsing a list"),
+    (b"\xff\xfe0\x00,\x000\x00\n\x00", 2, "UTF-16"),
+];
+
+#[test]
+fn odd_files_are_fitted_or_refused_at_their_lines() {
+    let folder = Folder::new();
+    for (bytes, status, expected) in ODD {
+        std::fs::write(folder.path("odd"), bytes).unwrap();
+        let told = folder.fit(&["odd"]);
+        let file = String::from_utf8_lossy(bytes);
+        assert_eq!(told.status, status, "{file}: {}", told.err);
+        let lines: Vec<&str> = told
+            .err
+            .lines()
+            .filter(|it| it.starts_with("odd:"))
+            .collect();
+        assert!(
+            lines.iter().any(|it| it.contains(expected)),
+            "{file}: {}",
+            told.err
+        );
+        // What is refused is told with the file, line by line, and nothing else is.
+        let all = lines.len() == told.err.lines().count();
+        assert!(status == 0 || all, "{file}: {}", told.err);
+    }
+}
+
 #[test]
 fn airfoils_keep_their_names() {
     let folder = Folder::new();

@@ -57,6 +57,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
         let hints = Hints {
             kind: None,
             size,
+            closed: None,
             most,
         };
         let points = imported(&body.bytes, &hints)?;
@@ -161,6 +162,7 @@ impl Fields {
         let hints = Hints {
             kind,
             size: self.size,
+            closed: file::closed(&self.json),
             most: config.limits().points,
         };
         let points = imported(bytes, &hints)?;

@@ -20,6 +20,8 @@ class FilePoints:
     """What the file calls itself."""
     notices: tuple[str, ...] = ()
     """What was found out about the file, in sentences."""
+    closed: bool = False
+    """The curve is closed: the file had its first point at the end again, which is not among the points."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> FilePoints:
@@ -27,4 +29,4 @@ class FilePoints:
         shape = value.get("curve") or value.get("surface")
         if shape is None:
             raise ProtocolError("the server has read neither a curve nor a surface")
-        return cls(as_array(shape["points"]), value.get("name"), tuple(value["notices"]))
+        return cls(as_array(shape["points"]), value.get("name"), tuple(value["notices"]), shape.get("closed", False))

@@ -15,6 +15,16 @@ use crate::model::job::{JobSpec, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::short;
 
+/// Whether these fields say that the curve of a file is closed or not. Ends and polynomial bases go
+/// with open curves only.
+pub fn closed(fields: &Map<String, Value>) -> Option<bool> {
+    let curve = fields.get("curve")?.as_object()?;
+    let basis = curve.get("basis").map(|it| it.get("kind").unwrap_or(it));
+    let open = curve.contains_key("ends") || basis.is_some_and(|kind| kind != "bspline");
+    let said = curve.get("closed").and_then(Value::as_bool);
+    said.or(open.then_some(false))
+}
+
 /// Reads a job of these fields, with these points of a file, which are of that kind if anybody says so.
 pub fn read(
     mut fields: Map<String, Value>,
@@ -40,6 +50,9 @@ pub fn read(
             return Err(Problem::at_parameter("surface.size", detail));
         }
         shape.insert(list.to_owned(), json!([]));
+        if file.closed {
+            shape.entry("closed").or_insert(Value::from(true));
+        }
     }
     if let Some(name) = file.name {
         let name = short::cut(&name, LONGEST_NAME - 1).into_owned();

@@ -37,6 +37,9 @@ struct CurvePoints {
     /// The points in their order.
     #[schemars(with = "PointList")]
     points: List,
+    /// The curve is closed: the file had the first point at its end again, which is not among these.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    closed: bool,
 }
 
 /// The points of a surface.
@@ -54,6 +57,7 @@ impl PointsView {
         let Imported {
             points,
             grid,
+            closed,
             name,
             notices,
             ..
@@ -62,6 +66,7 @@ impl PointsView {
             None => (
                 Some(CurvePoints {
                     points: List(points),
+                    closed,
                 }),
                 None,
             ),

@@ -1,0 +1,51 @@
+//! Outlines whose last point is the first one again: closed curves, in which a point is there once.
+
+use super::table::Table;
+use super::{Hints, Kind};
+use crate::fit::points::Points;
+
+/// Cosine of the sharpest turn, about 127°, at which an outline is taken to go on smoothly. The
+/// trailing edge of an airfoil turns by more than 160°, and stays an end.
+const SHARPEST_TURN: f64 = -0.6;
+
+/// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
+pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
+    let last = table.points.len() - 1;
+    let surface = hints.kind == Some(Kind::Surface);
+    if surface || last < 3 || table.points.distance(0, last) != 0.0 {
+        return false;
+    }
+    let smooth = turn(&table.points) >= SHARPEST_TURN;
+    let closed = hints.closed.unwrap_or(smooth);
+    if closed {
+        table.points.truncate(last);
+        table.lines.truncate(last);
+        table.breaks.retain(|index| *index < last);
+    }
+    let what = match (closed, hints.closed) {
+        (true, _) => "the curve is closed, and the point is there once",
+        (false, None) => "with a sharp corner there, so the curve stays open",
+        (false, Some(_)) => "and the curve stays open, as it was asked for",
+    };
+    let notice = format!("The last point is the first one again: {what}.");
+    table.notices.push(notice);
+    closed
+}
+
+/// Cosine of the angle between the last edge of a closed polygon and the first one. Edges of length
+/// zero have no direction, and no corner is seen there.
+fn turn(points: &Points) -> f64 {
+    let last = points.len() - 1;
+    let edge = |from: usize, to: usize| -> Vec<f64> {
+        let lanes = points.lanes().iter();
+        let ends = lanes.filter_map(|lane| Some((lane.get(from)?, lane.get(to)?)));
+        ends.map(|(from, to)| to - from).collect()
+    };
+    let (arriving, leaving) = (edge(last - 1, last), edge(0, 1));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let lengths = (dot(&arriving, &arriving) * dot(&leaving, &leaving)).sqrt();
+    match lengths > 0.0 {
+        true => dot(&arriving, &leaving) / lengths,
+        false => 1.0,
+    }
+}
