@@ -226,6 +226,30 @@ async fn closed_curves_of_every_degree_reach_the_minimum() {
     }
 }
 
+/// Nearly as many control points as data: the smallest singular values of the collocation matrix are
+/// below 1e-16, down to 1e-31, and below 1e-11 (numpy).
+#[tokio::test]
+async fn nearly_as_many_control_points_as_data() {
+    let server = Server::start().await;
+    let point = |i: usize| {
+        let t = i as f64 / 1000.0;
+        [(6.0 * t).cos() * (1.0 + t), (6.0 * t).sin(), t]
+    };
+    let points: Vec<_> = (0..1000).map(point).collect();
+    for count in [999, 998, 995, 990] {
+        for variant in ["direct", "cg"] {
+            let method =
+                json!({"kind": "least_squares", "control_points": count, "variant": variant});
+            let job = json!({"curve": {"points": points}, "method": method});
+            let job = server.fit(&job).await;
+            assert_eq!(job["state"], "converged", "{count} {variant}: {job:#}");
+            // The curve is smooth, and these are a thousand points of it: more digits than asked for.
+            let most = if variant == "direct" { 1e-8 } else { 5e-6 };
+            assert!(number(&job["error"]["max"]) < most, "{count} {variant}");
+        }
+    }
+}
+
 #[tokio::test]
 async fn wrong_settings_are_refused() {
     let server = Server::start().await;

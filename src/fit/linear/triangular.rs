@@ -5,7 +5,10 @@
 //! condition of A is that of R and not, as with a Cholesky decomposition of AᵀA, its square. That
 //! takes O(m w²) for m rows of w entries, and a solution O(n w) for n columns.
 //!
-//! Columns that depend on those before them are left out: their unknowns stay zero.
+//! Columns that depend on those before them are left out: their unknowns stay zero. Columns that do so
+//! only together, a little each, make solutions grow without bound from one to the next; small rows of
+//! the identity hold them then (Tikhonov). Cubics over 999 equal shares of 1000 points are of that kind,
+//! with a condition of 1e31.
 
 use super::map::LineMap;
 
@@ -65,7 +68,10 @@ impl Rows {
             triangular.insert(&mut line, self.firsts[row] as usize);
         }
         triangular.leave_out(fixed);
-        triangular
+        match triangular.is_nearly_singular() {
+            true => triangular.regularized(),
+            false => triangular,
+        }
     }
 }
 
@@ -149,19 +155,14 @@ impl Triangular {
     /// Leaves out fixed columns and those that depend on others before them.
     pub fn leave_out(&mut self, fixed: impl Fn(usize) -> bool) {
         let (n, width) = (self.taken.len(), self.width);
-        let mut squares = vec![0.0; n];
-        for (place, row) in self.rows.chunks_exact(width).enumerate() {
-            for (square, value) in squares[place..].iter_mut().zip(row) {
-                *square += value * value;
-            }
-        }
+        let lengths = self.lengths();
         let mut given = vec![false; n];
         for (column, &place) in self.places.iter().enumerate() {
             given[place as usize] = fixed(column);
         }
         for place in 0..n {
             let diagonal = self.rows[place * width].abs();
-            if given[place] || diagonal <= DEPENDENT * squares[place].sqrt() {
+            if given[place] || diagonal <= DEPENDENT * lengths[place] {
                 // What the row says about later columns is said by their rows.
                 let row = &mut self.rows[place * width..(place + 1) * width];
                 let mut line = row.to_vec();
@@ -173,6 +174,49 @@ impl Triangular {
                 self.insert(&mut line, place + 1);
             }
         }
+    }
+
+    /// The lengths of the columns.
+    fn lengths(&self) -> Vec<f64> {
+        let mut squares = vec![0.0; self.taken.len()];
+        for (place, row) in self.rows.chunks_exact(self.width).enumerate() {
+            for (square, value) in squares[place..].iter_mut().zip(row) {
+                *square += value * value;
+            }
+        }
+        squares.iter().map(|square: &f64| square.sqrt()).collect()
+    }
+
+    /// Whether R with columns of length one has a singular value below [`DEPENDENT`], as far as one
+    /// solution shows it: that of a right side whose signs alternate, as solutions that grow do.
+    fn is_nearly_singular(&self) -> bool {
+        let lengths = self.lengths();
+        let signs = [1.0, -1.0].into_iter().cycle();
+        let mut x: Vec<f64> = lengths
+            .iter()
+            .zip(signs)
+            .map(|(l, sign)| l * sign)
+            .collect();
+        self.solve(&mut x);
+        let bound = DEPENDENT.powi(-2);
+        let mut scaled = x.iter().zip(&lengths).map(|(x, length)| x * length);
+        // Infinities and NaN are not within the bound either.
+        !scaled.all(|x| x.abs() <= bound)
+    }
+
+    /// The factor of the same matrix with small rows of the identity below it.
+    fn regularized(self) -> Self {
+        let lengths = self.lengths();
+        let mut factor = Self::new(self.places.clone(), self.width);
+        let rows = self.rows.chunks_exact(self.width).enumerate();
+        for (place, row) in rows.filter(|&(place, _)| self.taken[place]) {
+            factor.insert(&mut row.to_vec(), place);
+            let mut unit = vec![0.0; self.width];
+            unit[0] = DEPENDENT * lengths[place];
+            factor.insert(&mut unit, place);
+        }
+        factor.leave_out(|column| !self.taken[self.places[column] as usize]);
+        factor
     }
 
     /// `x ← R⁻¹ R⁻ᵀ x`, in the order of places.
