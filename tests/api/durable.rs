@@ -290,17 +290,6 @@ fn set_version(file: &Path, version: u64) -> Option<u64> {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_store_of_the_version_before_gets_the_version_of_today() {
-    let data = tempfile::tempdir().unwrap();
-    let file = data.path().join("piad.redb");
-    drop(Program::start(data.path()));
-    assert_eq!(set_version(&file, 2), Some(3));
-    drop(Program::start(data.path()));
-    // The program of then would misread what this one has written: it must not open it.
-    assert_eq!(set_version(&file, 2), Some(3));
-}
-
-#[tokio::test(flavor = "multi_thread")]
 async fn unknown_files_and_versions_are_clear_errors() {
     let refused = |data: &Path, reason: &str| {
         let output = Program::refused(data);
@@ -314,7 +303,7 @@ async fn unknown_files_and_versions_are_clear_errors() {
     refused(data.path(), "cannot be opened");
     std::fs::remove_file(&file).unwrap();
 
-    for version in [0, 4, 99] {
+    for version in [0, 2, 99] {
         set_version(&file, version);
         let reason = format!("has version {version} of the format");
         refused(data.path(), &reason);
@@ -479,26 +468,6 @@ async fn jobs_can_be_deleted_when_the_file_cannot_grow() {
     let data = tempfile::tempdir().unwrap();
     let limit = "trap '' XFSZ; ulimit -f 8192; exec \"$@\"";
     fill_and_delete(&Program::in_shell(limit, data.path())).await;
-}
-
-/// On a disk of its own, which is full to the last block. Where no disk can be mounted the test above
-/// is all there is.
-#[tokio::test(flavor = "multi_thread")]
-async fn jobs_can_be_deleted_when_the_disk_is_full() {
-    let data = tempfile::tempdir().unwrap();
-    let mount = format!("mount -t tmpfs -o size=8m none {}", data.path().display());
-    let alone = ["unshare -m", "unshare -rm"].into_iter().find(|unshare| {
-        let attempt = format!("{unshare} sh -c '{mount}'");
-        let shell = std::process::Command::new("sh")
-            .args(["-c", &attempt])
-            .output();
-        shell.is_ok_and(|output| output.status.success())
-    });
-    let Some(unshare) = alone else {
-        return eprintln!("no disk can be mounted here");
-    };
-    let script = format!("exec {unshare} sh -c '{mount} && exec \"$@\"' sh \"$@\"");
-    fill_and_delete(&Program::in_shell(&script, data.path())).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -56,24 +56,16 @@ pub(super) enum Outcome {
 }
 
 impl Change {
-    /// About how many bytes it adds to the file. `None` if it adds none, and must be possible when the disk
-    /// is full.
-    pub(super) fn added_bytes(&self) -> Option<u64> {
-        let numbers = match self {
-            Self::Insert { problem, .. } => {
-                let directions = problem.directions().map(|each| 2 * each.parameters.len());
-                problem.grid().count() * problem.data().dimension() + directions.sum::<usize>()
-            }
-            Self::Finish {
-                result: Some(result),
-                ..
-            } => {
-                let bases = result.bases.as_ref().map_or(0, |bases| bases.numbers());
-                result.control_points.len() * result.control_points.dimension() + bases
-            }
-            _ => return None,
-        };
-        Some((numbers * size_of::<f64>()) as u64)
+    /// Whether it makes the file grow. What does not must be possible when the disk is full.
+    pub(super) fn adds(&self) -> bool {
+        matches!(
+            self,
+            Self::Insert { .. }
+                | Self::Finish {
+                    result: Some(_),
+                    ..
+                }
+        )
     }
 
     /// How many points it writes.

@@ -8,14 +8,13 @@ use super::super::{Record, StoreError};
 use super::error::{damaged, mistaken};
 use super::fields::{Time, grid, number, time, uuid};
 use super::status::StatusMessage;
-use super::version_1;
 use super::warning::WarningMessage;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::state::Status;
 use crate::proto::messages as pb;
 use crate::proto::{method, stream};
 
-/// A job without its points. Tags 5 and 10 are those of version 1.
+/// A job without its points.
 #[derive(Clone, PartialEq, Message)]
 pub(super) struct Header {
     #[prost(bytes = "vec", tag = "1")]
@@ -26,57 +25,51 @@ pub(super) struct Header {
     parent: Option<Vec<u8>>,
     #[prost(uint64, tag = "4")]
     parent_iteration: u64,
-    #[prost(message, optional, tag = "6")]
+    #[prost(message, optional, tag = "5")]
     created: Option<Time>,
-    #[prost(bool, tag = "7")]
+    #[prost(bool, tag = "6")]
     surface: bool,
-    #[prost(uint64, tag = "8")]
+    #[prost(uint64, tag = "7")]
     rows: u64,
-    #[prost(uint64, tag = "9")]
+    #[prost(uint64, tag = "8")]
     columns: u64,
-    #[prost(uint64, optional, tag = "11")]
+    #[prost(uint64, optional, tag = "9")]
     adjusted: Option<u64>,
-    #[prost(double, tag = "12")]
+    #[prost(double, tag = "10")]
     tolerance: f64,
-    #[prost(uint64, tag = "13")]
+    #[prost(uint64, tag = "11")]
     max_iterations: u64,
-    #[prost(uint64, tag = "14")]
+    #[prost(uint64, tag = "12")]
     memory: u64,
-    #[prost(uint64, tag = "15")]
+    #[prost(uint64, tag = "13")]
     step_cost: u64,
-    #[prost(message, optional, tag = "16")]
+    #[prost(message, optional, tag = "14")]
     status: Option<StatusMessage>,
-    #[prost(uint32, tag = "17")]
+    #[prost(uint32, tag = "15")]
     pub(super) crashes: u32,
     /// Bytes of the input and of the result.
-    #[prost(uint64, tag = "18")]
+    #[prost(uint64, tag = "16")]
     pub(super) bytes: u64,
     /// The key of the request that made the job.
-    #[prost(string, optional, tag = "19")]
+    #[prost(string, optional, tag = "17")]
     pub(super) key: Option<String>,
     /// It runs under watch, as it may be to blame for a crash.
-    #[prost(bool, tag = "20")]
+    #[prost(bool, tag = "18")]
     pub(super) watched: bool,
-    #[prost(message, repeated, tag = "21")]
+    #[prost(message, repeated, tag = "19")]
     warnings: Vec<WarningMessage>,
-    #[prost(bool, tag = "22")]
+    #[prost(bool, tag = "20")]
     bases_differ: bool,
-    #[prost(message, optional, tag = "23")]
+    #[prost(message, optional, tag = "21")]
     method: Option<pb::Method>,
-    #[prost(message, optional, tag = "24")]
+    #[prost(message, optional, tag = "22")]
     stream: Option<pb::StreamOptions>,
 }
 
 impl Header {
     /// The header in these bytes.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, StoreError> {
-        let mut header = Self::decode(bytes).map_err(damaged)?;
-        if header.method.is_none() {
-            let (method, stream) = version_1::choices(bytes)?;
-            header.method = Some(method::message(&method, header.surface, None));
-            header.stream = stream.as_ref().map(stream::options);
-        }
-        Ok(header)
+        Self::decode(bytes).map_err(damaged)
     }
 
     /// The header of a record.

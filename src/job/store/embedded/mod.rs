@@ -5,16 +5,14 @@
 //! - [`opening`]: opens the file, or says what is wrong with it; [`memory_file`]: a file in memory;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: what it is asked for;
 //!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
-//! - [`disk_space`]: what is kept back for when the disk is full;
 //! - [`error`], [`panics`]: errors and panics of the database;
 //! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`points`]; [`fields`]: records and
-//!   problems as protobuf messages; [`version_1`]: what earlier files have instead.
+//!   problems as protobuf messages.
 //!
 //! Reads see what was committed. Lists wait for the changes before them.
 
 mod change;
 mod database;
-mod disk_space;
 mod error;
 mod fields;
 #[cfg(any(test, fuzzing))]
@@ -31,8 +29,6 @@ mod result;
 mod status;
 mod tables;
 mod transaction;
-mod version_1;
-mod version_2;
 mod warning;
 mod writer;
 
@@ -54,7 +50,6 @@ use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use change::{Change, Outcome};
 use database::JobDatabase;
-use disk_space::DiskSpace;
 pub use opening::OpenError;
 use writer::{WriteRequest, Writer};
 
@@ -72,8 +67,7 @@ impl EmbeddedStore {
     /// go back to the queue, or fail if that has happened too often.
     pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::open(directory, FILE)?);
-        let disk_space = Some(DiskSpace::new(directory));
-        let writer = Writer::start(Arc::clone(&database), disk_space, counters);
+        let writer = Writer::start(Arc::clone(&database), true, counters);
         let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
         Ok(Self { database, writer })
     }
@@ -81,7 +75,7 @@ impl EmbeddedStore {
     /// Makes a store in memory, which ends with the process.
     pub fn in_memory(counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::in_memory()?);
-        let writer = Writer::start(Arc::clone(&database), None, counters);
+        let writer = Writer::start(Arc::clone(&database), false, counters);
         let writer = writer.map_err(OpenError::Recovery)?;
         Ok(Self { database, writer })
     }

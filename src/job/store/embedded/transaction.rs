@@ -17,13 +17,13 @@ use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 
-/// So many pages of the file stay free for changes that must be possible when the disk is full: a
-/// deletion takes a few dozen, which are free again two commits later.
+/// So many pages of the file stay free for changes that must be possible when the disk is full, as a change
+/// writes new pages before it frees old ones: a deletion takes a few dozen, which are free again two commits
+/// later.
 const SLACK_PAGES: u64 = 128;
 
 /// A write transaction with its tables.
 pub(super) struct Transaction<'a> {
-    pub(super) redb: &'a WriteTransaction,
     pub(super) headers: Table<'a, u128, &'static [u8]>,
     inputs: Table<'a, u128, &'static [u8]>,
     results: Table<'a, u128, &'static [u8]>,
@@ -42,7 +42,6 @@ pub(super) enum EndedChange {
 impl<'a> Transaction<'a> {
     pub(super) fn open(transaction: &'a WriteTransaction) -> Result<Self, StoreError> {
         Ok(Self {
-            redb: transaction,
             headers: transaction.open_table(HEADERS)?,
             inputs: transaction.open_table(INPUTS)?,
             results: transaction.open_table(RESULTS)?,

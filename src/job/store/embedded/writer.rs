@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use tokio::sync::oneshot;
 use tracing::{error, warn};
@@ -12,11 +13,14 @@ use super::super::StoreError;
 use super::super::ended::Ended;
 use super::change::{Change, Outcome};
 use super::database::JobDatabase;
-use super::disk_space::DiskSpace;
 use super::error::{closed, unwritable};
 use super::panics;
 use super::transaction::{EndedChange, Transaction};
 use crate::job::counters::Counters;
+
+/// For this long after the disk was full, changes that need space are refused without trying: a failed
+/// attempt takes long, as the database has to be opened again after it.
+const PAUSE: Duration = Duration::from_millis(500);
 
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;
@@ -44,12 +48,13 @@ impl Writer {
     /// Recovers the jobs that were running in a crash, and starts the thread.
     pub(super) fn start(
         database: Arc<JobDatabase>,
-        disk_space: Option<DiskSpace>,
+        on_disk: bool,
         counters: Counters,
     ) -> Result<Self, StoreError> {
         let mut writer = WriterThread {
             database,
-            disk_space,
+            on_disk,
+            full_until: None,
             counters,
             ended: Ended::default(),
         };
@@ -91,8 +96,10 @@ pub(super) fn ended() -> StoreError {
 /// What the thread works with.
 struct WriterThread {
     database: Arc<JobDatabase>,
-    /// `None` for a store in memory.
-    disk_space: Option<DiskSpace>,
+    /// Not in memory.
+    on_disk: bool,
+    /// The end of the pause, if no job was deleted since the disk was full.
+    full_until: Option<Instant>,
     counters: Counters,
     ended: Ended,
 }
@@ -130,8 +137,8 @@ impl WriterThread {
         }
         self.counters.commits.inc();
         self.counters.writes.inc_by(requests.len() as u64);
-        let adds = requests.iter().any(|it| it.change.added_bytes().is_some());
-        let leaves_slack = adds && self.disk_space.is_some();
+        let adds = requests.iter().any(|it| it.change.adds());
+        let leaves_slack = adds && self.on_disk;
         let committed = self.transact(|transaction| {
             let changes = requests.iter().map(|request| &request.change);
             let outcomes = changes.map(|change| transaction.apply(change, &self.ended));
@@ -144,10 +151,6 @@ impl WriterThread {
         match committed {
             Ok((outcomes, ended)) => {
                 self.count(ended);
-                let removed = |outcome: &Outcome| matches!(outcome, Outcome::Removed(true));
-                if outcomes.iter().any(removed) {
-                    self.add_freed(0);
-                }
                 for (request, outcome) in requests.drain(..).zip(outcomes) {
                     request.answer(Ok(outcome));
                 }
@@ -157,8 +160,7 @@ impl WriterThread {
         }
     }
 
-    /// Opens the database again after a commit that has failed, and tries a change again if there is space
-    /// for it now.
+    /// Opens the database again after a commit that has failed.
     fn commit_failed(
         &mut self,
         requests: &mut Vec<WriteRequest>,
@@ -171,12 +173,8 @@ impl WriterThread {
         let [request] = requests.as_slice() else {
             return Err(error);
         };
-        if let (StoreError::Full(_), Some(space)) = (&error, &mut self.disk_space) {
-            if request.change.added_bytes().is_some() {
-                space.ran_out();
-            } else if space.release_reserve() {
-                return self.commit(requests);
-            }
+        if matches!(error, StoreError::Full(_)) && request.change.adds() {
+            self.full_until = Some(Instant::now() + PAUSE);
         }
         for request in requests.drain(..) {
             request.answer(Err(error.clone()));
@@ -184,16 +182,14 @@ impl WriterThread {
         Err(error)
     }
 
-    /// Refuses changes that need more disk space than there is, without trying them.
-    fn refuse_without_space(&mut self, requests: &mut Vec<WriteRequest>) {
-        let Some(space) = &mut self.disk_space else {
+    /// Refuses changes that need disk space shortly after there was none.
+    fn refuse_without_space(&self, requests: &mut Vec<WriteRequest>) {
+        if self.full_until.is_none_or(|until| Instant::now() >= until) {
             return;
-        };
-        let (admitted, refused): (_, Vec<WriteRequest>) =
-            std::mem::take(requests).into_iter().partition(|request| {
-                let added = request.change.added_bytes();
-                added.is_none_or(|bytes| space.admits(bytes))
-            });
+        }
+        let (admitted, refused) = std::mem::take(requests)
+            .into_iter()
+            .partition(|request| !request.change.adds());
         *requests = admitted;
         for request in refused {
             let full = StoreError::Full("there is no room on the disk".to_owned());
@@ -229,30 +225,16 @@ impl WriterThread {
             match change {
                 EndedChange::Add { at, id, bytes } => self.ended.add(at, id, bytes),
                 EndedChange::Remove { at, id } => {
-                    let bytes = self.ended.remove(at, id);
-                    self.add_freed(bytes);
+                    self.ended.remove(at, id);
+                    self.full_until = None;
                 }
             }
         }
     }
 
-    /// Jobs of so many bytes were deleted.
-    fn add_freed(&mut self, bytes: u64) {
-        if let Some(space) = &mut self.disk_space {
-            space.add_freed(bytes);
-        }
-    }
-
     /// The first transaction after a start.
     fn recover(&mut self) -> Result<(), StoreError> {
-        let mut recovered = self.transact(|transaction| transaction.recover());
-        if let (Err(StoreError::Full(_)), Some(space)) = (&recovered, &mut self.disk_space)
-            && space.release_reserve()
-        {
-            self.database.reopen()?;
-            recovered = self.transact(|transaction| transaction.recover());
-        }
-        let ((), ended) = recovered?;
+        let ((), ended) = self.transact(|transaction| transaction.recover())?;
         self.count(ended);
         Ok(())
     }
