@@ -15,14 +15,6 @@ pub struct Bases {
     pub parameters: Option<Arc<Vec<f64>>>,
 }
 
-impl Bases {
-    /// How many numbers they are.
-    pub fn numbers(&self) -> usize {
-        let lists = self.breaks.iter().chain(&self.parameters);
-        lists.map(|numbers| numbers.len()).sum()
-    }
-}
-
 impl Problem {
     /// The knots of this level, if the fit chooses them by itself.
     pub fn bases(&self) -> Option<Bases> {

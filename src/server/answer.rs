@@ -13,8 +13,9 @@ use super::stalled;
 use crate::job::peer::Peer;
 use crate::job::slots::Slot;
 
-/// The most bytes that an HTTP/2 stream is given at once, so that its progress can be observed.
-const PIECE: usize = 64 * 1024;
+/// The most bytes that an HTTP/2 stream is given at once: those of a frame. A client is stalled that does not
+/// take so many within the time limit.
+const PIECE: usize = 16 * 1024;
 
 /// The request of an answer.
 pub(super) struct Served {

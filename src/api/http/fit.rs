@@ -14,7 +14,7 @@ use crate::api::language::Language;
 use crate::api::order;
 use crate::api::problem::{Kind, Problem};
 use crate::job::Job;
-use crate::job::state::{State as JobState, Status};
+use crate::job::state::{Levels, State as JobState, Status};
 
 /// Fits, and answers with the geometry.
 pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Response, Problem> {
@@ -62,15 +62,18 @@ fn not_converged(job: &Job, status: Status) -> Problem {
     if let Some(failure) = status.failure {
         return Problem::from(failure);
     }
-    let (state, tolerance) = (status.state, job.outline().tolerance);
-    let left = match &status.levels {
-        None => String::new(),
-        Some(levels) => format!(
-            " after iteration {}: the largest distance is {:.3e}, the tolerance {tolerance:.3e}",
-            levels.last.iteration, levels.last.error.max
-        ),
+    let (state, outline) = (status.state, job.outline());
+    let Some(Levels { last, .. }) = status.levels else {
+        return Problem::new(Kind::NotConverged, format!("the fit is {state}"));
     };
-    let why = status.detail(job.outline());
-    let why = why.map_or(String::new(), |detail| format!("; {detail}"));
-    Problem::new(Kind::NotConverged, format!("the fit is {state}{left}{why}"))
+    let left = || {
+        let (distance, tolerance) = (last.error.max, outline.tolerance);
+        format!("a distance of {distance:.3e} is left, the tolerance is {tolerance:.3e}")
+    };
+    let why = status.detail(outline).unwrap_or_else(left);
+    let detail = format!(
+        "the fit is {state} after iteration {}: {why}",
+        last.iteration
+    );
+    Problem::new(Kind::NotConverged, detail)
 }

@@ -27,7 +27,7 @@ mod pack;
 pub mod qr;
 pub mod triangular;
 
-pub use band::{folded, unfolded};
+pub use band::folded;
 pub(super) use dense::DenseMap;
 pub use inverse::Inverse;
 pub use map::{LineMap, apply_tensor};

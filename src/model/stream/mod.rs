@@ -174,12 +174,6 @@ impl StreamSpec {
             Choice::OnDisconnect => self.on_disconnect.map(Named::name).map(name),
         }
     }
-
-    /// The first choice that was made, if there is one.
-    pub fn first(&self) -> Option<Choice> {
-        let mut choices = Choice::ALL.iter().map(|(choice, _)| *choice);
-        choices.find(|choice| self.text(*choice).is_some())
-    }
 }
 
 impl Samples {
