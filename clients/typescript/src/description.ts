@@ -3035,6 +3035,8 @@ export interface components {
         CurvePoints: {
             /** @description The points in their order. */
             points: components["schemas"]["Points"];
+            /** @description The curve is closed: the file had the first point at its end again, which is not among these. */
+            closed?: boolean;
         };
         /**
          * @description The points of a surface.
