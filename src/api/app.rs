@@ -27,4 +27,10 @@ impl App {
             requests: Requests::default(),
         }
     }
+
+    /// Completes when the server begins to stop.
+    pub(in crate::api) async fn stopped(&self) {
+        // An error means that the server itself is gone.
+        let _ = self.stopping.clone().wait_for(|stopping| *stopping).await;
+    }
 }

@@ -49,11 +49,10 @@ pub async fn frame(
     let reached = job.status().levels.map(|levels| levels.last.iteration);
     let wait = wait.or_else(|| (reached < Some(k)).then_some(WAIT));
     let mut cursor = Cursor::new(Arc::clone(job), k);
-    let mut stopping = app.stopping.clone();
     let next = tokio::select! {
         next = cursor.next() => next?,
         () = passed(wait) => return Err(not_yet(&job.status(), k)),
-        _ = stopping.wait_for(|stopping| *stopping) => return Err(order::stopping()),
+        () = app.stopped() => return Err(order::stopping()),
     };
     match next {
         Next::Frame(frame) => Ok(frame),

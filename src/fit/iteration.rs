@@ -129,11 +129,11 @@ impl Iteration {
         iteration
     }
 
-    /// The same iteration at the same level, which goes on like this one, to the last bit. `None` where that
-    /// would be too much to be kept.
+    /// The same iteration at the same level, which goes on like this one, to the last bit. `None` for fits that
+    /// choose their knots: what these have tried is too much to be kept.
     pub fn copy(&self) -> Option<Self> {
         let engine = match &self.engine {
-            Engine::Plain(plain) => Engine::Plain(Box::new(plain.copy()?)),
+            Engine::Plain(plain) => Engine::Plain(Box::new(plain.copy())),
             Engine::Sweep(sweep) => Engine::Sweep(sweep.clone()),
             Engine::Automatic(_) => return None,
         };

@@ -54,12 +54,12 @@ impl Plain {
     }
 
     /// The same at the same level.
-    pub(super) fn copy(&self) -> Option<Self> {
-        Some(Self {
-            update: self.update.copy()?,
+    pub(super) fn copy(&self) -> Self {
+        Self {
+            update: self.update.copy(),
             state: self.state.clone(),
             norms: self.norms.clone(),
-        })
+        }
     }
 
     /// Moves on to the next level: how many control points have moved, and the error. Where the

@@ -227,6 +227,7 @@ async fn iterations_far_back_go_on_from_checkpoints() {
         json!({"kind": "transpose"}),
         json!({"kind": "chebyshev"}),
         json!({"kind": "local", "indices": selected, "omega": 1e-4}),
+        json!({"kind": "least_squares", "control_points": 40, "variant": "lspia", "mu": 1e-5, "fairness": 1e-3}),
     ] {
         let job = json!({
             "curve": {"points": points},

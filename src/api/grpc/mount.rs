@@ -88,13 +88,12 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
 /// Reflection and health. Their streams last as long as the client likes, and end with the server.
 fn operations(app: &App) -> Router<App> {
     let (health, checks) = tonic_health::server::health_reporter();
-    let mut stopping = app.stopping.clone();
+    let running = app.clone();
     tokio::spawn(async move {
         let name = FittingServiceServer::<service::Service>::NAME;
         use tonic_health::ServingStatus::{NotServing, Serving};
         health.set_service_status(name, Serving).await;
-        // An error means that the server itself is gone.
-        let _ = stopping.wait_for(|stopping| *stopping).await;
+        running.stopped().await;
         health.set_service_status(name, NotServing).await;
         health.set_service_status("", NotServing).await;
     });

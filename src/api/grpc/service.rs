@@ -136,8 +136,7 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
                 return Some((Err(problem.into()), None));
             }
             Some(Event::Stopping) => {
-                let problem = Problem::new(Kind::Stopping, "the server is stopping");
-                return Some((Err(problem.retry_after(1).into()), None));
+                return Some((Err(order::stopping().retry_after(1).into()), None));
             }
             // Connections are kept open by HTTP/2 itself.
             Some(Event::Quiet) => continue,

@@ -271,12 +271,11 @@ impl Posted {
             }
             Answer::Job(language) => {
                 if let Some(wait) = self.wait {
-                    let mut stopping = app.stopping.clone();
                     // Whichever comes first, the job is shown as it stands then.
                     tokio::select! {
                         _ = job.ended() => {}
                         () = tokio::time::sleep(wait) => {}
-                        _ = stopping.wait_for(|stopping| *stopping) => {}
+                        () = app.stopped() => {}
                     }
                 }
                 (StatusCode::CREATED, shown::show(&job, language)).into_response()

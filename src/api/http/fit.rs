@@ -35,12 +35,9 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     let fit = order.begin(&app, None).await?;
     let job = CancelledWithItsRequest(Arc::clone(&fit.job));
     let wanted = wanted(&job.0, query, representation).await?;
-    let mut stopping = app.stopping.clone();
     let status = tokio::select! {
         status = job.0.ended() => status,
-        _ = stopping.wait_for(|stopping| *stopping) => {
-            return Err(order::stopping());
-        }
+        () = app.stopped() => return Err(order::stopping()),
     };
     match status.state {
         JobState::Converged => show_result(&job.0, wanted).await,

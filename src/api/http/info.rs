@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 
 use super::path::InPath;
 use crate::api::app::App;
+use crate::api::order;
 use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
 
@@ -99,9 +100,7 @@ pub(super) async fn livez() -> Json<Health> {
 /// `GET /readyz`
 pub(super) async fn readyz(State(app): State<App>) -> Response {
     if *app.stopping.borrow() {
-        return Problem::new(Kind::Stopping, "the server is stopping")
-            .retry_after(5)
-            .into_response();
+        return order::stopping().into_response();
     }
     Json(Health { status: "ready" }).into_response()
 }

@@ -142,8 +142,8 @@ impl Steps {
 }
 
 impl Update for Steps {
-    fn copy(&self) -> Option<Box<dyn Update>> {
-        Some(Box::new(self.clone()))
+    fn copy(&self) -> Box<dyn Update> {
+        Box::new(self.clone())
     }
 
     /// `d ← momentum d + gain Δ`, `X ← X + d`.

@@ -101,7 +101,7 @@ impl Scheme for Convex {
 }
 
 /// Plain steps where they keep the turns, else the part of a step that does.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Steps {
     /// How near to the turning point the search goes, in steps.
     threshold: f64,
@@ -189,6 +189,10 @@ impl Steps {
 }
 
 impl Update for Steps {
+    fn copy(&self) -> Box<dyn Update> {
+        Box::new(self.clone())
+    }
+
     /// A whole step, or the longest part of it that keeps the turns.
     fn update(&mut self, _equations: &Equations, state: &mut State) -> Change {
         let State {

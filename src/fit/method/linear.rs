@@ -46,8 +46,8 @@ impl Linear {
 }
 
 impl Update for Linear {
-    fn copy(&self) -> Option<Box<dyn Update>> {
-        Some(Box::new(self.clone()))
+    fn copy(&self) -> Box<dyn Update> {
+        Box::new(self.clone())
     }
 
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change {

@@ -138,8 +138,8 @@ impl<C: Choice> Selection<C> {
 }
 
 impl<C: Choice> Update for Selection<C> {
-    fn copy(&self) -> Option<Box<dyn Update>> {
-        Some(Box::new(self.clone()))
+    fn copy(&self) -> Box<dyn Update> {
+        Box::new(self.clone())
     }
 
     /// Moves the chosen points, and brings the residual up to date where that is less work than all

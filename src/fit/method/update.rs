@@ -49,11 +49,8 @@ pub(in crate::fit) trait Update: Debug + Send {
     /// Moves the control points once.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change;
 
-    /// The same update at the same level, from which the iteration can go on again. `None` if it is too much
-    /// to be kept.
-    fn copy(&self) -> Option<Box<dyn Update>> {
-        None
-    }
+    /// The same update at the same level, from which the iteration can go on again.
+    fn copy(&self) -> Box<dyn Update>;
 
     /// Called when the residual of level 0 is known.
     fn begin(&mut self, equations: &Equations, state: &mut State) {

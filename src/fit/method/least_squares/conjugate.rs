@@ -7,7 +7,7 @@ use crate::fit::method::update::State;
 use crate::fit::points::Points;
 
 /// What conjugate gradients remember.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Conjugate {
     /// The directions d of the last step, one for each coordinate.
     direction: Points,

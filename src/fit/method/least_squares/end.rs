@@ -14,6 +14,8 @@
 //!
 //! Where the data lie on the curve, f falls to rounding and f* is zero: that is the end, too.
 
+use std::sync::Arc;
+
 use super::constraints::Condition;
 use super::objective::Objective;
 use super::settings::LeastSquares;
@@ -40,7 +42,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 const MOST: usize = 200_000_000;
 
 /// How far the minimum is.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct End {
     /// A power of two for all coordinates, as they are squared.
     unit: f64,
@@ -53,7 +55,7 @@ pub(super) struct End {
     /// What every level obeys.
     conditions: Vec<Condition>,
     /// The normal equations, once they were needed.
-    solver: Option<Box<Solver>>,
+    solver: Option<Arc<Solver>>,
     outcome: Option<Outcome>,
 }
 
@@ -139,7 +141,7 @@ impl End {
             return own;
         }
         let conditions = &self.conditions;
-        let make = || Box::new(Solver::new(equations, scale, objective, conditions));
+        let make = || Arc::new(Solver::new(equations, scale, objective, conditions));
         Some(&**self.solver.get_or_insert_with(make))
     }
 }

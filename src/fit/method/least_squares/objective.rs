@@ -21,10 +21,10 @@ use crate::fit::setup::Setup;
 pub(super) const NO_DATA: f64 = 1e-12;
 
 /// What is made small.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Objective {
     weights: Option<Arc<[f64]>>,
-    energy: Option<Energy>,
+    energy: Option<Arc<Energy>>,
     /// One coordinate of `Ω Δ`.
     weighted: Vec<f64>,
 }
@@ -46,13 +46,15 @@ impl Objective {
         Self {
             weighted: vec![0.0; weights.as_ref().map_or(0, |weights| weights.len())],
             weights,
-            energy: fairness.and_then(|fairness| Energy::new(setup, fairness)),
+            energy: fairness
+                .and_then(|fairness| Energy::new(setup, fairness))
+                .map(Arc::new),
         }
     }
 
     /// The energy of fairness.
     pub(super) fn energy(&self) -> Option<&Energy> {
-        self.energy.as_ref()
+        self.energy.as_deref()
     }
 
     /// Whether the normal equations of a whole grid are a product of those of both directions.

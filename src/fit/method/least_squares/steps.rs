@@ -1,6 +1,8 @@
 //! Steps along the gradient, `X ← X + D g`, and what all variants share: D, the gradient, what every
 //! level obeys, and the end.
 
+use std::sync::Arc;
+
 use super::conjugate::Conjugate;
 use super::constraints::{Condition, Projection, independent};
 use super::end::End;
@@ -16,14 +18,14 @@ use crate::fit::scaling::normalizing_scale;
 use crate::fit::setup::Setup;
 
 /// The update of all variants.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Steps {
     /// What is made small.
     objective: Objective,
     /// The diagonal of D.
     scale: Vec<f64>,
     /// The projection that keeps what every level obeys, with the metric D.
-    projection: Option<Projection>,
+    projection: Option<Arc<Projection>>,
     /// Powers of two that bring each coordinate to the order of one, so that squares neither over-
     /// nor underflow.
     units: Vec<f64>,
@@ -40,14 +42,14 @@ pub(super) struct Steps {
 }
 
 /// How the step follows from the gradient.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Kind {
     /// It is a multiple of it, for each control point by itself.
     Multiple,
     /// By the steps before.
     Conjugate(Conjugate),
     /// By the normal equations.
-    Direct(Box<Solver>),
+    Direct(Arc<Solver>),
 }
 
 impl Steps {
@@ -67,7 +69,7 @@ impl Steps {
             }
             Variant::Direct => {
                 let solver = Solver::new(equations, &scale, &objective, &conditions);
-                Kind::Direct(Box::new(solver))
+                Kind::Direct(Arc::new(solver))
             }
         };
         let units: Vec<f64> = setup
@@ -77,7 +79,7 @@ impl Steps {
             .map(|lane| normalizing_scale(lane.iter().fold(0.0, |m, x| x.abs().max(m))))
             .collect();
         Self {
-            projection: Projection::diagonal(&conditions, &scale),
+            projection: Projection::diagonal(&conditions, &scale).map(Arc::new),
             end: (settings.ending == Ending::Minimum)
                 .then(|| End::new(&units, conditions, setup, settings)),
             objective,
@@ -116,6 +118,10 @@ fn conditions(setup: &Setup, settings: &LeastSquares) -> Vec<Condition> {
 }
 
 impl Update for Steps {
+    fn copy(&self) -> Box<dyn Update> {
+        Box::new(self.clone())
+    }
+
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change {
         let moved = self.scale.iter().filter(|&&factor| factor > 0.0).count();
         match &mut self.kind {
