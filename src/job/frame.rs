@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::content::Content;
-use super::forms::Forms;
+use super::encoding_cache::EncodingCache;
 use super::memory::{Cache, Charge};
 use super::store::StoreError;
 use crate::fit::geometry::Geometry;
@@ -26,7 +26,7 @@ pub struct Frame {
     pub moved: Option<Arc<[usize]>>,
     /// The fit has ended at this level.
     pub is_last: bool,
-    encoded: Forms,
+    encoded: EncodingCache,
     /// The bytes of the control points in the cache.
     _charge: Option<Charge>,
 }
@@ -59,7 +59,7 @@ impl Frame {
             control_points,
             moved: None,
             is_last: true,
-            encoded: Forms::default(),
+            encoded: EncodingCache::default(),
             _charge: None,
         }
     }

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `heavy` | 5 | running jobs with large steps |
 //! | `quick` | 2 | running jobs with small steps, which wait for no large one |
-//! | `again` | 5 | runs that compute levels again that readers have missed |
+//! | `replays` | 5 | runs that compute levels again that readers have missed |
 //! | `requests` | ½ | small requests while they arrive and are read |
 //! | `bodies` | ½ | large ones, which small ones do not wait for |
 //! | `files` | 1 | files that are made as a whole, and searches for foot points |
@@ -24,7 +24,7 @@ pub struct Memory {
     limit: usize,
     pub(super) heavy: Share,
     pub(super) quick: Share,
-    pub again: Share,
+    pub replays: Share,
     pub requests: Share,
     pub bodies: Share,
     pub files: Share,
@@ -39,7 +39,7 @@ impl Memory {
             limit: bytes,
             heavy: Share::new(part(10)),
             quick: Share::new(part(4)),
-            again: Share::new(part(10)),
+            replays: Share::new(part(10)),
             requests: Share::new(part(1)),
             bodies: Share::new(part(1)),
             files: Share::new(part(2)),
@@ -60,7 +60,7 @@ impl Memory {
         let shares = [
             &self.heavy,
             &self.quick,
-            &self.again,
+            &self.replays,
             &self.requests,
             &self.bodies,
             &self.files,

@@ -4,38 +4,39 @@
 //! - [`state`]: the state machine of a job; [`codes`]: states in messages; [`levels`]: how
 //!   far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
-//! - [`forms`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
+//! - [`encoding_cache`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
-//! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`patience`]: how long readers wait
+//! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`reader_budget`]: how long readers wait
 //!   for each other; [`peer`]: the client machine that a reader belongs to;
 //! - [`checkpoints`]: levels from which an iteration can go on again;
-//! - [`memory`]: how the memory is divided; [`again`]: runs for readers that have missed frames;
+//! - [`memory`]: how the memory is divided; [`replay`]: runs for readers that have missed frames;
 //!   [`resources`]: what all jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`suspects`]: jobs that may have crashed the process;
+//! - [`crash_recovery`]: jobs that may have crashed the process;
 //! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
 //! - [`counters`]: the metrics of the server.
 //!
 //! An iterate is a pure function of the problem and its level. So frames are never stored: those that
 //! are no longer in memory are computed again, by a run that starts over.
 
-pub(crate) mod again;
 mod checkpoints;
 pub(crate) mod codes;
 pub(crate) mod content;
 pub mod counters;
+pub(crate) mod crash_recovery;
 pub(crate) mod cursor;
-pub(crate) mod forms;
+pub(crate) mod encoding_cache;
 pub(crate) mod frame;
 pub(crate) mod levels;
 pub(crate) mod memory;
 pub(crate) mod outline;
-pub(crate) mod patience;
 pub(crate) mod peer;
+pub(crate) mod reader_budget;
 pub(crate) mod recent;
+pub(crate) mod replay;
 pub(crate) mod resources;
 pub mod result;
 pub(crate) mod run;
@@ -47,7 +48,6 @@ pub(crate) mod share;
 pub(crate) mod slots;
 pub(crate) mod state;
 pub mod store;
-pub(crate) mod suspects;
 mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -60,7 +60,7 @@ use uuid::Uuid;
 use crate::fit::iteration::Level;
 use crate::fit::problem::Problem;
 use content::Content;
-use forms::Forms;
+use encoding_cache::EncodingCache;
 use frame::Frame;
 use memory::Permit;
 use outline::Outline;
@@ -107,7 +107,7 @@ pub struct Job {
     /// Runs that readers can share, including the primary one.
     runs: Mutex<Vec<Weak<Run>>>,
     resources: Arc<Resources>,
-    descriptions: Forms,
+    descriptions: EncodingCache,
 }
 
 impl Job {
@@ -127,7 +127,7 @@ impl Job {
             primary: Mutex::new(Weak::new()),
             runs: Mutex::new(Vec::new()),
             resources,
-            descriptions: Forms::default(),
+            descriptions: EncodingCache::default(),
         }
     }
 
@@ -309,8 +309,11 @@ impl Job {
         peer: Option<Peer>,
     ) -> Result<Attached, StoreError> {
         let resources = &self.resources;
-        let share = &resources.memory.again;
-        let permit = resources.again.turn(share, peer, self.outline.memory).await;
+        let share = &resources.memory.replays;
+        let permit = resources
+            .replays
+            .turn(share, peer, self.outline.memory)
+            .await;
         // Another reader may have started a run in the meantime.
         if let Some(attached) = self.attach_to_live(next, peer) {
             return Ok(attached);
@@ -318,7 +321,7 @@ impl Job {
         let run = Run::new(self.system().await?, Arc::clone(resources), permit, peer);
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
         let revocable: Weak<Run> = Arc::downgrade(&run);
-        resources.again.add(revocable);
+        resources.replays.add(revocable);
         self.runs.lock().push(Arc::downgrade(&run));
         Ok(attached)
     }

@@ -1,8 +1,8 @@
 //! What the jobs of a server share: compute pool, memory and counters.
 
-use super::again::Again;
 use super::counters::Counters;
 use super::memory::Memory;
+use super::replay::Replays;
 use super::scheduler::Scheduler;
 
 /// What all jobs of a server share.
@@ -13,7 +13,7 @@ pub struct Resources {
     /// The memory for all of them.
     pub memory: Memory,
     /// Runs that compute again.
-    pub again: Again,
+    pub replays: Replays,
     /// Bytes of recent frames that each run keeps at most.
     pub(super) ring_bytes: usize,
     /// The metrics of the server.
@@ -28,7 +28,7 @@ impl Resources {
         Self {
             scheduler,
             memory: Memory::new(memory),
-            again: Again::default(),
+            replays: Replays::default(),
             ring_bytes,
             counters: Counters::default(),
             base_path: String::new(),

@@ -19,8 +19,8 @@ use tracing::{debug, error, warn};
 use super::activity::Times;
 use super::connection::{self, Caller};
 use super::limits::{Admission, Connections};
+use super::log_throttle::LogThrottle;
 use super::proxy::{self, Network};
-use super::rarely::Rarely;
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
 
@@ -50,14 +50,14 @@ pub(super) struct Doors {
     /// Becomes true when no more are taken in.
     pub(super) stopping: watch::Receiver<bool>,
     /// Connections beyond the limits.
-    pub(super) crowds: Mutex<Rarely>,
+    pub(super) crowds: Mutex<LogThrottle>,
 }
 
 impl Doors {
     /// Accepts connections until the server stops; returns when all of them have ended.
     pub(super) async fn serve(self, mut listeners: Vec<TcpListener>) {
         let mut tasks = JoinSet::new();
-        let mut failures = Rarely::new(TELLING);
+        let mut failures = LogThrottle::new(TELLING);
         let mut stopping = self.stopping.clone();
         let doors = Arc::new(self);
         loop {
@@ -83,7 +83,7 @@ impl Doors {
                 }
                 Err(reason) if is_of_the_connection(&reason) => {}
                 Err(reason) => {
-                    if let Some(times) = failures.happened(Instant::now()) {
+                    if let Some(times) = failures.record(Instant::now()) {
                         error!(times, "connections cannot be taken in: {reason}");
                     }
                     sleep(PAUSE).await;
@@ -128,7 +128,7 @@ impl Doors {
                 connection::serve(stream, caller, Arc::clone(self), self.times).await;
             }
             Admission::Beyond(crowded, ended) => {
-                if let Some(times) = self.crowds.lock().happened(Instant::now()) {
+                if let Some(times) = self.crowds.lock().record(Instant::now()) {
                     let peer = caller.peer;
                     warn!(%peer, times, "{crowded}: only /livez, /readyz and /metrics are answered");
                 }
@@ -144,8 +144,8 @@ impl Doors {
 }
 
 /// Log lines about connections beyond the limits.
-pub(super) fn crowds() -> Mutex<Rarely> {
-    Mutex::new(Rarely::new(TELLING))
+pub(super) fn crowds() -> Mutex<LogThrottle> {
+    Mutex::new(LogThrottle::new(TELLING))
 }
 
 /// The next connection at any of the addresses, which take turns.

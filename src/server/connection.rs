@@ -18,12 +18,12 @@ use tracing::debug;
 
 use super::accept::Doors;
 use super::activity::{Activity, Overdue, Times};
-use super::answer::{AnswerBody, Served};
-use super::arriving::Arriving;
 use super::limits::Crowded;
 use super::proxy;
-use super::stalled::unless_stalled;
-use super::watched::Watched;
+use super::request_body::RequestBody;
+use super::response_body::{ResponseBody, Served};
+use super::stream_timeout::unless_stalled;
+use super::write_timeout::TimedStream;
 use crate::job::peer::Peer;
 
 /// How long a connection that is being shut down may be silent before it is cut off.
@@ -86,7 +86,7 @@ where
 {
     let mut stopping = doors.stopping.clone();
     let activity = Arc::new(Activity::new());
-    let io = Watched::new(stream, Arc::clone(&activity), times.write);
+    let io = TimedStream::new(stream, Arc::clone(&activity), times.write);
     let requests = Arc::clone(&activity);
     let service = service_fn(move |request: Request<Incoming>| {
         let (doors, activity) = (Arc::clone(&doors), Arc::clone(&requests));
@@ -133,7 +133,7 @@ async fn answer(
     activity: Arc<Activity>,
     caller: Caller,
     request: Request<Incoming>,
-) -> Result<hyper::Response<AnswerBody>, Infallible> {
+) -> Result<hyper::Response<ResponseBody>, Infallible> {
     let multiplexed = request.version() == Version::HTTP_2;
     let open = activity.open(multiplexed);
     let (mut head, body) = request.into_parts();
@@ -147,7 +147,7 @@ async fn answer(
     if let Some(reason) = crowded {
         head.extensions.insert(reason);
     }
-    let (body, unread) = Arriving::new(body);
+    let (body, unread) = RequestBody::new(body);
     let request = Request::from_parts(head, Body::new(body));
     let routed = doors.router.clone().call(request);
     let mut response = Peer::scope(Some(peer), routed).await?;
@@ -162,7 +162,7 @@ async fn answer(
         _open: open,
         _slot: slot,
     };
-    Ok(response.map(|body| AnswerBody::new(body, served, multiplexed)))
+    Ok(response.map(|body| ResponseBody::new(body, served, multiplexed)))
 }
 
 /// Spawns the tasks of HTTP/2 streams.

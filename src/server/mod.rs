@@ -3,23 +3,23 @@
 //! - [`local`]: the same without a port, for programs that answer themselves;
 //! - [`listen`]: the addresses of the server;
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
-//! - [`activity`]: what happens on a connection, and how long it may stay; [`watched`]: its bytes;
+//! - [`activity`]: what happens on a connection, and how long it may stay; [`write_timeout`]: bytes that the client does not take;
 //! - [`limits`]: how many connections there may be; [`proxy`]: clients behind trusted proxies;
-//! - [`arriving`]: the bodies of its requests; [`answer`]: those of its answers; [`stalled`]: those that the client does not take;
-//! - [`rarely`]: log lines that are not told each time.
+//! - [`request_body`]: the bodies of its requests; [`response_body`]: those of its answers; [`stream_timeout`]: those of HTTP/2 that the client does not take;
+//! - [`log_throttle`]: log lines about events that happen often.
 
 mod accept;
 mod activity;
-mod answer;
-mod arriving;
 mod connection;
 pub(crate) mod limits;
 pub mod listen;
 pub mod local;
+mod log_throttle;
 pub mod proxy;
-mod rarely;
-mod stalled;
-mod watched;
+mod request_body;
+mod response_body;
+mod stream_timeout;
+mod write_timeout;
 
 use std::io;
 use std::sync::Arc;

@@ -24,7 +24,7 @@ use tracing::error;
 use super::malformed;
 use super::service;
 use crate::api::app::App;
-use crate::api::http::intake;
+use crate::api::http::body_limits;
 use crate::api::order::PARSED_AT_ONCE;
 use crate::api::proto::bounds;
 use crate::job::peer::Peer;
@@ -49,7 +49,7 @@ pub fn routes(app: &App) -> Router<App> {
 /// that serve the network.
 async fn take_in(State(app): State<App>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
-    let taken = match intake::take_in(&app, &parts.headers, body).await {
+    let taken = match body_limits::take_in(&app, &parts.headers, body).await {
         Ok(taken) => taken,
         Err(problem) => return Status::from(problem).into_http(),
     };

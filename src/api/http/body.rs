@@ -3,8 +3,8 @@
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderValue, header};
 
-use super::intake::ReceivedBody;
-use super::{coding, intake};
+use super::body_limits::ReceivedBody;
+use super::{body_limits, coding};
 use crate::api::app::App;
 use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
@@ -33,8 +33,8 @@ async fn take_in(app: &App, request: Request) -> Result<ReceivedBody, Problem> {
     let coding = coding::of_body(request.headers())?;
     let (parts, body) = request.into_parts();
     match coding {
-        None => intake::take_in(app, &parts.headers, body).await,
-        Some(coding) => intake::unpack(app, &parts.headers, body, coding).await,
+        None => body_limits::take_in(app, &parts.headers, body).await,
+        Some(coding) => body_limits::unpack(app, &parts.headers, body, coding).await,
     }
 }
 

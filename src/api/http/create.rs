@@ -8,7 +8,7 @@ use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
 use tokio::time::Duration;
 
-use super::intake::{ReceivedBody, Room};
+use super::body_limits::{ReceivedBody, Room};
 use super::negotiate::{self, Answer};
 use super::path::InPath;
 use super::points::Fields;

@@ -8,20 +8,20 @@
 //! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
 //! - [`page`]: the page for people; [`assets`]: files for browsers that are part of the program;
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
-//! - [`body`]: a request body by its media type; [`intake`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
+//! - [`body`]: a request body by its media type; [`body_limits`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
 //! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: how JSON ends; [`packing`]: what goes compressed; [`coding`]: how;
 //! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
-//!   [`request_id`]: what it is called; [`crowd`]: what is answered on connections beyond the limits.
+//!   [`request_id`]: what it is called; [`overload`]: what is answered on connections beyond the limits.
 
 mod answer;
 pub mod assets;
 mod base_path;
 mod body;
+pub mod body_limits;
 pub mod capabilities;
 pub mod coding;
 pub mod cors;
 mod create;
-mod crowd;
 pub mod events;
 mod export;
 mod file_name;
@@ -29,11 +29,11 @@ mod fit;
 mod geometry;
 pub mod host;
 pub mod info;
-pub mod intake;
 pub mod jobs;
 pub mod measure;
 pub mod negotiate;
 mod newline;
+mod overload;
 mod packing;
 mod page;
 pub mod path;

@@ -7,8 +7,8 @@ use tokio::sync::futures::Notified;
 
 use super::state::Follower;
 use super::{FrameLookup, LOOK_AHEAD, Run};
-use crate::job::patience::PATIENCE;
 use crate::job::peer::Peer;
+use crate::job::reader_budget::LONGEST_WAIT;
 
 /// A reader's hold on a run: while there is one, the run keeps its recent frames.
 #[derive(Debug)]
@@ -81,13 +81,13 @@ impl Attached {
 
     /// How much longer to wait for a reader of this peer.
     fn left_for(&self, peer: Option<Peer>, since: Instant, now: Instant) -> Duration {
-        let left = PATIENCE.saturating_sub(now - since);
+        let left = LONGEST_WAIT.saturating_sub(now - since);
         if peer == self.peer {
             return left;
         }
-        let patience = &self.run.patience;
-        patience.spend(peer, since, now);
-        left.min(patience.left(peer, now))
+        let budget = &self.run.reader_budget;
+        budget.spend(peer, since, now);
+        left.min(budget.left(peer, now))
     }
 
     fn advance(&self, index: usize) {

@@ -23,12 +23,12 @@ use crate::fit::interrupt;
 use crate::fit::iteration::{Iteration, Outcome};
 use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
-use crate::job::again::Revocable;
 use crate::job::checkpoints::Checkpoints;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
-use crate::job::patience::Patience;
 use crate::job::peer::Peer;
+use crate::job::reader_budget::ReaderBudget;
+use crate::job::replay::Revocable;
 use crate::job::resources::Resources;
 use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
@@ -52,7 +52,7 @@ pub struct Run {
     bytes: usize,
     /// Frames of this run are small enough to be kept before anybody reads them.
     keeps_unread: bool,
-    patience: Arc<Patience>,
+    reader_budget: Arc<ReaderBudget>,
     state: Mutex<RunState>,
     changed: Notify,
     stopped: Arc<AtomicBool>,
@@ -80,7 +80,7 @@ impl Run {
             frame_bytes: weight,
             bytes: problem.memory(),
             keeps_unread: capacity >= 4 * LOOK_AHEAD,
-            patience: Arc::clone(&system.patience),
+            reader_budget: Arc::clone(&system.reader_budget),
             state: Mutex::new(RunState::new(system, permit)),
             changed: Notify::new(),
             stopped: Arc::default(),

@@ -7,7 +7,7 @@ use parking_lot::Mutex;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::job::checkpoints::Checkpoints;
-use crate::job::patience::Patience;
+use crate::job::reader_budget::ReaderBudget;
 
 /// The system of a problem: built when it is first needed, shared by all runs that need it at the
 /// same time, and dropped with the last of them.
@@ -20,7 +20,7 @@ pub struct SharedSystem {
     /// Levels from which runs can begin.
     pub(in crate::job) checkpoints: Checkpoints,
     /// How long the readers of these runs have made each other wait.
-    pub(super) patience: Arc<Patience>,
+    pub(super) reader_budget: Arc<ReaderBudget>,
 }
 
 impl SharedSystem {
@@ -31,7 +31,7 @@ impl SharedSystem {
             system: Mutex::new(Weak::new()),
             similar: Mutex::new(similar),
             checkpoints: Checkpoints::default(),
-            patience: Arc::default(),
+            reader_budget: Arc::default(),
         }
     }
 

@@ -16,7 +16,7 @@ async fn arrives(reader: &Attached, index: usize) {
     panic!("frame {index} has not come");
 }
 
-/// With a ring of one frame readers wait for each other, until the patience of one is used up.
+/// With a ring of one frame readers wait for each other, until the budget of one is used up.
 #[tokio::test]
 async fn readers_of_large_frames_wait_for_each_other() {
     let scheduler = Scheduler::new(1).unwrap();

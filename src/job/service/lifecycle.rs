@@ -11,13 +11,13 @@ use tracing::{error, info, warn};
 use super::Jobs;
 use crate::fit::iteration::Outcome;
 use crate::job::Job;
+use crate::job::crash_recovery::{WATCH, Watch};
 use crate::job::frame::Frame;
 use crate::job::result::LastGeometry;
 use crate::job::run::{Ending, Run, SharedSystem};
 use crate::job::slots::Slot;
 use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
-use crate::job::suspects::{WATCH, Watch};
 
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);

@@ -20,6 +20,7 @@ use tokio::time::sleep;
 use tracing::{error, info};
 use uuid::Uuid;
 
+use super::crash_recovery::Suspects;
 use super::memory::Share;
 use super::outline::Outline;
 use super::peer::Peer;
@@ -28,7 +29,6 @@ use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
 use super::slots::{Quota, Slots};
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
-use super::suspects::Suspects;
 use super::{Job, Owner};
 use crate::fit::admission::Admission;
 use sessions::Sessions;

@@ -1,13 +1,13 @@
 //! Where jobs are kept: their problems, states and final control points. Frames are not kept.
 //!
 //! - [`embedded`]: in a file, or in memory;
-//! - [`blame`]: which jobs may have crashed the process;
+//! - [`crash`]: which jobs may have crashed the process;
 //! - `nowhere`: for ephemeral edits, of which nothing is kept;
 //! - `ended`: which jobs that have ended to forget.
 //!
 //! What every store promises is described at [`Store`], and tested for each store by the same tests.
 
-pub mod blame;
+pub mod crash;
 pub mod embedded;
 pub(crate) mod ended;
 pub(crate) mod nowhere;

@@ -4,7 +4,7 @@ use redb::ReadableTable;
 use tracing::warn;
 
 use super::super::StoreError;
-use super::super::blame::Crash;
+use super::super::crash::Crash;
 use super::header::Header;
 use super::transaction::{EndedChange, Transaction};
 use crate::job::state::State;

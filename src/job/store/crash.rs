@@ -80,8 +80,8 @@ impl Record {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::crash_recovery::PARTS;
     use crate::job::samples;
-    use crate::job::suspects::PARTS;
 
     fn running() -> Record {
         let status = Status::running();

@@ -12,7 +12,7 @@ use super::activity::Activity;
 
 /// A stream of bytes that records its activity. Writing fails when the other side has taken nothing for
 /// `limit`.
-pub(super) struct Watched<S> {
+pub(super) struct TimedStream<S> {
     stream: S,
     activity: Arc<Activity>,
     limit: Duration,
@@ -28,7 +28,7 @@ pub(super) struct Watched<S> {
 const IGNORING: Duration = Duration::from_secs(2);
 const MOST_IGNORED: usize = 64 << 20;
 
-impl<S> Watched<S> {
+impl<S> TimedStream<S> {
     pub(super) fn new(stream: S, activity: Arc<Activity>, limit: Duration) -> Self {
         Self {
             stream,
@@ -91,7 +91,7 @@ impl<S> Watched<S> {
     }
 }
 
-impl<S: AsyncRead + Unpin> AsyncRead for Watched<S> {
+impl<S: AsyncRead + Unpin> AsyncRead for TimedStream<S> {
     fn poll_read(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -106,7 +106,7 @@ impl<S: AsyncRead + Unpin> AsyncRead for Watched<S> {
     }
 }
 
-impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for Watched<S> {
+impl<S: AsyncRead + AsyncWrite + Unpin> AsyncWrite for TimedStream<S> {
     fn poll_write(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,

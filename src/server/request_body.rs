@@ -20,7 +20,7 @@ const LITTLE: u64 = 64 * 1024;
 const SHORT: Duration = Duration::from_secs(1);
 
 /// The body of a request; what is not read of it is left in [`Unread`].
-pub(super) struct Arriving {
+pub(super) struct RequestBody {
     body: Option<Incoming>,
     unread: Unread,
 }
@@ -29,7 +29,7 @@ pub(super) struct Arriving {
 #[derive(Clone, Default)]
 pub(super) struct Unread(Arc<Mutex<Option<Incoming>>>);
 
-impl Arriving {
+impl RequestBody {
     pub(super) fn new(body: Incoming) -> (Self, Unread) {
         let unread = Unread::default();
         let arriving = Self {
@@ -52,7 +52,7 @@ impl Unread {
     }
 }
 
-impl HttpBody for Arriving {
+impl HttpBody for RequestBody {
     type Data = Bytes;
     type Error = hyper::Error;
 
@@ -80,7 +80,7 @@ impl HttpBody for Arriving {
     }
 }
 
-impl Drop for Arriving {
+impl Drop for RequestBody {
     fn drop(&mut self) {
         let body = self.body.take();
         *self.unread.0.lock() = body.filter(|body| !body.is_end_stream());

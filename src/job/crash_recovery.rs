@@ -1,6 +1,6 @@
 //! Jobs that were running when the process crashed. They run again a few at a time: so the job that
 //! crashes the process does so among few, which after the next crash are tried one by one (see
-//! [`blame`](super::store::blame)).
+//! [`crash`](super::store::crash)).
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};

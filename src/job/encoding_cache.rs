@@ -1,4 +1,4 @@
-//! Encoded forms of a frame or a job: each form is made once and shared by all readers.
+//! Caches the encodings of a frame or a job. Each encoding is computed once and shared by all readers.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -12,24 +12,24 @@ use super::memory::Cache;
 use super::peer;
 use super::store::StoreError;
 
-/// How many forms are kept at most. Clients could ask for a form for each number of samples.
+/// The most encodings that are kept. Clients could ask for one for each number of samples.
 const MOST: usize = 4;
 
-/// The forms that were made, by name; the oldest first.
+/// The encodings by the names of their forms, the oldest first.
 #[derive(Debug, Default)]
-pub struct Forms(Mutex<VecDeque<(Arc<str>, FormState)>>);
+pub struct EncodingCache(Mutex<VecDeque<(Arc<str>, Encoding)>>);
 
 type Made = Result<Content, StoreError>;
 
 /// A content that was made, or is being made by a task of its own: so a reader that is not polled, as
 /// its client takes nothing, does not hold up the others.
 #[derive(Clone, Debug)]
-enum FormState {
-    Made(Content),
-    Making(Shared<BoxFuture<'static, Made>>),
+enum Encoding {
+    Done(Content),
+    Pending(Shared<BoxFuture<'static, Made>>),
 }
 
-impl Forms {
+impl EncodingCache {
     /// The content in this form, which `encode` makes if nobody has before. It is kept while there is
     /// room in the cache.
     pub async fn get<F: Future<Output = Made> + Send + 'static>(
@@ -38,11 +38,11 @@ impl Forms {
         cache: &Arc<Cache>,
         encode: impl FnOnce() -> F,
     ) -> Made {
-        let (content, making) = match self.begin(form, cache, encode)? {
-            FormState::Made(content) => (Ok(content), false),
-            FormState::Making(making) => (making.await, true),
+        let (content, pending) = match self.begin(form, cache, encode)? {
+            Encoding::Done(content) => (Ok(content), false),
+            Encoding::Pending(encoding) => (encoding.await, true),
         };
-        if cache.is_full() || (making && content.is_err()) {
+        if cache.is_full() || (pending && content.is_err()) {
             self.0.lock().retain(|(name, _)| name != form);
         }
         content
@@ -53,27 +53,27 @@ impl Forms {
         form: &Arc<str>,
         cache: &Arc<Cache>,
         encode: impl FnOnce() -> F,
-    ) -> Result<FormState, StoreError> {
-        let mut forms = self.0.lock();
-        if let Some((_, known)) = forms.iter().find(|(name, _)| name == form) {
+    ) -> Result<Encoding, StoreError> {
+        let mut encodings = self.0.lock();
+        if let Some((_, known)) = encodings.iter().find(|(name, _)| name == form) {
             return Ok(known.clone());
         }
         let charged = Arc::clone(cache);
         let mut encoding = Box::pin(encode().map(move |made| Ok(made?.kept_in(&charged))));
         // Small contents are complete after one poll.
         let state = match encoding.as_mut().now_or_never() {
-            Some(made) => FormState::Made(made?),
+            Some(made) => Encoding::Done(made?),
             None => {
                 let task = peer::spawn(encoding);
                 let broken = |_| Err(StoreError::Failed("an encoding broke down".to_owned()));
                 let made = task.map(move |made| made.unwrap_or_else(broken));
-                FormState::Making(made.boxed().shared())
+                Encoding::Pending(made.boxed().shared())
             }
         };
-        if forms.len() == MOST {
-            forms.pop_front();
+        if encodings.len() == MOST {
+            encodings.pop_front();
         }
-        forms.push_back((Arc::clone(form), state.clone()));
+        encodings.push_back((Arc::clone(form), state.clone()));
         Ok(state)
     }
 }

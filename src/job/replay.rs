@@ -1,5 +1,5 @@
-//! Runs that compute levels again for readers that have missed them. They share a part of the memory,
-//! which they get in turn.
+//! Replays recompute iterations for readers that fell behind. All replays share one memory budget; when it
+//! is exhausted, the oldest idle replay ends, and its readers queue for memory again.
 
 use std::fmt::Debug;
 use std::sync::Weak;
@@ -31,11 +31,11 @@ pub(super) trait Revocable: Debug + Send + Sync {
     fn revoke(&self);
 }
 
-/// The runs that hold memory of this part.
+/// The replays that hold memory of this budget.
 #[derive(Debug, Default)]
-pub struct Again(Mutex<Vec<Weak<dyn Revocable>>>);
+pub struct Replays(Mutex<Vec<Weak<dyn Revocable>>>);
 
-impl Again {
+impl Replays {
     /// Waits for memory, and ends a run that may be ended to get it.
     pub(super) async fn turn(
         &self,

@@ -12,14 +12,14 @@ use parking_lot::Mutex;
 use super::peer::Peer;
 
 /// How long a reader waits at most.
-pub(super) const PATIENCE: Duration = Duration::from_secs(1);
+pub(super) const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
-/// Seconds of patience that come back in each second.
+/// Seconds of the budget that come back in each second.
 const REGAINED: f64 = 0.1;
 
 /// How long each peer has made others wait.
 #[derive(Debug, Default)]
-pub struct Patience(Mutex<HashMap<Option<Peer>, Spent>>);
+pub struct ReaderBudget(Mutex<HashMap<Option<Peer>, Spent>>);
 
 #[derive(Clone, Copy, Debug)]
 struct Spent {
@@ -36,11 +36,11 @@ impl Spent {
     }
 }
 
-impl Patience {
+impl ReaderBudget {
     /// Notes that a peer has made others wait from `since` until now.
     pub(super) fn spend(&self, peer: Option<Peer>, since: Instant, now: Instant) {
         let mut peers = self.0.lock();
-        // Peers whose patience is complete need no entry.
+        // Peers whose budget is complete need no entry.
         if peers.len() == peers.capacity() {
             peers.retain(|_, spent| spent.until(now) > 0.0);
         }
@@ -51,7 +51,7 @@ impl Patience {
         // Several readers may wait at the same time.
         let waited = now.saturating_duration_since(since.max(spent.at));
         let seconds = spent.until(now) + waited.as_secs_f64();
-        spent.seconds = seconds.min(PATIENCE.as_secs_f64());
+        spent.seconds = seconds.min(LONGEST_WAIT.as_secs_f64());
         spent.at = spent.at.max(now);
     }
 
@@ -59,7 +59,7 @@ impl Patience {
     pub(super) fn left(&self, peer: Option<Peer>, now: Instant) -> Duration {
         let peers = self.0.lock();
         let spent = peers.get(&peer).map_or(0.0, |spent| spent.until(now));
-        PATIENCE.saturating_sub(Duration::from_secs_f64(spent))
+        LONGEST_WAIT.saturating_sub(Duration::from_secs_f64(spent))
     }
 }
 
@@ -68,22 +68,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn patience_is_spent_once_and_comes_back_slowly() {
-        let patience = Patience::default();
+    fn the_budget_is_spent_once_and_comes_back_slowly() {
+        let budget = ReaderBudget::default();
         let peer = Some(Peer::at([127, 0, 0, 2].into()));
         let start = Instant::now();
         let at = |tenths: u32| start + Duration::from_millis(100) * tenths;
-        assert_eq!(patience.left(peer, at(0)), PATIENCE);
+        assert_eq!(budget.left(peer, at(0)), LONGEST_WAIT);
         // Two that wait at the same time wait once.
-        patience.spend(peer, at(0), at(6));
-        patience.spend(peer, at(1), at(6));
-        let left = patience.left(peer, at(6)).as_secs_f64();
+        budget.spend(peer, at(0), at(6));
+        budget.spend(peer, at(1), at(6));
+        let left = budget.left(peer, at(6)).as_secs_f64();
         assert!((left - 0.4).abs() < 1e-9, "{left}");
-        patience.spend(peer, at(6), at(20));
-        assert_eq!(patience.left(peer, at(20)), Duration::ZERO);
-        assert_eq!(patience.left(None, at(20)), PATIENCE);
-        let left = patience.left(peer, at(70)).as_secs_f64();
+        budget.spend(peer, at(6), at(20));
+        assert_eq!(budget.left(peer, at(20)), Duration::ZERO);
+        assert_eq!(budget.left(None, at(20)), LONGEST_WAIT);
+        let left = budget.left(peer, at(70)).as_secs_f64();
         assert!((left - 0.5).abs() < 1e-9, "{left}");
-        assert_eq!(patience.left(peer, at(500)), PATIENCE);
+        assert_eq!(budget.left(peer, at(500)), LONGEST_WAIT);
     }
 }

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 
 use super::activity::OpenRequest;
-use super::stalled;
+use super::stream_timeout;
 use crate::job::peer::Peer;
 use crate::job::slots::Slot;
 
@@ -27,7 +27,7 @@ pub(super) struct Served {
 }
 
 /// The body of an answer.
-pub(super) struct AnswerBody {
+pub(super) struct ResponseBody {
     body: Body,
     /// The part of the last frame that is still to be sent.
     rest: Bytes,
@@ -36,7 +36,7 @@ pub(super) struct AnswerBody {
     request: Served,
 }
 
-impl AnswerBody {
+impl ResponseBody {
     pub(super) fn new(body: Body, request: Served, multiplexed: bool) -> Self {
         Self {
             body,
@@ -52,7 +52,7 @@ impl AnswerBody {
     }
 }
 
-impl HttpBody for AnswerBody {
+impl HttpBody for ResponseBody {
     type Data = Bytes;
     type Error = axum::Error;
 
@@ -60,20 +60,20 @@ impl HttpBody for AnswerBody {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        stalled::asked();
+        stream_timeout::asked();
         if self.rest.is_empty() {
             let peer = Some(self.request.peer);
             let body = Pin::new(&mut self.body);
             let frame = Peer::sync_scope(peer, || body.poll_frame(context));
             let frame = ready!(frame.map(|frame| frame.transpose())?);
-            stalled::given();
+            stream_timeout::given();
             match frame.map(Frame::into_data) {
                 None => return Poll::Ready(None),
                 Some(Err(trailers)) => return Poll::Ready(Some(Ok(trailers))),
                 Some(Ok(data)) => self.rest = data,
             }
         }
-        stalled::given();
+        stream_timeout::given();
         Poll::Ready(Some(Ok(self.piece())))
     }
 
