@@ -24,8 +24,9 @@ async fn keep_copy(store: &EmbeddedStore, id: Uuid, at: Timestamp, key: &str) ->
     copy.outline.created = at;
     copy.status.finished = Some(at);
     let (id, status) = (copy.outline.id, copy.status.clone());
+    // The client's address comes first.
     let key = IdempotencyKey {
-        name: key.to_owned(),
+        name: format!("127.0.0.1\n{key}"),
         digest: [0; 32],
     };
     let inserted = store.insert(copy, input, Some(key)).await.unwrap();

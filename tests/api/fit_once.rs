@@ -80,7 +80,7 @@ async fn what_does_not_converge_is_told() {
     for part in [
         "exhausted after iteration 3",
         "a distance of",
-        "the tolerance 1.000e-9",
+        "the tolerance is 1.000e-9",
     ] {
         assert!(detail.contains(part), "{detail}");
     }
