@@ -111,7 +111,7 @@ fn config() -> &'static Config {
 }
 
 fn job_of_json(bytes: &[u8]) -> Result<ValidJob, Refusal> {
-    let (spec, places) = json_job::read(Bytes::copy_from_slice(bytes), config())?;
+    let (spec, places) = json_job::read(Bytes::copy_from_slice(bytes))?;
     valid(spec, &places)
 }
 

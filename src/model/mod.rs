@@ -5,9 +5,10 @@
 //! - [`stream`]: what the event streams of a job are like;
 //! - [`mistakes`]: all that is wrong with a request, each at a part of the model; `mathematics`: what is
 //!   wrong with the fitting problem;
-//! - [`named`]: enumerations whose values have names; [`short`]: texts of clients, cut.
+//! - [`either`]: readers of what has several forms; [`named`]: enumerations whose values have names; [`short`]: texts of clients, cut.
 
 pub mod edit;
+pub mod either;
 pub mod job;
 mod mathematics;
 pub mod method;

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 
 use super::method::MethodSpec;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::named::names;
 use super::scattered::ScatteredSpec;
 use super::stop::StopRules;
 use super::weights::{Rational, WeightSpec, check_unused};
@@ -36,6 +37,13 @@ pub enum BasisKind {
     SaidBall,
     WangBall,
 }
+
+names!(BasisKind, "kind of basis", [
+    "bspline" => Bspline,
+    "bernstein" => Bernstein,
+    "said_ball" => SaidBall,
+    "wang_ball" => WangBall,
+]);
 
 /// A basis as it is asked for.
 #[derive(Clone, Debug, Default)]

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 
 use super::mistakes::{Mistake, OrMistakes, SpecPart};
+use super::named::names;
 use crate::fit::invalid::{self as fit, Axis, Invalid};
 use crate::fit::points::Grid;
 use crate::fit::problem::{Request, Weights};
@@ -17,6 +18,11 @@ pub enum Rational {
     Homogeneous,
     Fixed,
 }
+
+names!(Rational, "use of weights", [
+    "homogeneous" => Homogeneous,
+    "fixed" => Fixed,
+]);
 
 impl Rational {
     /// How the weights of a problem are used.

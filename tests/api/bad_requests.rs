@@ -461,7 +461,7 @@ fn wrong_rules() -> Vec<Bad> {
         bad(
             method(json!({"kind": "global", "omega": 1})),
             "/method/omega",
-            "a setting of the methods weighted, local, adaptive",
+            "unknown field \"omega\"; there are no settings",
         ),
         bad(
             stop(json!({"tolerance": -1})),
@@ -572,54 +572,26 @@ async fn edits(server: &Server) -> String {
     format!("{}/edits", base(&parent))
 }
 
+/// Of what cannot be read the first is told, wherever it stands.
 #[tokio::test]
-async fn several_mistakes_are_told_at_once() {
+async fn the_first_value_that_cannot_be_read_is_told() {
     let server = Server::start().await;
     let job = json!({
-        "name": 7,
-        "curve": {
-            "points": [[0, 0], [1, "1"], [2, 0], [null, 0], [4, 4]],
-            "basis": {"kind": "spline", "degree": -3},
-            "parametrs": "uniform",
-        },
-        "method": {"kind": "local", "indices": [1, 2.5]},
-        "stop": {"tolerance": "small", "max_iterations": null},
+        "curve": {"points": [[0, 0], [1, "1"], [2, 0], [null, 0], [4, 4]], "parametrs": "uniform"},
+        "stop": {"tolerance": "small"},
     });
     let told = refused(&server, "/v1/jobs", &job).await;
-    let expected = [
-        "/name",
-        "/curve/points/1/1",
-        "/curve/points/3/0",
-        "/curve/basis/kind",
-        "/curve/basis/degree",
-        "/curve/parametrs",
-        "/method/indices/1",
-        "/stop/tolerance",
-    ];
-    assert_eq!(told, expected);
-    // The same mistake everywhere in a list is one mistake.
-    let rows = json!({"curve": {"points": [[[0, 0], [0, 1]], [[1, 0], [1, 1]]]}, "stop": []});
-    let told = refused(&server, "/v1/jobs", &rows).await;
-    assert_eq!(told, ["/curve/points/0/0", "/stop"]);
-    // There is an end to it.
-    let keys: String = (0..1000).map(|k| format!("\"key{k}\":0,")).collect();
-    let many: Value = serde_json::from_str(&format!("{{{}}}", keys.trim_end_matches(','))).unwrap();
-    let told = refused(&server, "/v1/jobs", &many).await;
-    assert_eq!(told.len(), MOST_TOLD);
-
+    assert_eq!(told, ["/curve/points/1/1"]);
+    // Before the kind of a method, too.
+    let late = json!({"method": {"indices": [1, 2.5], "kind": "local"}});
+    let told = refused(&server, "/v1/jobs", &late).await;
+    assert_eq!(told, ["/method/indices/1"]);
     let edit = json!({
-        "iteration": "first",
         "points": [{"index": 1, "point": [1, 2]}, {"point": {"x": 1, "y": 2}}],
         "method": {"kind": "weighted", "omega": "most"},
     });
     let told = refused(&server, &edits(&server).await, &edit).await;
-    let expected = [
-        "/iteration",
-        "/points/1/point",
-        "/points/1",
-        "/method/omega",
-    ];
-    assert_eq!(told, expected);
+    assert_eq!(told, ["/points/1/point"]);
 }
 
 /// What can be read, but is no fit, in several ways.
@@ -632,17 +604,12 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
             "parameters": [0, 1, 1, 2],
             "weights": [1, 1, -1, 1],
         },
-        "method": {"kind": "weighted", "omega": 3, "threshold": 1, "mu": 1},
+        "method": {"kind": "local"},
         "stop": {"tolerance": -1, "max_iterations": 2_000_000_000},
         "stream": {"every": 0},
     });
     let told = refused(&server, "/v1/jobs", &curve).await;
-    let expected = [
-        "/stop/max_iterations",
-        "/stream/every",
-        "/method/threshold",
-        "/method/mu",
-    ];
+    let expected = ["/stop/max_iterations", "/stream/every", "/method"];
     assert_eq!(told, expected);
     // Without those the numbers are looked at.
     let mut curve = curve;
@@ -751,18 +718,18 @@ async fn refusals_say_what_to_write_instead() {
         (
             method(json!({"kind": "weighted", "omga": 1})),
             "/method/omga",
-            "unknown field \"omga\"; there are kind, omega",
+            "unknown field \"omga\"; there are omega",
         ),
         // The kind may come last.
         (
             method(json!({"a_setting": 1, "kind": "extended"})),
             "/method/a_setting",
-            "unknown field \"a_setting\"; there are kind, start, transformed_error",
+            "unknown field \"a_setting\"; there are start, transformed_error",
         ),
         (
             method(json!({"kind": "direct", "omga": 1})),
             "/method/omga",
-            "unknown field \"omga\"; there are kind",
+            "unknown field \"omga\"; there are no settings",
         ),
         (
             method(json!({"kind": "least_squares", "control_points": 30})),

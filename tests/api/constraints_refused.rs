@@ -170,7 +170,7 @@ async fn constraints_that_cannot_be_are_refused() {
         (
             json!({"curve": {"points": wave(30)}, "method": {"kind": "global", "ends": "free"}}),
             "/method/ends",
-            "a setting of the method \"least_squares\"",
+            "unknown field \"ends\"",
         ),
     ] {
         let response = server.post("/v1/jobs").json(&job).send().await.unwrap();

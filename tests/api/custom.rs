@@ -148,9 +148,9 @@ async fn any_transform_converges_or_is_refused() {
         (
             json!([[1, 0, 0], 5, [0, 0, 1]]),
             "/method/transform/1",
-            "a row of numbers",
+            "expected a list, found 5",
         ),
-        (json!("identity"), "/method/transform", "a matrix"),
+        (json!("identity"), "/method/transform", "a list of rows"),
         (json!([]), "/method/transform", "0 rows"),
         (
             json!({"u": identity(3), "v": identity(3)}),
@@ -172,7 +172,7 @@ async fn any_transform_converges_or_is_refused() {
         .assert_refused(&without, "/method", "needs a transform")
         .await;
     let other = json!({"curve": curve, "method": {"kind": "global", "transform": identity(3)}});
-    let reason = "a setting of the method \"custom\"";
+    let reason = "unknown field \"transform\"";
     server
         .assert_refused(&other, "/method/transform", reason)
         .await;

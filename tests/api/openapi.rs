@@ -283,7 +283,6 @@ async fn fields_and_names_are_those_that_are_read() {
         ("CurveInput", json!({"curve": {"?": 0}})),
         ("SurfaceInput", json!({"surface": {"?": 0}})),
         ("Basis", curve("basis", unknown())),
-        ("Method", with("method", unknown())),
         ("StopRules", with("stop", unknown())),
         ("StreamDefaults", with("stream", unknown())),
         ("BasisKind", curve("basis", json!({"kind": "?"}))),

@@ -17,9 +17,9 @@ async fn limits_are_named() {
     let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
     let (status, answer) = problem(response).await;
     assert_eq!(status, 422);
-    assert_eq!(answer["errors"][0]["pointer"], "/curve/points/50");
+    assert_eq!(answer["errors"][0]["pointer"], "/curve/points");
     let detail = answer["detail"].as_str().unwrap();
-    assert!(detail.contains("at most 50 points"), "{detail}");
+    assert!(detail.contains("100 points are more than 50"), "{detail}");
 
     // With a Content-Length, and without one.
     let long = json!({"name": "n".repeat(20_000)}).to_string();

@@ -234,7 +234,11 @@ async fn objects_are_read_to_the_letter() {
         (json!({"every": "5"}), "/stream/every", "whole number"),
         (json!({"every": 1.5}), "/stream/every", "whole number"),
         (json!({"view": "all"}), "/stream/view", "no choice"),
-        (json!({"view": {"errors": null}}), "/stream/view", "string"),
+        (
+            json!({"view": {"errors": null}}),
+            "/stream/view",
+            "the name of",
+        ),
         (
             json!({"samples": 9}),
             "/stream/samples",
@@ -288,7 +292,7 @@ async fn objects_are_read_to_the_letter() {
             "true or false",
         ),
         (json!({"encoding": "hex"}), "/stream/encoding", "base64_f32"),
-        (json!({"digits": 3}), "/stream/digits", "string"),
+        (json!({"digits": 3}), "/stream/digits", "the name of"),
         (
             json!({"on_disconnect": "stop"}),
             "/stream/on_disconnect",

@@ -180,7 +180,7 @@ async fn wrong_sweeps_are_refused() {
     }
     let global = json!({"surface": {"points": data::peaks(9)}, "method": {"kind": "global", "sweeps": "rows"}});
     server
-        .assert_refused(&global, "/method/sweeps", "local")
+        .assert_refused(&global, "/method/sweeps", "unknown field")
         .await;
     // In messages.
     let mut client = connect(&server).await;

@@ -29,7 +29,7 @@ pub struct Fit {
 impl Fit {
     pub fn new(job: &Value) -> Self {
         let config = Config::standard();
-        let read = job::read(job.to_string().into(), &config);
+        let read = job::read(job.to_string().into());
         let (spec, _) = read.unwrap_or_else(|problem| panic!("{job}: {problem:?}"));
         let valid = spec.validate(config.limits(), Err(no_base()));
         let job = valid.unwrap_or_else(|mistakes| panic!("{job}: {mistakes:?}"));

@@ -21,8 +21,9 @@ use crate::job::scheduler::WorkLane;
 /// Bodies up to this size have a share of the memory for themselves.
 const SMALL: usize = 64 * 1024;
 
-/// A body takes memory twice: as bytes, and as the numbers that are read from them.
-const COPIES: usize = 2;
+/// A body takes memory as bytes, and as the numbers that are read from them: of eight bytes each, for
+/// two in the body.
+const COPIES: usize = 5;
 
 /// How many bytes are unpacked at a time, once there are some.
 const STEP: usize = 1024 * 1024;

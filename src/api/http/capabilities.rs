@@ -112,7 +112,7 @@ struct MethodCapability {
     #[schemars(with = "MethodKind")]
     kind: &'static str,
     /// Its settings.
-    settings: Names,
+    settings: Vec<String>,
     /// How knots of open B-splines are chosen, where it has rules of its own.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     knots: Names,
@@ -135,7 +135,7 @@ impl MethodCapability {
             surface: kind != "convex",
             homogeneous: kind != "convex",
         };
-        MethodKind::NAMES.iter().map(method).collect()
+        MethodKind::names().iter().map(method).collect()
     }
 }
 

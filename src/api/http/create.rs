@@ -80,7 +80,7 @@ pub(super) async fn order(
             Order::new(app, length, read).await
         }
         (Language::Json, None) => {
-            let read = move |config: &Config| json::request::job::read(body, config);
+            let read = move |_: &Config| json::request::job::read(body);
             Order::new(app, length, read).await
         }
         (Language::Protobuf, None) => {

@@ -166,7 +166,7 @@ impl Fields {
             most: config.limits().points,
         };
         let points = imported(bytes, &hints)?;
-        file::read(self.json, points, kind, config)
+        file::read(self.json, points, kind)
     }
 }
 

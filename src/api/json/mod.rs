@@ -1,13 +1,14 @@
 //! The model in JSON.
 //!
-//! - [`read`]: a strict JSON reader that collects all mistakes; [`points`], [`numbers`]: points and numbers, read
-//!   straight into arrays; [`per_direction`]: one value for both directions of a surface, or one for each;
+//! - [`read`]: reads JSON with serde, and says in plain words what is wrong with it; [`points`], [`lists`]: points
+//!   and numbers, read straight into arrays; [`per_direction`]: schemas of one value for both directions of a
+//!   surface, or one for each;
 //! - [`request`]: the JSON of a job, and its way to a fitting problem;
 //! - [`stream`]: the `stream` object of a job;
 //! - [`schema`]: schemas of requests;
 //! - [`view`]: the JSON of answers.
 
-pub mod numbers;
+pub mod lists;
 pub mod per_direction;
 pub mod points;
 pub mod read;

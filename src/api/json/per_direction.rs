@@ -1,58 +1,28 @@
-//! One value for both directions of a surface, or one for each: `X` or `{"u": X, "v": X}`.
+//! The schemas of a value for both directions of a surface, or of one for each.
 
 use std::borrow::Cow;
 use std::marker::PhantomData;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::Serialize;
-use serde::de::{MapAccess, SeqAccess};
 use serde_json::{Value, json};
 
 use crate::fit::invalid::Axis;
+pub use crate::model::either::PerDirection;
 
-use super::read::{Field, Members, Numeral, Of, Read, Reader, Reading};
+/// The schema of a whole number, zero or greater, where a name is needed for it.
+pub enum Count {}
 
-/// A value for both directions, or one for each.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(untagged)]
-pub enum PerDirection<T> {
-    /// The same for u and v.
-    Both(T),
-    /// One for u and one for v.
-    Each {
-        /// For u.
-        u: T,
-        /// For v.
-        v: T,
-    },
-}
-
-impl<T> PerDirection<T> {
-    /// The values for u and v.
-    pub fn split(self) -> (T, T)
-    where
-        T: Clone,
-    {
-        match self {
-            Self::Both(value) => (value.clone(), value),
-            Self::Each { u, v } => (u, v),
-        }
+impl JsonSchema for Count {
+    fn inline_schema() -> bool {
+        true
     }
 
-    /// What is made of each of the values.
-    pub fn map<U>(self, make: impl Fn(T) -> U) -> PerDirection<U> {
-        match self {
-            Self::Both(value) => PerDirection::Both(make(value)),
-            Self::Each { u, v } => PerDirection::Each {
-                u: make(u),
-                v: make(v),
-            },
-        }
+    fn schema_name() -> Cow<'static, str> {
+        "Count".into()
     }
 
-    /// Whether each direction has a value of its own.
-    pub fn is_each(&self) -> bool {
-        matches!(self, Self::Each { .. })
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "integer", "minimum": 0})
     }
 }
 
@@ -62,57 +32,6 @@ pub fn direction(each: bool, axis: Axis) -> &'static str {
         (false, _) => "",
         (true, Axis::U) => "/u",
         (true, Axis::V) => "/v",
-    }
-}
-
-impl<T> Reader for Of<PerDirection<T>>
-where
-    T: Read,
-{
-    type Value = PerDirection<T>;
-
-    fn expected(&self) -> String {
-        let one = T::reader().expected();
-        format!("{one}; or one for each direction, {{\"u\": …, \"v\": …}}")
-    }
-
-    fn boolean(self, value: bool, at: &mut Reading) -> Option<PerDirection<T>> {
-        T::reader().boolean(value, at).map(PerDirection::Both)
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<PerDirection<T>> {
-        T::reader().number(value, at).map(PerDirection::Both)
-    }
-
-    fn text(self, value: &str, at: &mut Reading) -> Option<PerDirection<T>> {
-        T::reader().text(value, at).map(PerDirection::Both)
-    }
-
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<PerDirection<T>>, A::Error> {
-        Ok(T::reader().list(list, at)?.map(PerDirection::Both))
-    }
-
-    /// The first name decides: u or v start a pair, anything else is a value for both.
-    fn object<'de, A: MapAccess<'de>>(
-        self,
-        mut members: Members<A>,
-        at: &mut Reading,
-    ) -> Result<Option<PerDirection<T>>, A::Error> {
-        if !matches!(members.peek()?, Some("u" | "v")) {
-            let both = T::reader().object(members, at)?;
-            return Ok(both.map(PerDirection::Both));
-        }
-        let (mut u, mut v) = (Field::Absent, Field::Absent);
-        while let Some(name) = members.next(&["u", "v"], at)? {
-            let place = if name == "u" { &mut u } else { &mut v };
-            members.field(name, place, at)?;
-        }
-        let (u, v) = (u.value("u", at), v.value("v", at));
-        Ok(u.zip(v).map(|(u, v)| PerDirection::Each { u, v }))
     }
 }
 

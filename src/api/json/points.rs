@@ -1,10 +1,12 @@
 //! Reads points from JSON straight into the arrays that are computed with.
 
 use std::cell::{Cell, RefCell};
+use std::fmt;
 
-use serde::de::{MapAccess, SeqAccess};
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor,
+};
 
-use super::read::{Anything, Members, Most, Numeral, Of, Read, Reader, Reading};
 use crate::fit::points::Points;
 use crate::model::edit::Coordinates;
 use crate::model::shape::MAX_DIMENSION;
@@ -31,76 +33,54 @@ pub struct PointGrid {
     pub columns: usize,
 }
 
-impl Reader for Of<PointList> {
-    type Value = PointList;
-
-    fn expected(&self) -> String {
-        "a list of points, [[x, y], …]".to_owned()
-    }
-
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<PointList>, A::Error> {
-        let gathered = RefCell::new(Gathered::default());
-        let row = PointRowReader(&gathered, Under::Curve);
-        let whole = row.list(list, at)?;
-        Ok(whole.map(|_| PointList(gathered.into_inner().points())))
+impl<'de> Deserialize<'de> for PointList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Self(list(Under::Curve, deserializer)?))
     }
 }
 
-impl Reader for Of<ScatteredPoints> {
-    type Value = ScatteredPoints;
-
-    fn expected(&self) -> String {
-        "a list of points, [[x, y, z], …]".to_owned()
-    }
-
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<ScatteredPoints>, A::Error> {
-        let gathered = RefCell::new(Gathered::default());
-        let row = PointRowReader(&gathered, Under::Scattered);
-        let whole = row.list(list, at)?;
-        Ok(whole.map(|_| ScatteredPoints(gathered.into_inner().points())))
+impl<'de> Deserialize<'de> for ScatteredPoints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Self(list(Under::Scattered, deserializer)?))
     }
 }
 
-impl Reader for Of<PointGrid> {
-    type Value = PointGrid;
+fn list<'de, D: Deserializer<'de>>(under: Under, deserializer: D) -> Result<Points, D::Error> {
+    let gathered = RefCell::default();
+    Row(&gathered, under).deserialize(deserializer)?;
+    Ok(gathered.into_inner().points())
+}
 
-    fn expected(&self) -> String {
-        "rows of points, [[[x, y, z], …], …], or of heights, [[z, …], …]".to_owned()
-    }
+impl<'de> Deserialize<'de> for PointGrid {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct GridVisitor;
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        rows: A,
-        at: &mut Reading,
-    ) -> Result<Option<PointGrid>, A::Error> {
-        let gathered = RefCell::new(Gathered::default());
-        let (mut count, mut columns) = (0, None);
-        let most = Most::of(at.limits().points, "rows");
-        let row = || PointRowReader(&gathered, Under::Surface);
-        let whole = at.elements(rows, most, row, |length, at| {
-            count += 1;
-            let columns = *columns.get_or_insert(length);
-            if columns != length {
-                at.wrong(format!("this row has {length} points, the first row has {columns}: all rows must have the same number"));
-                return None;
+        impl<'de> Visitor<'de> for GridVisitor {
+            type Value = PointGrid;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("rows of points, [[[x, y, z], …], …], or of heights, [[z, …], …]")
             }
-            Some(())
-        })?;
-        let mut gathered = gathered.into_inner();
-        Ok(whole.then(|| PointGrid {
-            missing: std::mem::take(&mut gathered.missing),
-            points: gathered.points(),
-            rows: count,
-            columns: columns.unwrap_or(0),
-        }))
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<PointGrid, A::Error> {
+                let gathered = RefCell::default();
+                let (mut rows, mut columns) = (0, None);
+                let row = Row(&gathered, Under::Surface);
+                while let Some(length) = list.next_element_seed(GridRow(row, columns))? {
+                    rows += 1;
+                    columns = Some(length);
+                }
+                let mut gathered = gathered.into_inner();
+                Ok(PointGrid {
+                    missing: std::mem::take(&mut gathered.missing),
+                    points: gathered.points(),
+                    rows,
+                    columns: columns.unwrap_or(0),
+                })
+            }
+        }
+
+        deserializer.deserialize_any(GridVisitor)
     }
 }
 
@@ -130,7 +110,7 @@ impl Gathered {
     }
 
     /// Appends a point, or that it is missing.
-    fn push(&mut self, point: Option<Coordinates>, at: &mut Reading) -> Option<()> {
+    fn push<E: Error>(&mut self, point: Option<Coordinates>) -> Result<(), E> {
         let before = self.count;
         match point {
             None => {
@@ -146,194 +126,208 @@ impl Gathered {
                     .get_or_insert_with(|| Points::zeros(count, before));
                 let dimension = points.dimension();
                 if dimension != count {
-                    at.wrong(format!("this point has {count} coordinates, the first has {dimension}: all points must have the same number"));
-                    return None;
+                    return Err(E::custom(format_args!(
+                        "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
+                    )));
                 }
                 points.push(point.as_slice());
             }
         }
         self.count += 1;
-        Some(())
+        Ok(())
     }
 }
 
 /// Appends a list of points; gives their number.
 #[derive(Clone, Copy)]
-struct PointRowReader<'a>(&'a RefCell<Gathered>, Under);
+struct Row<'a>(&'a RefCell<Gathered>, Under);
 
-impl Reader for PointRowReader<'_> {
+impl<'de> DeserializeSeed<'de> for Row<'_> {
     type Value = usize;
 
-    fn expected(&self) -> String {
-        "a row of points, [[x, y, z], …]".to_owned()
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Row<'_> {
+    type Value = usize;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.1 {
+            Under::Curve => "a list of points, [[x, y], …]",
+            Under::Scattered => "a list of points, [[x, y, z], …]",
+            Under::Surface | Under::Edit => "a row of points, [[x, y, z], …]",
+        })
     }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<usize>, A::Error> {
-        let Self(gathered, under) = self;
-        let most = Most::of(at.limits().points, "points").after(gathered.borrow().count);
-        let (mut length, heights) = (0, Cell::new(false));
-        let whole = at.elements(
-            list,
-            most,
-            || PointReader {
-                under,
-                heights: Some(&heights),
-            },
-            |point, at| {
-                length += 1;
-                gathered.borrow_mut().push(point, at)
-            },
-        )?;
-        if whole && heights.get() && length <= MAX_DIMENSION {
-            at.wrong(format!(
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<usize, A::Error> {
+        let heights = Cell::new(false);
+        let mut length = 0;
+        while list
+            .next_element_seed(PointSeed {
+                gathered: self.0,
+                under: self.1,
+                heights: &heights,
+            })?
+            .is_some()
+        {
+            length += 1;
+        }
+        if heights.get() && length <= MAX_DIMENSION {
+            return Err(A::Error::custom(format_args!(
                 "expected a row of points, found {length} numbers: a list of points is a curve, and rows of so few \
                  heights are written as points, [[z], …]"
-            ));
-            return Ok(None);
+            )));
         }
-        Ok(whole.then_some(length))
+        Ok(length)
     }
 }
 
-/// A point; none if it is missing.
-struct PointReader<'a> {
+/// Appends a row of a grid, which has as many points as the one before.
+struct GridRow<'a>(Row<'a>, Option<usize>);
+
+impl<'de> DeserializeSeed<'de> for GridRow<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        let length = self.0.deserialize(deserializer)?;
+        match self.1.filter(|columns| *columns != length) {
+            None => Ok(length),
+            Some(columns) => Err(D::Error::custom(format_args!(
+                "this row has {length} points, the first row has {columns}: all rows must have the same number"
+            ))),
+        }
+    }
+}
+
+/// Appends a point, or that it is missing.
+struct PointSeed<'a> {
+    gathered: &'a RefCell<Gathered>,
     under: Under,
     /// Whether there was a number instead of a point.
-    heights: Option<&'a Cell<bool>>,
+    heights: &'a Cell<bool>,
 }
 
-impl PointReader<'_> {
-    fn of_edit() -> Self {
-        Self {
-            under: Under::Edit,
-            heights: None,
-        }
+impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        let point = deserializer.deserialize_any(PointVisitor(self.under, self.heights))?;
+        self.gathered.borrow_mut().push(point)
     }
 }
 
-impl Reader for PointReader<'_> {
+/// What a point is.
+const POINT: &str = "a point: a list of 1, 2 or 3 numbers";
+
+/// Reads a point; none if it is missing.
+struct PointVisitor<'a>(Under, &'a Cell<bool>);
+
+impl PointVisitor<'_> {
+    fn height<E: Error>(self, x: f64, found: Unexpected<'_>) -> Result<Option<Coordinates>, E> {
+        if self.0 != Under::Surface {
+            return Err(E::invalid_type(found, &self));
+        }
+        self.1.set(true);
+        Ok(Coordinates::of(&[x]))
+    }
+}
+
+impl<'de> Visitor<'de> for PointVisitor<'_> {
     type Value = Option<Coordinates>;
 
-    fn expected(&self) -> String {
-        format!("a point: a list of 1, 2 or {MAX_DIMENSION} numbers")
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(POINT)
     }
 
-    fn null(self, at: &mut Reading) -> Option<Option<Coordinates>> {
-        if self.under == Under::Surface {
-            return Some(None);
+    fn visit_unit<E: Error>(self) -> Result<Option<Coordinates>, E> {
+        match self.0 {
+            Under::Surface => Ok(None),
+            _ => Err(E::invalid_type(Unexpected::Unit, &self)),
         }
-        at.mismatch(&self.expected(), "null");
-        None
     }
 
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<Option<Coordinates>> {
-        if let (Under::Surface, Some(heights)) = (self.under, self.heights) {
-            heights.set(true);
-            return Some(Coordinates::of(&[value.real()]));
-        }
-        at.wrong(format!("expected {}, found {value}", self.expected()));
-        None
+    fn visit_f64<E: Error>(self, x: f64) -> Result<Option<Coordinates>, E> {
+        self.height(x, Unexpected::Float(x))
     }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Option<Coordinates>>, A::Error> {
-        let mut values = [0.0; MAX_DIMENSION];
-        let mut count = 0;
-        let reader = || CoordinateReader(self.under);
-        let whole = at.elements(list, Most::any(), reader, |x, _| {
+    fn visit_u64<E: Error>(self, x: u64) -> Result<Option<Coordinates>, E> {
+        self.height(x as f64, Unexpected::Unsigned(x))
+    }
+
+    fn visit_i64<E: Error>(self, x: i64) -> Result<Option<Coordinates>, E> {
+        self.height(x as f64, Unexpected::Signed(x))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Option<Coordinates>, A::Error> {
+        let (mut values, mut count) = ([0.0; MAX_DIMENSION], 0);
+        while let Some(x) = list.next_element_seed(Coordinate(self.0))? {
             if let Some(place) = values.get_mut(count) {
                 *place = x;
             }
             count += 1;
-            Some(())
-        })?;
-        if !whole {
-            return Ok(None);
         }
         let given = values.get(..count).filter(|given| !given.is_empty());
-        let point = given.and_then(Coordinates::of);
-        if point.is_none() {
-            let expected = self.expected();
-            at.wrong(format!("expected {expected}, found {count} of them"));
-        }
-        Ok(point.map(Some))
+        given.and_then(Coordinates::of).map(Some).ok_or_else(|| {
+            A::Error::custom(format_args!("expected {POINT}, found {count} of them"))
+        })
     }
 
-    fn object<'de, A: MapAccess<'de>>(
-        self,
-        members: Members<A>,
-        at: &mut Reading,
-    ) -> Result<Option<Option<Coordinates>>, A::Error> {
-        at.wrong("expected a point as a list, [x, y] or [x, y, z], found an object");
-        Anything.object(members, at)?;
-        Ok(None)
+    fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<Option<Coordinates>, A::Error> {
+        let detail = "expected a point as a list, [x, y] or [x, y, z], found an object";
+        Err(A::Error::custom(detail))
     }
 }
 
 /// A coordinate of a point.
-struct CoordinateReader(Under);
+#[derive(Clone, Copy)]
+struct Coordinate(Under);
 
-impl Reader for CoordinateReader {
+impl<'de> DeserializeSeed<'de> for Coordinate {
     type Value = f64;
 
-    fn expected(&self) -> String {
-        f64::reader().expected()
-    }
-
-    fn null(self, at: &mut Reading) -> Option<f64> {
-        f64::reader().null(at)
-    }
-
-    fn number(self, value: Numeral, _: &mut Reading) -> Option<f64> {
-        Some(value.real())
-    }
-
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<f64>, A::Error> {
-        at.wrong(match self.0 {
-            Under::Curve => "expected a number, found a list: rows of points are fitted by a \"surface\", not by a \"curve\"",
-            Under::Scattered => "expected a number, found a list: rows of points are \"points\", scattered points have none",
-            Under::Surface | Under::Edit => "expected a number, found a list",
-        });
-        Anything.list(list, at)?;
-        Ok(None)
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<f64, D::Error> {
+        deserializer.deserialize_any(self)
     }
 }
 
-impl Reader for Of<Coordinates> {
-    type Value = Coordinates;
+impl<'de> Visitor<'de> for Coordinate {
+    type Value = f64;
 
-    fn expected(&self) -> String {
-        PointReader::of_edit().expected()
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number")
     }
 
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<Coordinates> {
-        PointReader::of_edit().number(value, at).flatten()
+    fn visit_f64<E: Error>(self, x: f64) -> Result<f64, E> {
+        Ok(x)
     }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Coordinates>, A::Error> {
-        Ok(PointReader::of_edit().list(list, at)?.flatten())
+    fn visit_u64<E: Error>(self, x: u64) -> Result<f64, E> {
+        Ok(x as f64)
     }
 
-    fn object<'de, A: MapAccess<'de>>(
-        self,
-        members: Members<A>,
-        at: &mut Reading,
-    ) -> Result<Option<Coordinates>, A::Error> {
-        Ok(PointReader::of_edit().object(members, at)?.flatten())
+    fn visit_i64<E: Error>(self, x: i64) -> Result<f64, E> {
+        Ok(x as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, _: A) -> Result<f64, A::Error> {
+        Err(A::Error::custom(match self.0 {
+            Under::Curve => {
+                "expected a number, found a list: rows of points are fitted by a \"surface\", not by a \"curve\""
+            }
+            Under::Scattered => {
+                "expected a number, found a list: rows of points are \"points\", scattered points have none"
+            }
+            Under::Surface | Under::Edit => "expected a number, found a list",
+        }))
+    }
+}
+
+impl<'de> Deserialize<'de> for Coordinates {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = PointVisitor(Under::Edit, &Cell::new(false));
+        let point = deserializer.deserialize_any(visitor)?;
+        point.ok_or_else(|| D::Error::invalid_type(Unexpected::Unit, &POINT))
     }
 }

@@ -3,13 +3,8 @@
 use schemars::{JsonSchema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use super::read::values::Element;
-use super::read::values::LONGEST_TEXT;
-use super::read::{ListLimits, Numeral, Of, Reader, Reading, choices, object};
 use super::schema::{names, schema_of};
 use crate::model::named::Named;
-use crate::model::short::{cut, quoted};
-use crate::model::stream::form::not_samples;
 use crate::model::stream::{
     Describe, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, OnDisconnect, Pace, Samples,
     StreamSpec, View,
@@ -17,64 +12,6 @@ use crate::model::stream::{
 
 /// How a number of samples of a surface is written.
 pub const SAMPLE_GRID: &str = "^[1-9][0-9]{0,5}x[1-9][0-9]{0,5}$";
-
-object!(
-    StreamSpec,
-    "an object",
-    [
-        view,
-        samples,
-        every,
-        milestones,
-        pace,
-        changed,
-        describe,
-        encoding,
-        digits,
-        on_disconnect,
-    ]
-);
-choices!(View, Encoding, Digits, Pace, Describe, OnDisconnect);
-
-impl Reader for Of<Samples> {
-    type Value = Samples;
-
-    fn expected(&self) -> String {
-        "a whole number for a curve, or \"40x40\" for a surface".to_owned()
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<Samples> {
-        let Some(count) = value.whole() else {
-            at.mismatch(&self.expected(), &value.to_string());
-            return None;
-        };
-        // Too many for this machine are too many for any stream.
-        Some(Samples::Count(usize::try_from(count).unwrap_or(usize::MAX)))
-    }
-
-    fn text(self, text: &str, at: &mut Reading) -> Option<Samples> {
-        // What is longer is wrong, whatever it says.
-        let text = cut(text, LONGEST_TEXT);
-        if !text.contains('x') {
-            at.mismatch(&self.expected(), &quoted(&text));
-            return None;
-        }
-        let samples = Samples::of_text(&text);
-        if samples.is_none() {
-            at.wrong(not_samples(&text, true));
-        }
-        samples
-    }
-}
-
-/// Of the lists of numbers whose length is not that of the data there is one.
-impl Element for f64 {
-    const MANY: &'static str = "milestones";
-
-    fn most(_: ListLimits) -> usize {
-        MOST_MILESTONES
-    }
-}
 
 /// A distance to be reached.
 pub enum Milestone {}

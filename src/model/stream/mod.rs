@@ -8,10 +8,13 @@ pub mod options;
 
 use std::fmt;
 
+use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::either::{Whole, object, read_at_most, whole};
 use super::named::{Named, named};
 use crate::fit::points::Grid;
+use form::not_samples;
 
 /// The most milestones of a stream.
 pub const MOST_MILESTONES: usize = 100;
@@ -21,7 +24,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 
 named!(
     /// What is shown of an iteration.
-    View {
+    View, "choice" {
         /// Its complete control points.
         ControlPoints = "control_points",
         /// Points of the curve or surface.
@@ -33,7 +36,7 @@ named!(
 
 named!(
     /// How arrays of numbers are written in JSON.
-    Encoding {
+    Encoding, "choice" {
         /// Lists of numbers.
         Json = "json",
         /// Little-endian numbers of 64 bits in base64.
@@ -45,7 +48,7 @@ named!(
 
 named!(
     /// How many digits coordinates have in JSON.
-    Digits {
+    Digits, "choice" {
         /// All.
         Full = "full",
         /// As many as the largest distance deserves; the last iteration has all.
@@ -55,7 +58,7 @@ named!(
 
 named!(
     /// What a client gets that is slower than the fit.
-    Pace {
+    Pace, "choice" {
         /// All iterations.
         All = "all",
         /// The newest iteration.
@@ -65,7 +68,7 @@ named!(
 
 named!(
     /// What becomes of a job when the client of its stream goes away.
-    OnDisconnect {
+    OnDisconnect, "choice" {
         /// It goes on.
         Continue = "continue",
         /// It is cancelled.
@@ -75,7 +78,7 @@ named!(
 
 named!(
     /// What the `job` event says of the job.
-    Describe {
+    Describe, "choice" {
         /// All.
         Full = "full",
         /// Nothing that is as long as the data: no knots, parameters or fixed weights.
@@ -85,7 +88,7 @@ named!(
 
 named!(
     /// One of the choices of a stream.
-    Choice {
+    Choice, "choice" {
         /// See [`StreamSpec::view`].
         View = "view",
         /// See [`StreamSpec::samples`].
@@ -121,6 +124,7 @@ pub enum Samples {
 
 /// What a client says of the streams of a job, or of one stream. What is not said is as usual.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", default, deny_unknown_fields)]
 pub struct StreamSpec {
     /// What the events show.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -129,10 +133,13 @@ pub struct StreamSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<Samples>,
     /// Only iterations that are multiples of this number, and the last.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "whole")]
     pub every: Option<usize>,
     /// Only the first iteration whose largest error is within each of these distances, which decrease.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "milestones"
+    )]
     pub milestones: Option<Vec<f64>>,
     /// What a client gets that is slower than the fit.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -152,6 +159,27 @@ pub struct StreamSpec {
     /// What becomes of the job when its client goes away.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_disconnect: Option<OnDisconnect>,
+}
+
+object!(StreamSpec, "an object");
+
+impl Serialize for StreamSpec {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+fn milestones<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<f64>>, D::Error> {
+    struct Milestones(Vec<f64>);
+
+    impl<'de> Deserialize<'de> for Milestones {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            read_at_most(deserializer, MOST_MILESTONES, "milestones").map(Self)
+        }
+    }
+
+    let milestones = Option::deserialize(deserializer)?;
+    Ok(milestones.map(|Milestones(milestones)| milestones))
 }
 
 impl StreamSpec {
@@ -222,16 +250,32 @@ impl Serialize for Samples {
 
 impl<'de> Deserialize<'de> for Samples {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Written {
-            Count(usize),
-            Text(String),
+        struct SamplesVisitor;
+
+        impl Visitor<'_> for SamplesVisitor {
+            type Value = Samples;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a whole number for a curve, or \"40x40\" for a surface")
+            }
+
+            fn visit_u64<E: Error>(self, count: u64) -> Result<Samples, E> {
+                let count = usize::try_from(count).unwrap_or(usize::MAX);
+                Ok(Samples::Count(count))
+            }
+
+            fn visit_f64<E: Error>(self, count: f64) -> Result<Samples, E> {
+                Whole::of(count, &self).map(Samples::Count)
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Samples, E> {
+                if !text.contains('x') {
+                    return Err(E::invalid_type(Unexpected::Str(text), &self));
+                }
+                Samples::of_text(text).ok_or_else(|| E::custom(not_samples(text, true)))
+            }
         }
-        match Written::deserialize(deserializer)? {
-            Written::Count(count) => Ok(Self::Count(count)),
-            Written::Text(text) => Self::of_text(&text)
-                .ok_or_else(|| serde::de::Error::custom("it is no number of samples")),
-        }
+
+        deserializer.deserialize_any(SamplesVisitor)
     }
 }

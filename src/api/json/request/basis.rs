@@ -3,24 +3,25 @@
 use std::sync::Arc;
 
 use schemars::{JsonSchema, json_schema};
+use serde::Deserialize;
 
 use super::schema;
-use crate::api::json::numbers::RuleOrNumbers;
-use crate::api::json::read::{Read, names, object};
 use crate::api::json::schema::schema_of;
 use crate::fit::basis::{MAX_DEGREE, knots::Knots};
 use crate::fit::parameters::Parametrization;
+use crate::model::either::{RuleOrNumbers, object, whole};
+use crate::model::named::{Named, names};
 use crate::model::shape::{BasisKind, BasisSpec, DEFAULT_DEGREE};
-use crate::model::weights::Rational;
 
 /// The functions that are blended with the control points.
-#[derive(Clone, Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "Basis", transform = schema::basis, example = schema::example_basis())]
 pub(in crate::api) struct BasisRequest {
     /// The kind of the basis.
     pub(in crate::api) kind: BasisKind,
     /// The degree.
+    #[serde(default, deserialize_with = "whole")]
     #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
     pub(in crate::api) degree: Option<usize>,
     /// Where the pieces meet.
@@ -48,19 +49,8 @@ pub(in crate::api) enum ParameterRule {
 object!(
     BasisRequest,
     "an object with a kind, or the name of a kind",
-    [kind, degree, knots],
-    of_name: |name, at| BasisKind::reader().text(name, at).map(BasisRequest::of)
+    "kind"
 );
-names!(BasisKind, "kind of basis", [
-    "bspline" => Bspline,
-    "bernstein" => Bernstein,
-    "said_ball" => SaidBall,
-    "wang_ball" => WangBall,
-]);
-names!(Rational, "use of weights", [
-    "homogeneous" => Homogeneous,
-    "fixed" => Fixed,
-]);
 names!(KnotRule, "rule for knots", [
     "data" => Data,
     "averaged" => Averaged,
@@ -132,7 +122,7 @@ schema_of!(
     json_schema!({
         "description": "How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first.",
         "oneOf": [
-            {"type": "string", "enum": ParameterRule::NAMES},
+            {"type": "string", "enum": ParameterRule::names()},
             {"type": "array", "items": {"type": "number"}, "minItems": 2},
         ],
         "default": "chord_length",
@@ -164,7 +154,7 @@ schema_of!(
     json_schema!({
         "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\"), or place them as earlier programs did (\"piegl_tiller\").",
         "oneOf": [
-            {"type": "string", "enum": KnotRule::NAMES},
+            {"type": "string", "enum": KnotRule::names()},
             {"type": "array", "items": {"type": "number"}, "minItems": 4},
         ],
         "examples": ["data", [0, 0, 0, 0, 1, 1, 1, 1]],

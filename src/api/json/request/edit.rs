@@ -2,6 +2,7 @@
 
 use bytes::Bytes;
 use schemars::JsonSchema;
+use serde::Deserialize;
 
 use super::iteration::IterationRequest;
 use super::method::MethodRequest;
@@ -10,15 +11,14 @@ use super::schema;
 use super::settings::Index;
 use super::shape::weights;
 use super::stop::StopRequest;
-use crate::api::json::numbers::WeightList;
-use crate::api::json::per_direction::PerDirection;
-use crate::api::json::read::values::Element;
-use crate::api::json::read::{ListLimits, object, parse};
+use crate::api::json::lists::WeightList;
+use crate::api::json::read::parse;
 use crate::api::json::schema::numbers::{NewWeights, Point};
 use crate::api::problem::Problem;
 use crate::fit::points::Grid;
 use crate::job::outline::Outline;
 use crate::model::edit::{Coordinates, EditSpec, LONGEST_SESSION, PointChange};
+use crate::model::either::{PerDirection, object};
 use crate::model::job::LONGEST_NAME;
 use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
 use crate::model::stop::StopSpec;
@@ -27,8 +27,8 @@ use crate::model::weights::Rational;
 
 /// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
 /// `method` and `stop` is given.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_edit())]
 pub struct EditRequest {
     /// A name of the new job.
@@ -60,8 +60,8 @@ pub struct EditRequest {
 }
 
 /// A data point that goes elsewhere, gets another weight, or both.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_move())]
 pub(in crate::api) struct Move {
     /// Which data point.
@@ -74,31 +74,12 @@ pub(in crate::api) struct Move {
     pub(in crate::api) weight: Option<f64>,
 }
 
-object!(
-    EditRequest,
-    "an object",
-    [
-        name, iteration, points, weights, rational, method, stop, stream, ephemeral, session
-    ]
-);
-object!(
-    Move,
-    "an object with an index and a point or a weight",
-    [index, point, weight]
-);
-
-impl Element for Move {
-    const MANY: &'static str = "points";
-
-    fn most(limits: ListLimits) -> usize {
-        limits.points
-    }
-}
+object!(EditRequest, "an object");
+object!(Move, "an object with an index and a point or a weight");
 
 /// The edit of a job that a body asks for, and where its parts stand.
 pub fn read(body: Bytes, parent: &Outline) -> Result<(EditSpec, Places), Problem> {
-    let points = parent.grid.count();
-    let request: EditRequest = parse(&body, ListLimits { points })?;
+    let request: EditRequest = parse(&body)?;
     drop(body);
     Ok(request.spec(parent.grid, parent.surface))
 }
@@ -126,7 +107,7 @@ impl EditRequest {
         let method = self.method.map(|method| method.spec(grid, surface));
         let spec = EditSpec {
             name: self.name,
-            iteration: self.iteration.and_then(|IterationRequest(k)| k),
+            iteration: self.iteration.and_then(IterationRequest::number),
             ephemeral: self.ephemeral.unwrap_or(false),
             session: self.session,
             points: points.map(change).collect(),

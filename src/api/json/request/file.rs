@@ -9,7 +9,6 @@ use super::job::{self, Data};
 use super::places::Places;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::{Location, Problem, Words};
-use crate::config::Config;
 use crate::import::{Imported, Kind};
 use crate::model::job::{JobSpec, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
@@ -30,7 +29,6 @@ pub fn read(
     mut fields: Map<String, Value>,
     file: Imported,
     kind: Option<Kind>,
-    config: &Config,
 ) -> Result<(JobSpec, FileWords), Problem> {
     let lines = Lines {
         columns: file.grid.map_or(1, |grid| grid.columns),
@@ -63,7 +61,7 @@ pub fn read(
         (Kind::Surface, Some(grid)) => Data::Grid(file.points, grid),
         (Kind::Surface, None) => Data::Scattered(file.points),
     };
-    match job::read_with(&to_bytes(&fields), data, config) {
+    match job::read_with(&to_bytes(&fields), data) {
         Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
         Err(problem) => Err(problem.relocated(|place| match place {
             Location::Pointer(pointer) => lines.place(pointer),

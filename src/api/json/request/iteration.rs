@@ -2,36 +2,20 @@
 
 use schemars::json_schema;
 
-use crate::api::json::read::{Numeral, Of, Reader, Reading};
 use crate::api::json::schema::schema_of;
-use crate::model::short::quoted;
+use crate::model::either::{Whole, number_or_word};
 
-/// The level of the parent to start from: a number or `"last"`.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::api) struct IterationRequest(pub(in crate::api) Option<usize>);
+number_or_word!(
+    /// The level of the parent to start from: a number or `"last"`.
+    IterationRequest(Whole),
+    "last",
+    "the number of an iteration, or \"last\""
+);
 
-impl Reader for Of<IterationRequest> {
-    type Value = IterationRequest;
-
-    fn expected(&self) -> String {
-        "the number of an iteration, or \"last\"".to_owned()
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<IterationRequest> {
-        let iteration = value.whole();
-        if iteration.is_none() {
-            at.mismatch(&self.expected(), &value.to_string());
-        }
-        // Too large for this machine is beyond every job.
-        iteration.map(|k| IterationRequest(Some(usize::try_from(k).unwrap_or(usize::MAX))))
-    }
-
-    fn text(self, value: &str, at: &mut Reading) -> Option<IterationRequest> {
-        if value == "last" {
-            return Some(IterationRequest(None));
-        }
-        at.mismatch(&self.expected(), &quoted(value));
-        None
+impl IterationRequest {
+    /// The number; none of the last one.
+    pub fn number(self) -> Option<usize> {
+        self.0.map(|Whole(k)| k)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use bytes::Bytes;
 use schemars::JsonSchema;
+use serde::Deserialize;
 
 use super::method::MethodRequest;
 use super::places::Places;
@@ -9,11 +10,11 @@ use super::schema;
 use super::shape::{CurveRequest, SurfaceRequest};
 use super::stop::StopRequest;
 use crate::api::json::points::{PointGrid, PointList, ScatteredPoints};
-use crate::api::json::read::{ListLimits, object, parse};
+use crate::api::json::read::parse;
 use crate::api::problem::Problem;
-use crate::config::Config;
 use crate::fit::method::Method;
 use crate::fit::points::{Grid, Points};
+use crate::model::either::object;
 use crate::model::job::{JobSpec, LONGEST_NAME};
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::shape::ShapeSpec;
@@ -23,8 +24,8 @@ use crate::model::weights::Rational;
 
 /// A fit of a curve or of a surface: one of `curve` and `surface` is given. Fields that are not known are
 /// refused.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_job())]
 pub struct JobRequest {
     /// A name for people. Answers and files repeat it.
@@ -44,17 +45,11 @@ pub struct JobRequest {
     pub(in crate::api) stream: Option<StreamSpec>,
 }
 
-object!(
-    JobRequest,
-    "an object",
-    [name, curve, surface, rational, method, stop, stream]
-);
+object!(JobRequest, "an object");
 
 /// The job that a body asks for, and where its parts stand.
-pub fn read(body: Bytes, config: &Config) -> Result<(JobSpec, Places), Problem> {
-    let points = config.limits().points;
-    let request: JobRequest = parse(&body, ListLimits { points })?;
-    Ok(request.spec())
+pub fn read(body: Bytes) -> Result<(JobSpec, Places), Problem> {
+    Ok(parse::<JobRequest>(&body)?.spec())
 }
 
 /// Points that are not a part of the JSON of a job.
@@ -69,9 +64,8 @@ pub enum Data {
 }
 
 /// The job that these fields ask for, with these points in the place of the ones that are empty there.
-pub fn read_with(fields: &[u8], data: Data, config: &Config) -> Result<(JobSpec, Places), Problem> {
-    let points = config.limits().points;
-    let mut request: JobRequest = parse(fields, ListLimits { points })?;
+pub fn read_with(fields: &[u8], data: Data) -> Result<(JobSpec, Places), Problem> {
+    let mut request: JobRequest = parse(fields)?;
     match (data, &mut request.curve, &mut request.surface) {
         (Data::Curve(points), Some(curve), _) => curve.points = PointList(points),
         (Data::Grid(points, grid), _, Some(surface)) => {
@@ -113,8 +107,8 @@ impl JobRequest {
         let method = match (self.method, &shape) {
             (None, _) => Ok(Method::Global.into()),
             (Some(method), Ok(shape)) => method.spec(shape.grid, shape.v.is_some()),
-            // Without points nothing but its settings can be wrong with it.
-            (Some(method), Err(_)) => method.check_settings().map(|()| Method::Global.into()),
+            // Without points nothing is said of it.
+            (Some(_), Err(_)) => Ok(Method::Global.into()),
         };
         let spec = JobSpec {
             name: self.name,

@@ -1,21 +1,21 @@
 //! The JSON of the parameters of a surface: of points in a grid, or of scattered ones.
 
+use std::fmt;
 use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema, json_schema};
-use serde::de::{MapAccess, SeqAccess};
+use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Value, json};
 
 use super::basis::{ParameterRule, Parameters};
 use super::iteration::IterationRequest;
-use crate::api::json::numbers::{RuleOrNumbers, most_numbers};
-use crate::api::json::per_direction::PerDirection;
-use crate::api::json::read::{
-    Field, Members, Most, Numeral, Of, Read, Reader, Reading, names, object,
-};
 use crate::api::json::schema::schema_of;
 use crate::fit::points::Points;
 use crate::fit::scattered::Scattered;
+use crate::model::either::{PerDirection, RuleOrNumbers, object};
+use crate::model::named::{Named, names};
 use crate::model::scattered::{BaseSpec, ScatteredSpec};
 
 /// The parameters of the data points of a surface.
@@ -48,85 +48,85 @@ impl From<ProjectionPlane> for Scattered {
     }
 }
 
-/// Of points in a grid.
-type OfGrid = PerDirection<RuleOrNumbers<ParameterRule>>;
+impl<'de> Deserialize<'de> for SurfaceParameters {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ParametersVisitor)
+    }
+}
 
-impl Reader for Of<SurfaceParameters> {
+struct ParametersVisitor;
+
+impl<'de> Visitor<'de> for ParametersVisitor {
     type Value = SurfaceParameters;
 
-    fn expected(&self) -> String {
-        let grid = OfGrid::reader().expected();
-        format!("{grid}; of scattered points pairs, [[u, v], …], \"project\" or foot_points")
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rule = ParameterRule::expected();
+        write!(
+            f,
+            "{rule}; or a list of numbers; or one for each direction, {{\"u\": …, \"v\": …}}; of scattered points pairs, [[u, v], …], \"project\" or foot_points"
+        )
     }
 
-    fn text(self, name: &str, at: &mut Reading) -> Option<SurfaceParameters> {
-        if name == "project" {
-            return Some(own(Scattered::Plane));
+    fn visit_str<E: Error>(self, name: &str) -> Result<SurfaceParameters, E> {
+        match name {
+            "project" => Ok(own(Scattered::Plane)),
+            rule => ParameterRule::read(rule).map(both),
         }
-        let rule = OfGrid::reader().text(name, at);
-        rule.map(SurfaceParameters::Grid)
     }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<SurfaceParameters>, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<SurfaceParameters, A::Error> {
         let (mut numbers, mut pairs) = (Vec::new(), Points::new(2));
-        let most = most_numbers(at.limits());
-        let whole = at.elements(
-            list,
-            most,
-            || PairReader,
-            |parameter, at| {
-                match parameter {
-                    Parameter::Number(t) if pairs.is_empty() => numbers.push(t),
-                    Parameter::Pair(pair) if numbers.is_empty() => pairs.push(&pair),
-                    _ => {
-                        at.wrong("expected numbers only, or pairs [u, v] only");
-                        return None;
-                    }
-                }
-                Some(())
-            },
-        )?;
-        Ok(whole.then_some(if pairs.is_empty() {
-            numbers.shrink_to_fit();
-            SurfaceParameters::Grid(PerDirection::Both(RuleOrNumbers::Numbers(numbers)))
+        while let Some(parameter) = list.next_element_seed(Next(&numbers, &pairs))? {
+            match parameter {
+                Parameter::Number(t) => numbers.push(t),
+                Parameter::Pair(pair) => pairs.push(&pair),
+            }
+        }
+        Ok(if pairs.is_empty() {
+            let numbers = RuleOrNumbers::Numbers(numbers);
+            SurfaceParameters::Grid(PerDirection::Both(numbers))
         } else {
             pairs.shrink_to_fit();
             own(Scattered::Given(Arc::new(pairs)))
-        }))
+        })
     }
 
     /// A projection, another surface, or a value for each direction.
-    fn object<'de, A: MapAccess<'de>>(
-        self,
-        mut members: Members<A>,
-        at: &mut Reading,
-    ) -> Result<Option<SurfaceParameters>, A::Error> {
-        match members.peek()? {
-            Some("project") => {}
-            Some("foot_points") => {
-                let mut base = Field::<FootPointsRequest>::Absent;
-                while let Some(name) = members.next(&["foot_points"], at)? {
-                    members.field(name, &mut base, at)?;
-                }
-                let base = base.value("foot_points", at);
-                return Ok(base.map(FootPointsRequest::parameters));
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<SurfaceParameters, A::Error> {
+        let Each {
+            u,
+            v,
+            project,
+            foot_points,
+        } = Each::deserialize(MapAccessDeserializer::new(map))?;
+        let missing = |name| Err(A::Error::missing_field(name));
+        match (project, foot_points, u, v) {
+            (Some(plane), None, None, None) => Ok(own(plane.into())),
+            (None, Some(base), None, None) => Ok(base.parameters()),
+            (None, None, Some(u), Some(v)) => {
+                Ok(SurfaceParameters::Grid(PerDirection::Each { u, v }))
             }
-            _ => {
-                let grid = OfGrid::reader().object(members, at)?;
-                return Ok(grid.map(SurfaceParameters::Grid));
-            }
+            (None, None, None, _) => missing("u"),
+            (None, None, _, None) => missing("v"),
+            _ => Err(A::Error::custom(
+                "parameters are u and v, or project, or foot_points",
+            )),
         }
-        let mut plane = Field::<ProjectionPlane>::Absent;
-        while let Some(name) = members.next(&["project"], at)? {
-            members.field(name, &mut plane, at)?;
-        }
-        let plane = plane.value("project", at);
-        Ok(plane.map(|plane| own(plane.into())))
     }
+}
+
+/// What parameters may have as an object.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Each {
+    u: Option<RuleOrNumbers<ParameterRule>>,
+    v: Option<RuleOrNumbers<ParameterRule>>,
+    project: Option<ProjectionPlane>,
+    foot_points: Option<FootPointsRequest>,
+}
+
+fn both(rule: ParameterRule) -> SurfaceParameters {
+    SurfaceParameters::Grid(PerDirection::Both(RuleOrNumbers::Rule(rule)))
 }
 
 fn own(scattered: Scattered) -> SurfaceParameters {
@@ -135,8 +135,8 @@ fn own(scattered: Scattered) -> SurfaceParameters {
 
 /// The surface of another job, for foot points: the nearest points of it. They are found once, when the
 /// new job is made.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = json!({"job": "01a1e1b6-7c2e-7d58-9b5f-6c1f6f3c1b7a", "iteration": 12}))]
 pub(in crate::api) struct FootPointsRequest {
     /// The id of the job whose surface it is, with as many coordinates as the points.
@@ -145,13 +145,13 @@ pub(in crate::api) struct FootPointsRequest {
     iteration: Option<IterationRequest>,
 }
 
-object!(FootPointsRequest, "an object with a job", [job, iteration]);
+object!(FootPointsRequest, "an object with a job");
 
 impl FootPointsRequest {
     fn parameters(self) -> SurfaceParameters {
         SurfaceParameters::Scattered(ScatteredSpec::FootPoints(BaseSpec {
             job: self.job,
-            iteration: self.iteration.and_then(|IterationRequest(k)| k),
+            iteration: self.iteration.and_then(IterationRequest::number),
         }))
     }
 }
@@ -162,36 +162,61 @@ enum Parameter {
     Pair([f64; 2]),
 }
 
-struct PairReader;
+/// Reads the parameter after these.
+struct Next<'a>(&'a [f64], &'a Points);
 
-impl Reader for PairReader {
+impl<'de> DeserializeSeed<'de> for Next<'_> {
     type Value = Parameter;
 
-    fn expected(&self) -> String {
-        "a number, or of scattered points a pair [u, v]".to_owned()
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Parameter, D::Error> {
+        match (
+            deserializer.deserialize_any(PairVisitor)?,
+            self.0,
+            self.1.is_empty(),
+        ) {
+            (Parameter::Pair(_), [_, ..], _) | (Parameter::Number(_), _, false) => Err(
+                D::Error::custom("expected numbers only, or pairs [u, v] only"),
+            ),
+            (parameter, ..) => Ok(parameter),
+        }
+    }
+}
+
+struct PairVisitor;
+
+impl<'de> Visitor<'de> for PairVisitor {
+    type Value = Parameter;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number, or of scattered points a pair [u, v]")
     }
 
-    fn number(self, value: Numeral, _: &mut Reading) -> Option<Parameter> {
-        Some(Parameter::Number(value.real()))
+    fn visit_f64<E: Error>(self, t: f64) -> Result<Parameter, E> {
+        Ok(Parameter::Number(t))
     }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Parameter>, A::Error> {
+    fn visit_u64<E: Error>(self, t: u64) -> Result<Parameter, E> {
+        self.visit_f64(t as f64)
+    }
+
+    fn visit_i64<E: Error>(self, t: i64) -> Result<Parameter, E> {
+        self.visit_f64(t as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Parameter, A::Error> {
         let (mut pair, mut count) = ([0.0; 2], 0);
-        let whole = at.elements(list, Most::any(), f64::reader, |t, _| {
+        while let Some(t) = list.next_element()? {
             if let Some(place) = pair.get_mut(count) {
                 *place = t;
             }
             count += 1;
-            Some(())
-        })?;
-        if whole && count != 2 {
-            at.wrong(format!("expected a pair [u, v], found {count} numbers"));
         }
-        Ok((whole && count == 2).then_some(Parameter::Pair(pair)))
+        match count {
+            2 => Ok(Parameter::Pair(pair)),
+            _ => Err(A::Error::custom(format_args!(
+                "expected a pair [u, v], found {count} numbers"
+            ))),
+        }
     }
 }
 
@@ -224,7 +249,7 @@ schema_of!(SurfaceParameterChoice, "SurfaceParameters", generator => {
             "description": "Of scattered points: `nearest` is the same, `xy` their x and y.",
             "type": "object",
             "properties": {
-                "project": {"type": "string", "enum": ProjectionPlane::NAMES, "description": "The plane.", "examples": ["xy"]},
+                "project": {"type": "string", "enum": ProjectionPlane::names(), "description": "The plane.", "examples": ["xy"]},
             },
             "required": ["project"],
             "additionalProperties": false,

@@ -69,10 +69,6 @@ pub(super) fn example_stop() -> Value {
     json!({"tolerance": 1e-6, "max_iterations": 1000})
 }
 
-pub(super) fn example_method() -> Value {
-    json!({"kind": "weighted", "omega": "auto"})
-}
-
 pub(super) fn example_move() -> Value {
     json!({"index": 2, "point": [0.9, 0.03]})
 }

@@ -1,45 +1,26 @@
 //! The JSON of settings that are more than a number or a name: a relaxation, a matrix, the index of a
 //! point.
 
+use std::fmt;
 use std::sync::Arc;
 
 use schemars::json_schema;
-use serde::de::SeqAccess;
+use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 
-use crate::api::json::numbers::WeightList;
-use crate::api::json::read::values::Element;
-use crate::api::json::read::{ListLimits, Most, Numeral, Of, Read, Reader, Reading};
+use crate::api::json::lists::WeightList;
 use crate::api::json::schema::schema_of;
 use crate::fit::method::{LARGEST, Threshold};
 use crate::fit::points::Grid;
-use crate::model::short::quoted;
+use crate::model::either::{Whole, number_or_word, read_at_most};
 
-/// A relaxation: a number or `"auto"`.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::api) enum Omega {
-    Auto,
-    Given(f64),
-}
-
-impl Reader for Of<Omega> {
-    type Value = Omega;
-
-    fn expected(&self) -> String {
-        "a number between 0 and 2, or \"auto\"".to_owned()
-    }
-
-    fn number(self, value: Numeral, _: &mut Reading) -> Option<Omega> {
-        Some(Omega::Given(value.real()))
-    }
-
-    fn text(self, value: &str, at: &mut Reading) -> Option<Omega> {
-        if value == "auto" {
-            return Some(Omega::Auto);
-        }
-        at.mismatch(&self.expected(), &quoted(value));
-        None
-    }
-}
+number_or_word!(
+    /// A relaxation: a number, or `"auto"` without one.
+    Omega(f64),
+    "auto",
+    "a number between 0 and 2, or \"auto\""
+);
 
 /// Thresholds: one for all points, or one for each.
 #[derive(Clone, Debug)]
@@ -89,23 +70,35 @@ pub(super) fn each_point(
     }
 }
 
-impl Reader for Of<Thresholds> {
-    type Value = Thresholds;
+impl<'de> Deserialize<'de> for Thresholds {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ThresholdVisitor;
 
-    fn expected(&self) -> String {
-        "a number, or one for each point".to_owned()
-    }
+        impl<'de> Visitor<'de> for ThresholdVisitor {
+            type Value = Thresholds;
 
-    fn number(self, value: Numeral, _: &mut Reading) -> Option<Thresholds> {
-        Some(Thresholds::All(value.real()))
-    }
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or one for each point")
+            }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Thresholds>, A::Error> {
-        Ok(WeightList::reader().list(list, at)?.map(Thresholds::Each))
+            fn visit_f64<E: Error>(self, x: f64) -> Result<Thresholds, E> {
+                Ok(Thresholds::All(x))
+            }
+
+            fn visit_u64<E: Error>(self, x: u64) -> Result<Thresholds, E> {
+                self.visit_f64(x as f64)
+            }
+
+            fn visit_i64<E: Error>(self, x: i64) -> Result<Thresholds, E> {
+                self.visit_f64(x as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Thresholds, A::Error> {
+                WeightList::deserialize(SeqAccessDeserializer::new(list)).map(Thresholds::Each)
+            }
+        }
+
+        deserializer.deserialize_any(ThresholdVisitor)
     }
 }
 
@@ -113,76 +106,31 @@ impl Reader for Of<Thresholds> {
 #[derive(Clone, Debug)]
 pub(in crate::api) struct Matrix(pub(in crate::api) Vec<Vec<f64>>);
 
-impl Reader for Of<Matrix> {
-    type Value = Matrix;
-
-    fn expected(&self) -> String {
-        "a matrix, [[a, b], [c, d]]".to_owned()
-    }
-
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Matrix>, A::Error> {
-        let mut rows = Vec::new();
-        let most = Most::of(LARGEST, "rows");
-        let whole = at.elements(
-            list,
-            most,
-            || MatrixRowReader,
-            |row, _| {
-                rows.push(row);
-                Some(())
-            },
-        )?;
-        Ok(whole.then_some(Matrix(rows)))
-    }
-}
-
-/// Reads a row of a matrix.
-struct MatrixRowReader;
-
-impl Reader for MatrixRowReader {
-    type Value = Vec<f64>;
-
-    fn expected(&self) -> String {
-        "a row of numbers".to_owned()
-    }
-
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Vec<f64>>, A::Error> {
-        let mut row = Vec::new();
-        let most = Most::of(LARGEST, "entries");
-        let whole = at.elements(list, most, f64::reader, |entry, _| {
-            row.push(entry);
-            Some(())
-        })?;
-        Ok(whole.then_some(row))
+impl<'de> Deserialize<'de> for Matrix {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        read_at_most(deserializer, LARGEST, "rows").map(Self)
     }
 }
 
 /// The index of a point: of a curve `i`, of a surface `[row, column]`.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::api) enum Index {
-    Single(usize),
-    Pair(usize, usize),
+    Single(u32),
+    Pair(u32, u32),
 }
 
 impl Index {
     /// The index in the list of all points, row by row. Whether a point of a curve exists is
     /// checked with the problem.
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
+        let Grid { rows, columns } = grid;
         match (self, surface && grid.is_rows()) {
-            (Self::Single(i), false) => Ok(i),
-            (Self::Pair(i, j), true) if i < grid.rows && j < grid.columns => {
-                Ok(i * grid.columns + j)
-            }
+            (Self::Single(i), false) => Ok(i as usize),
             (Self::Pair(i, j), true) => {
-                let Grid { rows, columns } = grid;
+                let (i, j) = (i as usize, j as usize);
+                if i < rows && j < columns {
+                    return Ok(i * columns + j);
+                }
                 Err(format!(
                     "[{i}, {j}] lies outside the {rows} rows and {columns} columns"
                 ))
@@ -202,50 +150,46 @@ impl Index {
     }
 }
 
-impl Element for Index {
-    const MANY: &'static str = "indices";
-
-    fn most(limits: ListLimits) -> usize {
-        limits.points
-    }
+/// An index as it is kept: in four bytes, since lists of them may be as long as those of points.
+fn small<E: Error>(index: u64) -> Result<u32, E> {
+    let detail = || format!("{index} is not the index of a point: no job has so many");
+    u32::try_from(index).map_err(|_| E::custom(detail()))
 }
 
-impl Reader for Of<Index> {
-    type Value = Index;
+impl<'de> Deserialize<'de> for Index {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct IndexVisitor;
 
-    fn expected(&self) -> String {
-        "the index of a point, or [row, column]".to_owned()
-    }
+        impl<'de> Visitor<'de> for IndexVisitor {
+            type Value = Index;
 
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<Index> {
-        let index = value.whole();
-        if index.is_none() {
-            at.mismatch(&self.expected(), &value.to_string());
-        }
-        // Too large for this machine is too large for any list of points.
-        index.map(|index| Index::Single(usize::try_from(index).unwrap_or(usize::MAX)))
-    }
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the index of a point, or [row, column]")
+            }
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<Index>, A::Error> {
-        let (mut row, mut column, mut more) = (None, None, false);
-        let whole = at.elements(list, Most::any(), usize::reader, |k, _| {
-            more = column.is_some();
-            (row, column) = (row.or(Some(k)), row.and(column.or(Some(k))));
-            Some(())
-        })?;
-        match (row, column) {
-            (Some(row), Some(column)) if whole && !more => Ok(Some(Index::Pair(row, column))),
-            _ => {
-                if whole {
-                    at.wrong("an index of a surface has two numbers, [row, column]");
+            fn visit_u64<E: Error>(self, index: u64) -> Result<Index, E> {
+                small(index).map(Index::Single)
+            }
+
+            fn visit_f64<E: Error>(self, index: f64) -> Result<Index, E> {
+                let index = Whole::of(index, &self)?;
+                small(index as u64).map(Index::Single)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Index, A::Error> {
+                let (row, column) = (list.next_element()?, list.next_element()?);
+                match (row, column, list.next_element::<Whole>()?) {
+                    (Some(Whole(row)), Some(Whole(column)), None) => {
+                        Ok(Index::Pair(small(row as u64)?, small(column as u64)?))
+                    }
+                    _ => Err(A::Error::custom(
+                        "an index of a surface has two numbers, [row, column]",
+                    )),
                 }
-                Ok(None)
             }
         }
+
+        deserializer.deserialize_any(IndexVisitor)
     }
 }
 

@@ -1,30 +1,30 @@
 //! The JSON of a curve or a surface.
 
 use schemars::JsonSchema;
+use serde::Deserialize;
 
 use super::basis::{BasisRequest, Degree, ParameterRule, Parameters, parametrization};
-use super::ends::{CurveEnds, EndsForm, EndsRequest, SurfaceEnds};
+use super::ends::{CurveEnds, DirectionEnds, EndsForm, EndsRequest, SurfaceEnds};
 use super::places::Places;
 use super::scattered::{SurfaceParameterChoice, SurfaceParameters};
 use super::schema;
-use crate::api::json::numbers::{RuleOrNumbers, WeightList};
-use crate::api::json::per_direction::PerDirection;
+use crate::api::json::lists::WeightList;
 use crate::api::json::points::{PointGrid, PointList, ScatteredPoints};
-use crate::api::json::read::object;
 use crate::api::json::schema::numbers::{CurveWeights, SurfaceWeights};
 use crate::fit::basis::MAX_DEGREE;
 use crate::fit::ends::Ends;
 use crate::fit::invalid::{self as fit, Axis};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
+use crate::model::either::{PerDirection, RuleOrNumbers, Whole, object, whole};
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::scattered::ScatteredSpec;
 use crate::model::shape::{AxisSpec, BasisSpec, ShapeSpec};
 use crate::model::weights::WeightSpec;
 
 /// A curve through data points.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "CurveInput", example = schema::example_curve())]
 pub(in crate::api) struct CurveRequest {
     /// The data points, in their order.
@@ -32,6 +32,7 @@ pub(in crate::api) struct CurveRequest {
     /// The basis; without one a cubic B-spline.
     pub(in crate::api) basis: Option<BasisRequest>,
     /// Short for a B-spline of this degree, instead of `basis`.
+    #[serde(default, deserialize_with = "whole")]
     #[schemars(range(min = 1, max = MAX_DEGREE))]
     pub(in crate::api) degree: Option<usize>,
     /// The parameters of the data points; without them `chord_length`.
@@ -51,8 +52,8 @@ pub(in crate::api) struct CurveRequest {
 /// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
 /// of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
 /// directions, or one for each.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "SurfaceInput", example = schema::example_surface())]
 pub(in crate::api) struct SurfaceRequest {
     /// Rows (u) of columns (v) of data points, or of heights.
@@ -63,7 +64,7 @@ pub(in crate::api) struct SurfaceRequest {
     pub(in crate::api) basis: Option<PerDirection<BasisRequest>>,
     /// Short for B-splines of this degree, instead of `basis`.
     #[schemars(with = "Option<PerDirection<Degree>>")]
-    pub(in crate::api) degree: Option<PerDirection<usize>>,
+    pub(in crate::api) degree: Option<PerDirection<Whole>>,
     /// The parameters of the data points; of a grid without them `chord_length`, of heights `uniform`.
     /// Scattered points need them.
     #[schemars(with = "Option<SurfaceParameterChoice>")]
@@ -76,21 +77,11 @@ pub(in crate::api) struct SurfaceRequest {
     pub(in crate::api) closed: Option<PerDirection<bool>>,
     /// How it ends; one value for both directions, or one for each that is not closed.
     #[schemars(with = "Option<SurfaceEnds>")]
-    pub(in crate::api) ends: Option<PerDirection<Option<EndsRequest>>>,
+    pub(in crate::api) ends: Option<PerDirection<DirectionEnds>>,
 }
 
-object!(
-    CurveRequest,
-    "an object with points",
-    [points, basis, degree, parameters, weights, closed, ends]
-);
-object!(
-    SurfaceRequest,
-    "an object with points",
-    [
-        points, scattered, basis, degree, parameters, weights, closed, ends
-    ]
-);
+object!(CurveRequest, "an object with points");
+object!(SurfaceRequest, "an object with points");
 
 /// The data points of a surface as they are asked for.
 struct SurfaceData {
@@ -200,9 +191,10 @@ impl SurfaceRequest {
         let doubled = self.degree.is_some() && self.basis.is_some();
         let of_degree = self
             .degree
-            .map(|degree| degree.map(BasisRequest::of_degree));
+            .map(|degree| degree.map(|Whole(degree)| BasisRequest::of_degree(degree)));
         let bases = self.basis.or(of_degree);
-        let (ends_u, ends_v) = self.ends.clone().map(PerDirection::split).unzip();
+        let of_each = self.ends.clone().map(|ends| ends.map(|ends| ends.0));
+        let (ends_u, ends_v) = of_each.map(PerDirection::split).unzip();
         let (ends_u, ends_v) = (ends_u.flatten(), ends_v.flatten());
         let places = Places {
             degree_alone: self.degree.is_some(),

@@ -1,17 +1,18 @@
 //! The JSON of the rules when an iteration ends.
 
 use schemars::JsonSchema;
+use serde::Deserialize;
 
 use super::schema;
-use crate::api::json::read::object;
 use crate::fit::invalid as fit;
 use crate::fit::problem::Tolerance;
+use crate::model::either::{object, whole};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::stop::{DEFAULT_ITERATIONS, StopSpec};
 
 /// When the iteration ends. There is one of the tolerances, or none.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "StopRules", example = schema::example_stop())]
 pub(in crate::api) struct StopRequest {
     /// The largest allowed distance from a data point, in data units.
@@ -21,15 +22,12 @@ pub(in crate::api) struct StopRequest {
     #[schemars(range(min = 0), extend("default" = 1e-6))]
     pub(in crate::api) relative_tolerance: Option<f64>,
     /// The last iteration that is computed. Servers have a limit, which /v1/capabilities tells.
+    #[serde(default, deserialize_with = "whole")]
     #[schemars(extend("default" = DEFAULT_ITERATIONS))]
     pub(in crate::api) max_iterations: Option<usize>,
 }
 
-object!(
-    StopRequest,
-    "an object",
-    [tolerance, relative_tolerance, max_iterations]
-);
+object!(StopRequest, "an object");
 
 impl From<StopRequest> for StopSpec {
     fn from(request: StopRequest) -> Self {

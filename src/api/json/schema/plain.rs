@@ -52,7 +52,7 @@ fn tell_default(fields: &mut Map<String, Value>) {
     if !keywords.iter().any(|it| fields.contains_key(*it)) {
         return;
     }
-    if let Some(usual) = fields.remove("default") {
+    if let Some(usual) = fields.remove("default").filter(|it| !it.is_null()) {
         let description = fields.entry("description").or_insert("".into());
         let text = description.as_str().unwrap_or_default();
         let text = format!("{text} Default: `{usual}`.");

@@ -5,16 +5,16 @@ use serde::Serialize;
 
 use crate::api::json::per_direction::PerDirection;
 use crate::api::json::request::method::counts::{
-    Auto, ControlPointCount, ControlPoints, MostControlPoints,
+    ControlPointCount, ControlPoints, MostControlPoints,
 };
-use crate::api::json::request::method::{
-    MethodKind, StartRequest, SweepsRequest, VariantRequest, start_name, sweeps_name, variant_name,
-};
+use crate::api::json::request::method::{MethodKind, VariantRequest, variant_name};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, Adaptive, Convex, LeastSquares, Local, Method, Sweeps, Threshold, Weighted,
+    AS_MANY_AS_DATA, Adaptive, Convex, LeastSquares, Local, Method, Start, Sweeps, Threshold,
+    Weighted,
 };
 use crate::fit::system::Forecast;
 use crate::job::outline::Outline;
+use crate::model::either::Whole;
 
 /// The method of a job, with numbers that were computed for it.
 #[derive(Default, Serialize, JsonSchema)]
@@ -36,8 +36,8 @@ pub(super) struct AppliedMethod {
     row_by_row: Option<bool>,
     /// Local: the lines of points that are swept one after the other.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "SweepsRequest")]
-    sweeps: Option<&'static str>,
+    #[schemars(with = "Sweeps")]
+    sweeps: Option<Sweeps>,
     /// Adaptive: the distance beyond which control points move; left out if each point has one. Convex:
     /// how near bisection goes to the longest step that keeps the turns, as a part of the plain step.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,8 +45,8 @@ pub(super) struct AppliedMethod {
     threshold: Option<f64>,
     /// Extended: what iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "StartRequest")]
-    start: Option<&'static str>,
+    #[schemars(with = "Start")]
+    start: Option<Start>,
     /// Extended: whether `error.transformed` is told.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
@@ -90,7 +90,7 @@ impl AppliedMethod {
                 view.omega = Some(used.or(omega.given()));
                 view.adjusted = outline.adjusted;
                 view.row_by_row = Some(*sweeps == Some(Sweeps::Rows));
-                view.sweeps = sweeps.map(sweeps_name);
+                view.sweeps = *sweeps;
             }
             Method::Adaptive(Adaptive { threshold, omega }) => {
                 view.threshold = match threshold {
@@ -101,7 +101,7 @@ impl AppliedMethod {
             }
             Method::Convex(Convex { threshold }) => view.threshold = Some(*threshold),
             Method::Extended(settings) => {
-                view.start = Some(start_name(settings.start));
+                view.start = Some(settings.start);
                 view.transformed_error = settings.transformed_error.then_some(true);
             }
             Method::LeastSquares(LeastSquares {
@@ -117,11 +117,12 @@ impl AppliedMethod {
                 };
                 match automatic {
                     None => {
-                        view.control_points = Some(counts.map(ControlPointCount::Number));
+                        view.control_points =
+                            Some(counts.map(|count| ControlPointCount(Some(Whole(count)))));
                         view.variant = Some(variant_name(*variant));
                     }
                     Some(automatic) => {
-                        let auto = ControlPointCount::Auto(Auto::Auto);
+                        let auto = ControlPointCount(None);
                         view.control_points = Some(PerDirection::Both(auto));
                         view.max_control_points = (*u != AS_MANY_AS_DATA).then_some(counts);
                         view.correct_parameters = automatic.correct_parameters.then_some(true);

@@ -16,6 +16,7 @@ use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
 use crate::fit::scattered::Scattered;
 use crate::job::outline::Outline;
+use crate::model::named::Named;
 use crate::model::weights::Rational;
 
 /// The body that would ask for the same problem again. The start of an edit is not a part of it: that

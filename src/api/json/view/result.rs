@@ -13,8 +13,7 @@ use super::level::digits;
 use super::net::{
     ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, parameters, rational,
 };
-use crate::api::json::per_direction::{Pair, PerDirection};
-use crate::api::json::read::values::Count;
+use crate::api::json::per_direction::{Count, Pair, PerDirection};
 use crate::api::json::schema::plain::never_null;
 use crate::api::json::schema::schema_of;
 use crate::job::Job;

@@ -2,19 +2,32 @@
 //! vectors.
 
 mod schema;
-mod vectors;
-mod word;
 
-use serde::de::MapAccess;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error};
 
-use crate::api::json::read::{Field, Members, Of, Read, Reader, Reading, object};
+use crate::api::json::lists::Vectors;
 use crate::fit::ends::{End, Ends};
 use crate::fit::invalid::{Axis, Place, Side};
+use crate::model::either::{Object, read_object, some};
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::named::{Named, names};
 
 pub(super) use schema::{CurveEnds, SurfaceEnds};
-pub(super) use vectors::Vectors;
-use word::EndWord;
+
+/// An end without vectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum EndWord {
+    Estimated,
+    Repeated,
+    Natural,
+}
+
+names!(EndWord, "rule for ends", [
+    "estimated" => Estimated,
+    "repeated" => Repeated,
+    "natural" => Natural,
+]);
 
 /// How a direction ends.
 #[derive(Clone, Debug)]
@@ -23,12 +36,59 @@ pub(in crate::api) struct EndsRequest {
     end: Option<EndRequest>,
 }
 
-object!(
-    EndsRequest,
-    "\"estimated\", \"repeated\" or \"natural\", or {\"start\": …, \"end\": …}",
-    [start, end],
-    of_name: |name, at| EndWord::reader().text(name, at).map(EndsRequest::of)
-);
+/// The ends of both sides.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BothEnds {
+    start: Option<EndRequest>,
+    end: Option<EndRequest>,
+}
+
+impl<'de> Object<'de> for EndsRequest {
+    const EXPECTED: &'static str =
+        "\"estimated\", \"repeated\" or \"natural\", or {\"start\": …, \"end\": …}";
+
+    fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
+        let BothEnds { start, end } = BothEnds::deserialize(fields)?;
+        Ok(Self { start, end })
+    }
+
+    fn of_name<E: Error>(name: &str) -> Result<Self, E> {
+        EndWord::read(name).map(Self::of)
+    }
+}
+
+impl<'de> Deserialize<'de> for EndsRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        read_object(deserializer)
+    }
+}
+
+/// How a direction of a surface ends; those that are closed are left out.
+#[derive(Clone, Debug)]
+pub(in crate::api) struct DirectionEnds(pub(super) Option<EndsRequest>);
+
+impl<'de> Object<'de> for DirectionEnds {
+    const EXPECTED: &'static str = EndsRequest::EXPECTED;
+
+    fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
+        EndsRequest::of_fields(fields).map(|ends| Self(Some(ends)))
+    }
+
+    fn of_name<E: Error>(name: &str) -> Result<Self, E> {
+        EndsRequest::of_name(name).map(|ends| Self(Some(ends)))
+    }
+
+    fn of_nothing<E: Error>() -> Result<Self, E> {
+        Ok(Self(None))
+    }
+}
+
+impl<'de> Deserialize<'de> for DirectionEnds {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        read_object(deserializer)
+    }
+}
 
 /// How a direction ends on one side.
 #[derive(Clone, Debug)]
@@ -38,50 +98,41 @@ enum EndRequest {
     Vectors(&'static str, Vectors),
 }
 
-/// The fields of an end with vectors.
-const FIELDS: [&str; 3] = ["derivative", "derivatives", "tangent"];
+/// An end with vectors.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct GivenEnd {
+    #[serde(default, deserialize_with = "some")]
+    derivative: Option<Vectors>,
+    #[serde(default, deserialize_with = "some")]
+    derivatives: Option<Vectors>,
+    #[serde(default, deserialize_with = "some")]
+    tangent: Option<Vectors>,
+}
 
-impl Reader for Of<EndRequest> {
-    type Value = EndRequest;
+impl<'de> Object<'de> for EndRequest {
+    const EXPECTED: &'static str = "one of estimated, repeated, natural, or an object with a derivative, derivatives or a tangent";
 
-    fn expected(&self) -> String {
-        format!(
-            "one of {}, or an object with a derivative, derivatives or a tangent",
-            EndWord::NAMES.join(", ")
-        )
+    fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
+        let given = GivenEnd::deserialize(fields)?;
+        match (given.derivative, given.derivatives, given.tangent) {
+            (Some(vectors), None, None) => Ok(Self::Vectors("derivative", vectors)),
+            (None, Some(vectors), None) => Ok(Self::Vectors("derivatives", vectors)),
+            (None, None, Some(vectors)) => Ok(Self::Vectors("tangent", vectors)),
+            _ => Err(D::Error::custom(
+                "an end has one of derivative, derivatives and tangent",
+            )),
+        }
     }
 
-    fn text(self, name: &str, at: &mut Reading) -> Option<EndRequest> {
-        EndWord::reader().text(name, at).map(EndRequest::Word)
+    fn of_name<E: Error>(name: &str) -> Result<Self, E> {
+        EndWord::read(name).map(Self::Word)
     }
+}
 
-    fn object<'de, A: MapAccess<'de>>(
-        self,
-        mut members: Members<A>,
-        at: &mut Reading,
-    ) -> Result<Option<EndRequest>, A::Error> {
-        let mut found: [Field<Vectors>; 3] = [Field::Absent, Field::Absent, Field::Absent];
-        while let Some(name) = members.next(&FIELDS, at)? {
-            for (field, place) in FIELDS.iter().zip(&mut found) {
-                if name == *field {
-                    members.field(name, place, at)?;
-                    break;
-                }
-            }
-        }
-        let given = FIELDS.into_iter().zip(found);
-        let given = given.filter(|(_, field)| !matches!(field, Field::Absent));
-        let mut given: Vec<(&str, Field<Vectors>)> = given.collect();
-        match (given.pop(), given.is_empty()) {
-            (Some((name, Field::Given(vectors))), true) => {
-                Ok(Some(EndRequest::Vectors(name, vectors)))
-            }
-            (Some((_, Field::Wrong)), true) => Ok(None),
-            _ => {
-                at.wrong("an end has one of derivative, derivatives and tangent");
-                Ok(None)
-            }
-        }
+impl<'de> Deserialize<'de> for EndRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        read_object(deserializer)
     }
 }
 

@@ -5,7 +5,8 @@ use std::marker::PhantomData;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
-use super::word::EndWord;
+use super::EndWord;
+use crate::model::named::Named;
 use crate::model::shape::MAX_DIMENSION;
 
 /// The schema of the ends of a curve: a word, or an end for each side.
@@ -110,7 +111,7 @@ impl<B: Boundary> JsonSchema for EndPair<B> {
         let side = |which: &str| {
             json_schema!({
                 "description": format!("How it ends at its {which} parameter."),
-                "oneOf": [{"type": "string", "enum": EndWord::NAMES}, given],
+                "oneOf": [{"type": "string", "enum": EndWord::names()}, given],
                 "default": "estimated",
             })
         };
@@ -130,7 +131,7 @@ fn ends<B: Boundary>(generator: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "description": "How a B-spline with knots at the data ends: with estimated derivatives, with copies of its end points (repeated), without second derivative (natural), or with derivatives that are given.",
         "oneOf": [
-            {"type": "string", "enum": EndWord::NAMES},
+            {"type": "string", "enum": EndWord::names()},
             generator.subschema_for::<EndPair<B>>(),
         ],
         "default": "estimated",

@@ -1,52 +1,17 @@
 //! Numbers of control points in JSON: given ones, or as few as will do.
 
 use schemars::json_schema;
-use serde::Serialize;
 
-use crate::api::json::per_direction::{Pair, PerDirection};
-use crate::api::json::read::values::Count;
-use crate::api::json::read::{Numeral, Of, Read as _, Reader, Reading};
+use crate::api::json::per_direction::{Count, Pair, PerDirection};
 use crate::api::json::schema::schema_of;
-use crate::model::short::quoted;
+use crate::model::either::{Whole, number_or_word};
 
-/// A number of control points, or `"auto"`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(untagged)]
-pub(in crate::api) enum ControlPointCount {
-    /// So many.
-    Number(usize),
-    /// As few as the tolerance needs.
-    Auto(Auto),
-}
-
-/// The word `auto`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(in crate::api) enum Auto {
-    /// The only one.
-    Auto,
-}
-
-impl Reader for Of<ControlPointCount> {
-    type Value = ControlPointCount;
-
-    fn expected(&self) -> String {
-        "a number of control points, or \"auto\"".to_owned()
-    }
-
-    fn number(self, value: Numeral, at: &mut Reading) -> Option<ControlPointCount> {
-        let count = usize::reader().number(value, at);
-        count.map(ControlPointCount::Number)
-    }
-
-    fn text(self, value: &str, at: &mut Reading) -> Option<ControlPointCount> {
-        if value == "auto" {
-            return Some(ControlPointCount::Auto(Auto::Auto));
-        }
-        at.mismatch(&self.expected(), &quoted(value));
-        None
-    }
-}
+number_or_word!(
+    /// A number of control points, or `"auto"`: as few as the tolerance needs.
+    ControlPointCount(Whole),
+    "auto",
+    "a number of control points, or \"auto\""
+);
 
 /// What a request can say of the number of control points.
 pub(in crate::api::json) enum ControlPoints {}
@@ -80,10 +45,9 @@ schema_of!(MostControlPoints, "MostControlPoints", generator => {
 pub(super) fn given(
     counts: PerDirection<ControlPointCount>,
 ) -> Result<Option<(usize, usize)>, &'static str> {
-    use ControlPointCount::{Auto, Number};
-    match counts.split() {
-        (Number(u), Number(v)) => Ok(Some((u, v))),
-        (Auto(_), Auto(_)) => Ok(None),
+    match counts.map(|count| count.0).split() {
+        (Some(Whole(u)), Some(Whole(v))) => Ok(Some((u, v))),
+        (None, None) => Ok(None),
         _ => Err("either both directions have a number of control points, or both are \"auto\""),
     }
 }

@@ -1,22 +1,80 @@
 //! The settings of a least-squares fit.
 
-use super::MethodRequest;
-use super::counts::given;
-use super::kinds::{EndingRequest, VariantRequest, end_points};
-use crate::api::json::per_direction::PerDirection;
-use crate::api::json::request::settings::each_point;
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer};
+
+use super::constraint::ConstraintRequest;
+use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
+use super::kinds::VariantRequest;
+use crate::api::json::lists::WeightList;
+use crate::api::json::request::settings::{DataWeights, each_point};
 use crate::fit::invalid::{Place, Setting};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, Ending, Fairness, LeastSquares, Variant,
+    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Ending, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant,
 };
 use crate::fit::points::Grid;
+use crate::model::either::{PerDirection, Whole, read_at_most, whole};
+use crate::model::method::mu_without_lspia;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+
+/// No more constraints than can hold.
+#[derive(Debug)]
+struct Constraints(Vec<ConstraintRequest>);
+
+impl<'de> Deserialize<'de> for Constraints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        read_at_most(deserializer, MOST_CONDITIONS, "constraints").map(Self)
+    }
+}
 
 /// The order of the derivative of fairness where none is given.
 const FAIRNESS_ORDER: usize = 2;
 
-impl MethodRequest {
-    pub(super) fn least_squares(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
+/// The settings of least squares.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct LeastSquaresRequest {
+    /// The number of control points; on surfaces of both directions, or one for each.
+    #[schemars(with = "Option<ControlPoints>")]
+    pub(super) control_points: Option<PerDirection<ControlPointCount>>,
+    /// With control_points `auto`: the most control points. Without it as many as data points.
+    #[schemars(with = "Option<MostControlPoints>")]
+    pub(super) max_control_points: Option<PerDirection<Whole>>,
+    /// With control_points `auto`, for curves: whether the parameters of the data move to the points of the curve that are nearest to them, so that errors are distances from the curve. Without it false.
+    correct_parameters: Option<bool>,
+    /// The step.
+    variant: Option<VariantRequest>,
+    /// The length of the step; without one 1 / (largest column sum).
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    mu: Option<f64>,
+    /// Where the fit ends besides its tolerance and its last iteration.
+    ending: Option<Ending>,
+    /// Whether it passes through its end points at every iteration.
+    ends: Option<EndPoints>,
+    /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
+    /// negative, of a surface rows of them.
+    #[schemars(with = "Option<DataWeights>")]
+    data_weights: Option<WeightList>,
+    /// How smooth it is to be: a multiple of the integral of the squared derivative is added to the sum
+    /// of squares. It is free of units: with n data points whose parameters have the range l, the
+    /// multiple is `fairness · l^(2r − 1) / n` on curves and `fairness · (l_u l_v)^(r − 1) / n` on
+    /// surfaces.
+    #[schemars(extend("minimum" = 0))]
+    fairness: Option<f64>,
+    /// The order r of that derivative.
+    #[serde(default, deserialize_with = "whole")]
+    #[schemars(range(min = 2, max = 3), extend("default" = 2))]
+    fairness_order: Option<usize>,
+    /// What every iteration obeys: points to pass through and derivatives.
+    #[schemars(with = "Option<Vec<ConstraintRequest>>", length(min = 1, max = MOST_CONDITIONS))]
+    constraints: Option<Constraints>,
+}
+
+impl LeastSquaresRequest {
+    /// The settings for data points arranged in `grid`.
+    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
+        self.check_mu()?;
         if self.control_points.is_some_and(|count| count.is_each()) && !surface {
             let detail = "a curve has one number of control points";
             return Err(Mistake::at_text("/method/control_points", detail).into());
@@ -31,7 +89,10 @@ impl MethodRequest {
             let weights = each_point(weights, grid, surface, "weights of data");
             weights.map_err(|detail| wrong(Setting::DataWeights, detail))
         });
-        let constraints = self.constraints.unwrap_or_default().into_iter();
+        let constraints = self
+            .constraints
+            .map_or_else(Vec::new, |it| it.0)
+            .into_iter();
         let constraints = constraints.enumerate().map(|(index, constraint)| {
             let wrong = |detail| Mistake::at(SpecPart::Fit(Place::Constraint(index)), detail);
             constraint.spec(grid, surface).map_err(wrong)
@@ -55,6 +116,7 @@ impl MethodRequest {
             let detail = format!("{name} is a setting of fits with control_points \"auto\"");
             return Err(Mistake::at_text(format!("/method/{name}"), detail).into());
         }
+        let most = most.map(|most| most.map(|Whole(count)| count));
         let most = most.map_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA), PerDirection::split);
         let (u, v) = given.unwrap_or(most);
         Ok(LeastSquares {
@@ -64,11 +126,8 @@ impl MethodRequest {
                 Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
                 Some(VariantRequest::Direct) => Variant::Direct,
             },
-            ending: match self.ending {
-                None | Some(EndingRequest::Minimum) => Ending::Minimum,
-                Some(EndingRequest::SmallStep) => Ending::SmallStep,
-            },
-            ends: end_points(self.ends),
+            ending: self.ending.unwrap_or(Ending::Minimum),
+            ends: self.ends.unwrap_or(EndPoints::Usual),
             constraints: constraints?.into(),
             fairness: self.fairness.map(|value| Fairness {
                 value,
@@ -80,5 +139,13 @@ impl MethodRequest {
             }),
             ..LeastSquares::new(u, v)
         })
+    }
+
+    /// Refuses a step that the variant does not have.
+    pub(super) fn check_mu(&self) -> OrMistakes<()> {
+        match self.mu.is_some() && self.variant != Some(VariantRequest::Lspia) {
+            true => Err(mu_without_lspia().into()),
+            false => Ok(()),
+        }
     }
 }

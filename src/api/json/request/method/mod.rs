@@ -10,260 +10,271 @@ mod kinds;
 mod least_squares;
 mod written;
 
-use std::sync::Arc;
+use std::borrow::Cow;
+use std::fmt;
+use std::sync::{Arc, LazyLock};
 
-use schemars::{JsonSchema, Schema};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, MapDeserializer};
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde_json::{Map, Value};
 
 use super::schema;
-use super::settings::{DataWeights, Index, Matrix, Omega, Thresholds};
-use crate::api::json::numbers::WeightList;
+use super::settings::{Index, Matrix, Omega, Thresholds};
 use crate::api::json::per_direction::{PerDirection, direction};
-use crate::api::json::read::{Read as _, object};
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
-    self as fit, Adaptive, Convex, Custom, Extended, Local, METHODS, MOST_CONDITIONS, Method,
-    Start, Sweeps, Weighted,
+    self as fit, Adaptive, Convex, Custom, Extended, Local, METHODS, Method, Start, Sweeps,
+    Weighted,
 };
 use crate::fit::points::Grid;
-use crate::model::method::{MethodSpec, mu_without_lspia, sweeps};
-use crate::model::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
-use constraint::ConstraintRequest;
-use counts::{ControlPointCount, ControlPoints, MostControlPoints};
-use kinds::{EndPointsRequest, EndingRequest};
+use crate::model::either::Kept;
+use crate::model::method::{MethodSpec, sweeps};
+use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::named::Named;
+use least_squares::LeastSquaresRequest;
 
-pub(in crate::api) use kinds::{
-    MethodKind, StartRequest, SweepsRequest, VariantRequest, start_name, sweeps_name, variant_name,
-};
+pub(in crate::api) use kinds::{MethodKind, VariantRequest, variant_name};
 pub(in crate::api) use written::written;
 
-/// The settings of the methods that have some.
-const SETTINGS: [(&str, &[&str]); 7] = [
-    ("weighted", &["omega"]),
-    ("local", &["indices", "row_by_row", "sweeps", "omega"]),
-    ("adaptive", &["threshold", "omega"]),
-    ("convex", &["threshold"]),
-    ("extended", &["start", "transformed_error"]),
-    (
-        "least_squares",
-        &[
-            "control_points",
-            "max_control_points",
-            "correct_parameters",
-            "variant",
-            "mu",
-            "ending",
-            "ends",
-            "data_weights",
-            "fairness",
-            "fairness_order",
-            "constraints",
-        ],
-    ),
-    ("custom", &["transform"]),
-];
-
-/// The settings of a method.
-pub(in crate::api) fn settings(kind: &str) -> &'static [&'static str] {
-    let entry = SETTINGS.iter().find(|(method, _)| *method == kind);
-    entry.map_or(&[], |(_, settings)| settings)
-}
-
-/// The methods that have a setting.
-fn owners(setting: &str) -> Vec<&'static str> {
-    let own = SETTINGS.iter().filter(|(_, own)| own.contains(&setting));
-    own.map(|(kind, _)| *kind).collect()
-}
-
-/// Says in the schema which kinds of methods there are, and to which of them a setting belongs.
-fn explain(schema: &mut Schema) {
-    schema::explain(schema, &METHODS);
-    let mut said = Vec::new();
-    for name in SETTINGS.iter().flat_map(|(_, settings)| *settings) {
-        if !said.contains(name) {
-            schema::belongs(schema, name, &owners(name));
-            said.push(*name);
-        }
-    }
-}
-
 /// How the control points move from iteration to iteration.
-// Which settings belong to which kind is checked after reading, so that the error can say it.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
-#[schemars(rename = "Method", transform = explain, example = schema::example_method())]
-pub(in crate::api) struct MethodRequest {
-    /// The kind of the method.
-    pub(in crate::api) kind: MethodKind,
+#[derive(Debug)]
+pub(in crate::api) enum MethodRequest {
+    Global,
+    Weighted(WeightedRequest),
+    Local(LocalRequest),
+    Adaptive(AdaptiveRequest),
+    Extended(ExtendedRequest),
+    Transpose,
+    Convex(ConvexRequest),
+    Chebyshev,
+    Direct,
+    LeastSquares(Box<LeastSquaresRequest>),
+    Custom(CustomRequest),
+}
+
+/// A method without settings.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NoSettings {}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct WeightedRequest {
     /// The relaxation. Without one it is `auto` for `weighted`, and 1 for the others.
-    pub(in crate::api) omega: Option<Omega>,
+    omega: Option<Omega>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct LocalRequest {
     /// The data points whose control points may move.
     #[schemars(length(min = 1), extend("uniqueItems" = true))]
-    pub(in crate::api) indices: Option<Vec<Index>>,
+    indices: Option<Vec<Index>>,
     /// Surfaces: one row after the other, in sweeps until all are within the tolerance; short for the
     /// sweeps `rows`.
-    pub(in crate::api) row_by_row: Option<bool>,
+    row_by_row: Option<bool>,
     /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
     /// tolerance.
-    pub(in crate::api) sweeps: Option<SweepsRequest>,
+    sweeps: Option<Sweeps>,
+    /// The relaxation.
+    omega: Option<Omega>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct AdaptiveRequest {
     /// With `adaptive` only control points move whose data point is further away than this, in data
     /// units. With `convex` bisection ends as near as this part of the plain step to the longest one
     /// that keeps the turns: a number below 1, by default 1e-6.
-    pub(in crate::api) threshold: Option<Thresholds>,
+    threshold: Option<Thresholds>,
+    /// The relaxation.
+    omega: Option<Omega>,
+}
+
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct ExtendedRequest {
     /// What iteration 0 is.
-    pub(in crate::api) start: Option<StartRequest>,
+    start: Option<Start>,
     /// Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
     /// control point moves in the next one.
     #[schemars(extend("default" = false))]
-    pub(in crate::api) transformed_error: Option<bool>,
-    /// The number of control points; on surfaces of both directions, or one for each.
-    #[schemars(with = "Option<ControlPoints>")]
-    pub(in crate::api) control_points: Option<PerDirection<ControlPointCount>>,
-    /// With control_points `auto`: the most control points. Without it as many as data points.
-    #[schemars(with = "Option<MostControlPoints>")]
-    pub(in crate::api) max_control_points: Option<PerDirection<usize>>,
-    /// With control_points `auto`, for curves: whether the parameters of the data move to the points of the curve that are nearest to them, so that errors are distances from the curve. Without it false.
-    pub(in crate::api) correct_parameters: Option<bool>,
-    /// The step.
-    pub(in crate::api) variant: Option<VariantRequest>,
-    /// The length of the step; without one 1 / (largest column sum).
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(in crate::api) mu: Option<f64>,
-    /// Where the fit ends besides its tolerance and its last iteration.
-    pub(in crate::api) ending: Option<EndingRequest>,
-    /// Whether it passes through its end points at every iteration.
-    pub(in crate::api) ends: Option<EndPointsRequest>,
-    /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
-    /// negative, of a surface rows of them.
-    #[schemars(with = "Option<DataWeights>")]
-    pub(in crate::api) data_weights: Option<WeightList>,
-    /// How smooth it is to be: a multiple of the integral of the squared derivative is added to the sum
-    /// of squares. It is free of units: with n data points whose parameters have the range l, the
-    /// multiple is `fairness · l^(2r − 1) / n` on curves and `fairness · (l_u l_v)^(r − 1) / n` on
-    /// surfaces.
-    #[schemars(extend("minimum" = 0))]
-    pub(in crate::api) fairness: Option<f64>,
-    /// The order r of that derivative.
-    #[schemars(range(min = 2, max = 3), extend("default" = 2))]
-    pub(in crate::api) fairness_order: Option<usize>,
-    /// What every iteration obeys: points to pass through and derivatives.
-    #[schemars(length(min = 1, max = MOST_CONDITIONS))]
-    pub(in crate::api) constraints: Option<Vec<ConstraintRequest>>,
-    /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
-    #[schemars(with = "Option<PerDirection<Matrix>>")]
-    pub(in crate::api) transform: Option<PerDirection<Matrix>>,
+    transformed_error: Option<bool>,
 }
 
-object!(
-    MethodRequest,
-    "an object with a kind, or the name of a kind",
-    [
-        kind,
-        omega,
-        indices,
-        row_by_row,
-        sweeps,
-        threshold,
-        start,
-        transformed_error,
-        control_points,
-        max_control_points,
-        correct_parameters,
-        variant,
-        mu,
-        ending,
-        ends,
-        data_weights,
-        fairness,
-        fairness_order,
-        constraints,
-        transform,
-    ],
-    of_name: |name, at| MethodKind::reader().text(name, at).map(MethodRequest::of),
-    fields_by kind: fields
-);
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct ConvexRequest {
+    /// How near bisection goes.
+    threshold: Option<Thresholds>,
+}
 
-/// The fields of a method of this kind.
-fn fields(kind: &MethodKind) -> Vec<&'static str> {
-    let settings = settings(kind.name()).iter().copied();
-    std::iter::once("kind").chain(settings).collect()
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::api) struct CustomRequest {
+    /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
+    #[schemars(with = "Option<PerDirection<Matrix>>")]
+    transform: Option<PerDirection<Matrix>>,
+}
+
+/// Reads a method by its kind, wherever that stands, or from the name of the kind alone.
+impl<'de> Deserialize<'de> for MethodRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct MethodVisitor;
+
+        impl<'de> Visitor<'de> for MethodVisitor {
+            type Value = MethodRequest;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object with a kind, or the name of a kind")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<MethodRequest, E> {
+                let none = std::iter::empty::<(&str, &str)>();
+                MethodRequest::of(MethodKind::read(name)?, MapDeserializer::new(none))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MethodRequest, A::Error> {
+                let (kind, settings) = Kept::read(map)?;
+                MethodRequest::of(kind, MapAccessDeserializer::new(settings))
+            }
+        }
+
+        deserializer.deserialize_any(MethodVisitor)
+    }
 }
 
 impl MethodRequest {
-    /// A method without settings.
-    pub(in crate::api) fn of(kind: MethodKind) -> Self {
-        Self {
-            kind,
-            omega: None,
-            indices: None,
-            row_by_row: None,
-            sweeps: None,
-            threshold: None,
-            start: None,
-            transformed_error: None,
-            control_points: None,
-            max_control_points: None,
-            correct_parameters: None,
-            variant: None,
-            mu: None,
-            ending: None,
-            ends: None,
-            data_weights: None,
-            fairness: None,
-            fairness_order: None,
-            constraints: None,
-            transform: None,
+    /// A method of this kind with these settings.
+    fn of<'de, D: Deserializer<'de>>(kind: MethodKind, settings: D) -> Result<Self, D::Error> {
+        let none = |settings, method| NoSettings::deserialize(settings).map(|_| method);
+        match kind {
+            MethodKind::Global => none(settings, Self::Global),
+            MethodKind::Weighted => Deserialize::deserialize(settings).map(Self::Weighted),
+            MethodKind::Local => Deserialize::deserialize(settings).map(Self::Local),
+            MethodKind::Adaptive => Deserialize::deserialize(settings).map(Self::Adaptive),
+            MethodKind::Extended => Deserialize::deserialize(settings).map(Self::Extended),
+            MethodKind::Transpose => none(settings, Self::Transpose),
+            MethodKind::Convex => Deserialize::deserialize(settings).map(Self::Convex),
+            MethodKind::Chebyshev => none(settings, Self::Chebyshev),
+            MethodKind::Direct => none(settings, Self::Direct),
+            MethodKind::LeastSquares => Deserialize::deserialize(settings).map(Self::LeastSquares),
+            MethodKind::Custom => Deserialize::deserialize(settings).map(Self::Custom),
         }
     }
+}
 
+/// The schemas of the settings of methods that have some.
+fn schemas(generator: &mut SchemaGenerator) -> [(&'static str, Schema); 7] {
+    [
+        ("weighted", WeightedRequest::json_schema(generator)),
+        ("local", LocalRequest::json_schema(generator)),
+        ("adaptive", AdaptiveRequest::json_schema(generator)),
+        ("convex", ConvexRequest::json_schema(generator)),
+        ("extended", ExtendedRequest::json_schema(generator)),
+        ("least_squares", LeastSquaresRequest::json_schema(generator)),
+        ("custom", CustomRequest::json_schema(generator)),
+    ]
+}
+
+/// The fields of a schema.
+fn fields(schema: &mut Schema) -> Map<String, Value> {
+    match schema.remove("properties") {
+        Some(Value::Object(fields)) => fields,
+        _ => Map::new(),
+    }
+}
+
+/// The settings of a method.
+pub(in crate::api) fn settings(kind: &str) -> Vec<String> {
+    static SETTINGS: LazyLock<Vec<(&str, Vec<String>)>> = LazyLock::new(|| {
+        let schemas = schemas(&mut SchemaGenerator::default()).into_iter();
+        let names = |mut schema| fields(&mut schema).into_iter().map(|(name, _)| name);
+        let own = schemas.map(|(kind, schema)| (kind, names(schema).collect()));
+        own.collect()
+    });
+    let entry = SETTINGS.iter().find(|(method, _)| *method == kind);
+    entry.map_or_else(Vec::new, |(_, settings)| settings.clone())
+}
+
+/// One object with the settings of all methods, each of which says to which it belongs: generated
+/// clients have one type for it.
+impl JsonSchema for MethodRequest {
+    fn schema_name() -> Cow<'static, str> {
+        "Method".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut kind = generator.subschema_for::<MethodKind>();
+        kind.insert("description".to_owned(), "The kind of the method.".into());
+        let mut all = Map::from_iter([("kind".to_owned(), kind.to_value())]);
+        let mut owners: Vec<(String, Vec<&str>)> = Vec::new();
+        for (kind, mut schema) in schemas(generator) {
+            for (name, setting) in fields(&mut schema) {
+                match owners.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, kinds)) => kinds.push(kind),
+                    None => owners.push((name.clone(), vec![kind])),
+                }
+                all.entry(name).or_insert(setting);
+            }
+        }
+        let mut schema = json_schema!({
+            "description": "How the control points move from iteration to iteration.",
+            "type": "object",
+            "properties": all,
+            "required": ["kind"],
+            "additionalProperties": false,
+            "examples": [{"kind": "weighted", "omega": "auto"}],
+        });
+        schema::explain(&mut schema, &METHODS);
+        for (name, kinds) in owners {
+            schema::belongs(&mut schema, &name, &kinds);
+        }
+        schema
+    }
+}
+
+impl MethodRequest {
     /// How it is written.
     pub(super) fn form(&self) -> MethodForm {
-        let transform = self.transform.as_ref();
-        let most = self.max_control_points;
-        MethodForm {
-            each: self.control_points.is_some_and(|count| count.is_each())
-                || most.is_some_and(|most| most.is_each())
-                || transform.is_some_and(PerDirection::is_each),
-            limited: most.is_some(),
+        match self {
+            Self::LeastSquares(settings) => {
+                let most = settings.max_control_points;
+                MethodForm {
+                    each: settings.control_points.is_some_and(|count| count.is_each())
+                        || most.is_some_and(|most| most.is_each()),
+                    limited: most.is_some(),
+                }
+            }
+            Self::Custom(CustomRequest { transform }) => MethodForm {
+                each: transform.as_ref().is_some_and(PerDirection::is_each),
+                limited: false,
+            },
+            _ => MethodForm::default(),
         }
     }
 
     /// The method for data points arranged in `grid`, and the points that it selects.
     pub(super) fn spec(self, grid: Grid, surface: bool) -> OrMistakes<MethodSpec> {
-        self.check_settings()?;
-        let selected = self.selected(grid, surface)?;
-        let method = match self.kind {
-            MethodKind::Global => Method::Global,
-            MethodKind::Weighted => Method::Weighted(Weighted {
-                omega: match self.omega {
-                    None | Some(Omega::Auto) => None,
-                    Some(Omega::Given(omega)) => Some(omega),
-                },
+        let method = match self {
+            Self::Global => Method::Global,
+            Self::Weighted(WeightedRequest { omega }) => Method::Weighted(Weighted {
+                omega: omega.and_then(|Omega(omega)| omega),
             }),
-            MethodKind::Local => {
-                let settings = Local {
-                    omega: match self.omega {
-                        None => fit::Omega::default(),
-                        Some(Omega::Auto) => fit::Omega::Best,
-                        Some(Omega::Given(omega)) => fit::Omega::Given(omega),
-                    },
-                    sweeps: sweeps(self.sweeps.map(Sweeps::from), self.row_by_row, surface)?,
-                };
-                return MethodSpec::local(selected, settings);
-            }
-            MethodKind::Adaptive => Method::Adaptive(self.adaptive(grid, surface)?),
-            MethodKind::Extended => Method::Extended(Extended {
-                start: match self.start {
-                    None | Some(StartRequest::Transformed) => Start::Transformed,
-                    Some(StartRequest::Data) => Start::Data,
-                },
-                transformed_error: self.transformed_error.unwrap_or(false),
+            Self::Local(local) => return local.spec(grid, surface),
+            Self::Adaptive(adaptive) => Method::Adaptive(adaptive.settings(grid, surface)?),
+            Self::Extended(extended) => Method::Extended(Extended {
+                start: extended.start.unwrap_or_default(),
+                transformed_error: extended.transformed_error.unwrap_or(false),
             }),
-            MethodKind::Transpose => Method::Transpose,
-            MethodKind::Convex => Method::Convex(self.convex()?),
-            MethodKind::Chebyshev => Method::Chebyshev,
-            MethodKind::Direct => Method::Direct,
-            MethodKind::LeastSquares => Method::LeastSquares(self.least_squares(grid, surface)?),
-            MethodKind::Custom => Method::Custom(match self.transform {
+            Self::Transpose => Method::Transpose,
+            Self::Convex(convex) => Method::Convex(convex.settings()?),
+            Self::Chebyshev => Method::Chebyshev,
+            Self::Direct => Method::Direct,
+            Self::LeastSquares(it) => Method::LeastSquares(it.settings(grid, surface)?),
+            Self::Custom(CustomRequest { transform }) => Method::Custom(match transform {
                 Some(PerDirection::Both(Matrix(u))) => Custom::new(u, None),
                 Some(PerDirection::Each { u, v }) => Custom::new(u.0, Some(v.0)),
                 None => {
@@ -273,48 +284,36 @@ impl MethodRequest {
                 }
             }),
         };
-        Ok(MethodSpec { method, selected })
+        Ok(method.into())
     }
+}
 
-    /// Refuses settings of other methods.
-    pub(super) fn check_settings(&self) -> OrMistakes<()> {
-        let given = [
-            ("omega", self.omega.is_some()),
-            ("indices", self.indices.is_some()),
-            ("row_by_row", self.row_by_row.is_some()),
-            ("sweeps", self.sweeps.is_some()),
-            ("threshold", self.threshold.is_some()),
-            ("start", self.start.is_some()),
-            ("transformed_error", self.transformed_error.is_some()),
-            ("control_points", self.control_points.is_some()),
-            ("max_control_points", self.max_control_points.is_some()),
-            ("correct_parameters", self.correct_parameters.is_some()),
-            ("variant", self.variant.is_some()),
-            ("mu", self.mu.is_some()),
-            ("ending", self.ending.is_some()),
-            ("ends", self.ends.is_some()),
-            ("data_weights", self.data_weights.is_some()),
-            ("fairness", self.fairness.is_some()),
-            ("fairness_order", self.fairness_order.is_some()),
-            ("constraints", self.constraints.is_some()),
-            ("transform", self.transform.is_some()),
-        ];
-        let own = settings(self.kind.name());
-        let mut mistakes = Mistakes::default();
-        for (name, given) in given {
-            if given && !own.contains(&name) {
-                let detail = format!("{name} is a setting of {}", methods(&owners(name)));
-                mistakes.push(Mistake::at_text(format!("/method/{name}"), detail));
-            }
-        }
-        let lspia = self.variant == Some(VariantRequest::Lspia);
-        if self.kind == MethodKind::LeastSquares && self.mu.is_some() && !lspia {
-            mistakes.push(mu_without_lspia());
-        }
-        mistakes.or(())
+impl LocalRequest {
+    fn spec(self, grid: Grid, surface: bool) -> OrMistakes<MethodSpec> {
+        let selected = self.indices.map(|mut given| {
+            // Among more than there are points one is wrong, or given twice.
+            given.truncate(grid.count().saturating_add(1));
+            let of_point = |(k, index): (usize, Index)| {
+                let wrong = |detail| Mistake::at(SpecPart::Fit(P::Index(k)), detail);
+                index.of_point(grid, surface).map_err(wrong)
+            };
+            given.into_iter().enumerate().map(of_point).collect()
+        });
+        let selected: Option<Arc<[usize]>> = selected.transpose()?;
+        let settings = Local {
+            omega: match self.omega {
+                None => fit::Omega::default(),
+                Some(Omega(None)) => fit::Omega::Best,
+                Some(Omega(Some(omega))) => fit::Omega::Given(omega),
+            },
+            sweeps: sweeps(self.sweeps, self.row_by_row, surface)?,
+        };
+        MethodSpec::local(selected, settings)
     }
+}
 
-    fn convex(&self) -> OrMistakes<Convex> {
+impl ConvexRequest {
+    fn settings(self) -> OrMistakes<Convex> {
         match self.threshold {
             None => Ok(Convex::default()),
             Some(Thresholds::All(threshold)) => Ok(Convex { threshold }),
@@ -325,12 +324,14 @@ impl MethodRequest {
             }
         }
     }
+}
 
-    fn adaptive(self, grid: Grid, surface: bool) -> OrMistakes<Adaptive> {
+impl AdaptiveRequest {
+    fn settings(self, grid: Grid, surface: bool) -> OrMistakes<Adaptive> {
         let omega = match self.omega {
             None => 1.0,
-            Some(Omega::Given(omega)) => omega,
-            Some(Omega::Auto) => {
+            Some(Omega(Some(omega))) => omega,
+            Some(Omega(None)) => {
                 let detail = "adaptive needs a number: the best omega is another one for each choice of points";
                 let place = P::Setting(Setting::Omega);
                 return Err(Mistake::at(SpecPart::Fit(place), detail).into());
@@ -343,27 +344,6 @@ impl MethodRequest {
         let wrong = |detail| Mistake::at(SpecPart::Fit(place), detail);
         let threshold = threshold.of_points(grid, surface).map_err(wrong)?;
         Ok(Adaptive { threshold, omega })
-    }
-
-    fn selected(&self, grid: Grid, surface: bool) -> OrMistakes<Option<Arc<[usize]>>> {
-        let Some(given) = &self.indices else {
-            return Ok(None);
-        };
-        let mut indices = Vec::with_capacity(given.len());
-        for (k, index) in given.iter().enumerate() {
-            let index = index.of_point(grid, surface);
-            let wrong = |detail| Mistake::at(SpecPart::Fit(P::Index(k)), detail);
-            indices.push(index.map_err(wrong)?);
-        }
-        Ok(Some(indices.into()))
-    }
-}
-
-/// The methods of a setting, as a message names them.
-fn methods(names: &[&str]) -> String {
-    match names {
-        [name] => format!("the method {name:?}"),
-        _ => format!("the methods {}", names.join(", ")),
     }
 }
 

@@ -3,11 +3,11 @@
 use serde_json::{Map, Value, json};
 
 use super::constraint;
-use super::kinds::{end_points_name, start_name, sweeps_name, variant_name};
+use super::kinds::variant_name;
 use crate::api::json::view::error::PointIndex;
 use crate::fit::method::{
-    AS_MANY_AS_DATA, Adaptive, Convex, Ending, LeastSquares, Local, Method, Sweeps, Threshold,
-    Variant, Weighted,
+    AS_MANY_AS_DATA, Adaptive, Convex, EndPoints, Ending, LeastSquares, Local, Method, Sweeps,
+    Threshold, Variant, Weighted,
 };
 use crate::fit::problem::Problem;
 
@@ -53,7 +53,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                 set("indices", indices.collect());
             }
             match sweeps {
-                Some(Sweeps::Columns) => set("sweeps", json!(sweeps_name(Sweeps::Columns))),
+                Some(Sweeps::Columns) => set("sweeps", json!(Sweeps::Columns)),
                 _ => set("row_by_row", json!(sweeps.is_some())),
             }
         }
@@ -67,7 +67,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
             }
         }
         Method::Extended(settings) => {
-            set("start", json!(start_name(settings.start)));
+            set("start", json!(settings.start));
             if settings.transformed_error {
                 set("transformed_error", json!(true));
             }
@@ -121,8 +121,8 @@ fn least_squares(settings: &LeastSquares, problem: &Problem, mut set: impl FnMut
     if settings.ending == Ending::SmallStep {
         set("ending", json!("small_step"));
     }
-    if let Some(ends) = end_points_name(settings.ends) {
-        set("ends", json!(ends));
+    if settings.ends != EndPoints::Usual {
+        set("ends", json!(settings.ends));
     }
     if let Some(weights) = &settings.data_weights {
         set("data_weights", of_points(weights, problem));

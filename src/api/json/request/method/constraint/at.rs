@@ -1,15 +1,19 @@
 //! The JSON of places at which constraints hold.
 
-use schemars::json_schema;
-use serde::de::{MapAccess, SeqAccess};
+use std::fmt;
 
-use crate::api::json::read::{Field, Members, Most, Numeral, Of, Read, Reader, Reading, names};
+use schemars::json_schema;
+use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
+
 use crate::api::json::request::settings::Index;
 use crate::api::json::schema::schema_of;
 use crate::fit::invalid::{Axis, Side};
 use crate::fit::method::At;
 use crate::fit::points::Grid;
-use crate::model::short::quoted;
+use crate::model::either::{Object, read_at_most, read_object, some};
+use crate::model::named::{Named, names};
 
 /// Where a constraint holds.
 #[derive(Clone, Copy, Debug)]
@@ -43,86 +47,82 @@ names!(Boundary, "boundary", [
     "v_end" => VEnd,
 ]);
 
-/// The fields of a place.
-const PLACES: [&str; 3] = ["index", "parameter", "boundary"];
+/// A place as an object.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Place {
+    #[serde(default, deserialize_with = "some")]
+    index: Option<Index>,
+    #[serde(default, deserialize_with = "some")]
+    parameter: Option<ParameterRequest>,
+    #[serde(default, deserialize_with = "some")]
+    boundary: Option<Boundary>,
+}
 
-impl Reader for Of<AtRequest> {
-    type Value = AtRequest;
+impl<'de> Object<'de> for AtRequest {
+    const EXPECTED: &'static str =
+        "\"start\", \"end\", {\"index\": …}, {\"parameter\": …} or {\"boundary\": …}";
 
-    fn expected(&self) -> String {
-        "\"start\", \"end\", {\"index\": …}, {\"parameter\": …} or {\"boundary\": …}".to_owned()
+    fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
+        let place = Place::deserialize(fields)?;
+        match (place.index, place.parameter, place.boundary) {
+            (Some(index), None, None) => Ok(Self::Index(index)),
+            (None, Some(parameter), None) => Ok(Self::Parameter(parameter)),
+            (None, None, Some(boundary)) => Ok(Self::Boundary(boundary)),
+            _ => Err(D::Error::custom(
+                "a place has one of index, parameter and boundary",
+            )),
+        }
     }
 
-    fn text(self, name: &str, at: &mut Reading) -> Option<AtRequest> {
-        let side = [Side::Start, Side::End].into_iter();
-        let side = side.into_iter().find(|side| side.name() == name);
-        if side.is_none() {
-            at.mismatch(&self.expected(), &quoted(name));
-        }
-        side.map(AtRequest::Side)
-    }
-
-    fn object<'de, A: MapAccess<'de>>(
-        self,
-        mut members: Members<A>,
-        at: &mut Reading,
-    ) -> Result<Option<AtRequest>, A::Error> {
-        let (mut index, mut parameter, mut boundary) =
-            (Field::Absent, Field::Absent, Field::Absent);
-        while let Some(name) = members.next(&PLACES, at)? {
-            match name {
-                "index" => members.field(name, &mut index, at)?,
-                "parameter" => members.field(name, &mut parameter, at)?,
-                _ => members.field(name, &mut boundary, at)?,
-            }
-        }
-        Ok(match (index, parameter, boundary) {
-            (Field::Given(index), Field::Absent, Field::Absent) => Some(AtRequest::Index(index)),
-            (Field::Absent, Field::Given(parameter), Field::Absent) => {
-                Some(AtRequest::Parameter(parameter))
-            }
-            (Field::Absent, Field::Absent, Field::Given(boundary)) => {
-                Some(AtRequest::Boundary(boundary))
-            }
-            (Field::Wrong, ..) | (_, Field::Wrong, _) | (.., Field::Wrong) => None,
-            _ => {
-                at.wrong("a place has one of index, parameter and boundary");
-                None
-            }
-        })
+    fn of_name<E: Error>(name: &str) -> Result<Self, E> {
+        let mut sides = [Side::Start, Side::End].into_iter();
+        let side = sides.find(|side| side.name() == name);
+        side.map(Self::Side)
+            .ok_or_else(|| E::invalid_type(Unexpected::Str(name), &Self::EXPECTED))
     }
 }
 
-impl Reader for Of<ParameterRequest> {
-    type Value = ParameterRequest;
-
-    fn expected(&self) -> String {
-        "a parameter, or [u, v]".to_owned()
+impl<'de> Deserialize<'de> for AtRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        read_object(deserializer)
     }
+}
 
-    fn number(self, value: Numeral, _: &mut Reading) -> Option<ParameterRequest> {
-        Some(ParameterRequest::One(value.real()))
-    }
+impl<'de> Deserialize<'de> for ParameterRequest {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ParameterVisitor;
 
-    fn list<'de, A: SeqAccess<'de>>(
-        self,
-        list: A,
-        at: &mut Reading,
-    ) -> Result<Option<ParameterRequest>, A::Error> {
-        let mut both = Vec::new();
-        let whole = at.elements(list, Most::of(2, "parameters"), f64::reader, |value, _| {
-            both.push(value);
-            Some(())
-        })?;
-        match both[..] {
-            [u, v] if whole => Ok(Some(ParameterRequest::Two(u, v))),
-            _ => {
-                if whole {
-                    at.wrong("a surface has two parameters, [u, v]");
+        impl<'de> Visitor<'de> for ParameterVisitor {
+            type Value = ParameterRequest;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a parameter, or [u, v]")
+            }
+
+            fn visit_f64<E: Error>(self, t: f64) -> Result<ParameterRequest, E> {
+                Ok(ParameterRequest::One(t))
+            }
+
+            fn visit_u64<E: Error>(self, t: u64) -> Result<ParameterRequest, E> {
+                self.visit_f64(t as f64)
+            }
+
+            fn visit_i64<E: Error>(self, t: i64) -> Result<ParameterRequest, E> {
+                self.visit_f64(t as f64)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
+                let both: Vec<f64> =
+                    read_at_most(SeqAccessDeserializer::new(list), 2, "parameters")?;
+                match both[..] {
+                    [u, v] => Ok(ParameterRequest::Two(u, v)),
+                    _ => Err(A::Error::custom("a surface has two parameters, [u, v]")),
                 }
-                Ok(None)
             }
         }
+
+        deserializer.deserialize_any(ParameterVisitor)
     }
 }
 
@@ -141,7 +141,7 @@ schema_of!(AtRequest, "ConstraintPlace", generator => {
     let parameter = json_schema!({
         "oneOf": [number, {"type": "array", "items": number, "minItems": 2, "maxItems": 2}],
     });
-    let boundary = json_schema!({"type": "string", "enum": Boundary::NAMES});
+    let boundary = json_schema!({"type": "string", "enum": Boundary::names()});
     json_schema!({
         "description": "An end of a curve, the parameters of a data point, a parameter ([u, v] of a surface), or a boundary of a surface.",
         "oneOf": [

@@ -3,22 +3,22 @@
 mod at;
 
 use schemars::JsonSchema;
+use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::api::json::read::values::Element;
-use crate::api::json::read::{ListLimits, object};
-use crate::api::json::request::ends::Vectors;
+use crate::api::json::lists::Vectors;
 use crate::api::json::request::settings::Index;
 use crate::api::json::view::error::PointIndex;
-use crate::fit::method::{At, Constraint, MOST_CONDITIONS, Wanted};
+use crate::fit::method::{At, Constraint, Wanted};
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::Problem;
+use crate::model::either::object;
 use at::AtRequest;
 
 /// What every iteration obeys: `{"index": i}` passes through a data point; others have `at` and one of
 /// the fields that say what holds there.
-#[derive(Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "Constraint", example = example())]
 pub(in crate::api) struct ConstraintRequest {
     /// It passes through this data point.
@@ -63,31 +63,8 @@ pub(in crate::api) struct ConstraintRequest {
 
 object!(
     ConstraintRequest,
-    "{\"index\": …}, or an object with at and what holds there",
-    [
-        index,
-        at,
-        point,
-        derivative,
-        second_derivative,
-        tangent,
-        derivative_u,
-        derivative_v,
-        derivative_uu,
-        derivative_uv,
-        derivative_vv,
-        control_points,
-        cross_derivatives,
-    ]
+    "{\"index\": …}, or an object with at and what holds there"
 );
-
-impl Element for ConstraintRequest {
-    const MANY: &'static str = "constraints";
-
-    fn most(_: ListLimits) -> usize {
-        MOST_CONDITIONS
-    }
-}
 
 fn example() -> Value {
     json!({"at": "start", "tangent": [0.0, 1.0]})

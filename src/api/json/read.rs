@@ -1,0 +1,172 @@
+//! Reads the JSON of requests, and says in plain words what is wrong with it, and where.
+
+use serde::de::DeserializeOwned;
+use serde_json::Deserializer as Json;
+use serde_json::error::{Category, Error};
+use serde_path_to_error::{Deserializer, Track};
+
+use crate::api::problem::{Kind, Problem};
+use crate::api::text;
+use crate::model::either::{MARK, pointer};
+use crate::model::short::{cut, plain, quoted};
+
+/// Reads a body. Only if that fails it is read once more, for the place of the error.
+pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
+    let body = text::utf8(body)?;
+    if body.trim_ascii().is_empty() {
+        let detail = "the body is empty; a job is expected";
+        return Err(Problem::new(Kind::NotJson, detail));
+    }
+    serde_json::from_slice(body).map_err(|error| {
+        let mut track = Track::new();
+        let _ = T::deserialize(Deserializer::new(&mut Json::from_slice(body), &mut track));
+        problem(body, &error, pointer(&track.path()))
+    })
+}
+
+/// What is wrong, at a place that the error says more about.
+fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
+    let text = error.to_string();
+    // 1e999 is JSON, but no 64-bit number.
+    if text.starts_with("number out of range") {
+        let detail = format!("the {text}: numbers are finite 64-bit floating-point numbers");
+        return Problem::at_pointer(Kind::InvalidFit, pointer, detail);
+    }
+    if error.classify() != Category::Data {
+        let hint = match is_about_nan(body, error) {
+            true => "; JSON has no NaN and no Infinity",
+            false => "",
+        };
+        let detail = format!("{}{hint}", syntax(&text));
+        return Problem::at_pointer(Kind::NotJson, pointer, cut(&detail, 200));
+    }
+    let position = format!(" at line {} column {}", error.line(), error.column());
+    let mut text = text.strip_suffix(&position).unwrap_or(&text);
+    while let Some((place, rest)) = text.strip_prefix(MARK).and_then(|it| it.split_once(MARK)) {
+        pointer.push_str(place);
+        text = rest;
+    }
+    if let Some(name) = between(text, "duplicate field `", "`") {
+        pointer = format!("{pointer}/{name}");
+    }
+    Problem::at_pointer(Kind::InvalidFit, pointer, words(text))
+}
+
+/// How the texts of syntax errors begin, and how they begin in plain words. The texts are all that serde_json tells
+/// about an error beyond its [`Category`]: its code is private. Other texts are passed on as they are.
+const SYNTAX: [(&str, &str); 8] = [
+    (
+        "EOF while parsing a string",
+        "the body ends within a string",
+    ),
+    ("EOF while parsing a list", "the body ends within a list"),
+    (
+        "EOF while parsing an object",
+        "the body ends within an object",
+    ),
+    (
+        "EOF while parsing a value",
+        "the body ends where a value should be",
+    ),
+    ("expected ident", "expected true, false or null"),
+    (
+        "trailing characters",
+        "something follows the end of the JSON",
+    ),
+    ("trailing comma", "a comma with nothing after it"),
+    (
+        "recursion limit exceeded",
+        "lists and objects stand within one another too often",
+    ),
+];
+
+/// What is said of a syntax error.
+fn syntax(text: &str) -> String {
+    let known = SYNTAX.iter().find_map(|(words, plain)| {
+        let rest = text.strip_prefix(words)?;
+        Some(format!("{plain}{rest}"))
+    });
+    known.unwrap_or_else(|| text.replace('`', "\""))
+}
+
+/// Whether what is no JSON looks like a number that is not finite.
+fn is_about_nan(body: &[u8], error: &Error) -> bool {
+    if error.classify() != Category::Syntax {
+        return false;
+    }
+    let mut lines = body.split(|byte| *byte == b'\n');
+    let line = lines.nth(error.line().saturating_sub(1)).unwrap_or(&[]);
+    // The column is that of the byte that is wrong, or of one next to it.
+    let around = line.iter().skip(error.column().saturating_sub(3)).take(12);
+    let around: Vec<u8> = around.map(u8::to_ascii_lowercase).collect();
+    let has = |word: &[u8]| around.windows(word.len()).any(|part| part == word);
+    has(b"nan") || has(b"inf")
+}
+
+/// What serde says of a value, in the words of users. What the readers of this program say themselves
+/// is passed on.
+fn words(text: &str) -> String {
+    let invalid = ["invalid type: ", "invalid value: ", "invalid length: "];
+    if let Some(rest) = invalid.iter().find_map(|it| text.strip_prefix(it))
+        && let Some((found, expected)) = rest.rsplit_once(", expected ")
+    {
+        return mismatch(found, expected);
+    }
+    if let Some(rest) = text.strip_prefix("unknown field `") {
+        let (name, names) = match rest.rsplit_once("`, expected ") {
+            Some((name, names)) => (name, names.split('`').skip(1).step_by(2).collect()),
+            None => (
+                rest.strip_suffix("`, there are no fields").unwrap_or(rest),
+                vec![],
+            ),
+        };
+        let there_are = match names.is_empty() {
+            true => "no settings".to_owned(),
+            false => names.join(", "),
+        };
+        return format!("unknown field {}; there are {there_are}", quoted(name));
+    }
+    if let Some(name) = between(text, "missing field `", "`") {
+        return format!("the field {name:?} is missing");
+    }
+    match text.starts_with("duplicate field `") {
+        true => "this field is given twice".to_owned(),
+        false => text.to_owned(),
+    }
+}
+
+/// A value of another type than the one that is expected.
+fn mismatch(found: &str, expected: &str) -> String {
+    let expected = match expected {
+        "f64" | "f32" => "a number",
+        "a boolean" => "true or false",
+        "a sequence" => "a list",
+        other => other,
+    };
+    let number = |prefix| between(found, prefix, "`");
+    let found = match found {
+        "null" | "unit value" if expected == "a number" => {
+            "null (what many writers make of NaN and Infinity)".to_owned()
+        }
+        "null" | "unit value" => "null".to_owned(),
+        "map" => "an object".to_owned(),
+        "sequence" => "a list".to_owned(),
+        _ => match found.strip_prefix("string \"") {
+            // It is escaped already.
+            Some(rest) => format!("\"{}\"", plain(rest.strip_suffix('"').unwrap_or(rest))),
+            None => match number("floating point `").map(str::parse::<f64>) {
+                Some(Ok(x)) => format!("{x:?}"),
+                _ => number("integer `")
+                    .or(number("boolean `"))
+                    .unwrap_or(found)
+                    .to_owned(),
+            },
+        },
+    };
+    format!("expected {expected}, found {found}")
+}
+
+/// What stands between these in a text that begins with the first.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
+    text.strip_prefix(start)?.split_once(end).map(|it| it.0)
+}
