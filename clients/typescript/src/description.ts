@@ -1387,16 +1387,14 @@ export interface components {
          */
         LeastSquaresVariant: "diagonal" | "lspia" | "cg" | "direct";
         /**
-         * @description Where a least-squares fit ends: where its gradient says that the minimum is near, or as soon as the
-         *     residual shrinks by less than a millionth in one iteration. Default: `"minimum"`.
+         * @description Where a least-squares fit ends: where its gradient says that the minimum is near, or as soon as the residual shrinks by less than a millionth in one iteration. Default: `"minimum"`.
          * @example minimum
          * @enum {string}
          */
         LeastSquaresEnding: "minimum" | "small_step";
         /**
-         * @description Whether a least-squares fit passes through its end points: the first and the last data point of an
-         *     open curve, the corners of an open surface; or `free`, where they are data points like others. Default: `"interpolated"`.
-         * @example free
+         * @description Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others. Default: `"interpolated"`.
+         * @example interpolated
          * @enum {string}
          */
         LeastSquaresEnds: "interpolated" | "free";
