@@ -4,9 +4,9 @@ use super::table::Table;
 use super::{Hints, Kind};
 use crate::fit::points::Points;
 
-/// Cosine of the sharpest turn, about 127°, at which an outline is taken to go on smoothly. The
-/// trailing edge of an airfoil turns by more than 160°, and stays an end.
-const SHARPEST_TURN: f64 = -0.6;
+/// Cosine of the sharpest turn, 60°, at which an outline is taken to go on smoothly. The trailing edge of
+/// an airfoil turns by more than 160°, or by 90° where it is blunt, and stays an end.
+const SHARPEST_TURN: f64 = 0.5;
 
 /// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
 pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {

@@ -11,8 +11,8 @@ pub(super) struct Notation {
 
 impl Notation {
     /// What separates columns; the first that fits is taken. `1,5 2,5` is only understood with decimal
-    /// commas, and `1,5` are two numbers unless there are semicolons or tabs.
-    const SEPARATORS: [Option<char>; 4] = [Some(';'), Some(','), Some('\t'), None];
+    /// commas, and `1,5` are two numbers unless there are semicolons. Tabs are blanks.
+    const SEPARATORS: [Option<char>; 3] = [Some(';'), Some(','), None];
 
     /// The notation in which a line consists of numbers, if there is one.
     pub(super) fn of(line: &str) -> Option<Self> {

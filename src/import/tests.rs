@@ -61,14 +61,15 @@ fn decimal_commas_need_not_be_in_the_first_line() {
 
 #[test]
 fn outlines_that_come_back_are_closed_unless_there_is_a_corner() {
-    let outline = "0 0\n2 0\n3 1\n2 3\n0 2\n0 0\n";
+    let outline = "2 0\n3 1\n3 2\n2 3\n1 3\n0 2\n0 1\n1 0\n2 0\n";
     let read_as =
         |closed: Option<bool>, text: &str| read(text, &Hints { closed, ..HINTS }).unwrap();
     for (closed, text, expected, notice) in [
         (None, outline, true, "is closed"),
         (Some(true), outline, true, "is closed"),
         (Some(false), outline, false, "as it was asked for"),
-        // A trailing edge.
+        // A corner, and a trailing edge.
+        (None, "0 0\n2 0\n2 2\n0 2\n0 0\n", false, "sharp corner"),
         (
             None,
             "1 0\n.5 .06\n0 0\n.5 -.04\n1 0\n",

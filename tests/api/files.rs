@@ -94,10 +94,10 @@ async fn files_are_shown_as_jobs_have_them() {
 #[tokio::test]
 async fn outlines_that_come_back_are_closed() {
     let server = Server::start().await;
-    let outline = "0,0\n2,0\n3,1\n2,3\n0,2\n0,0\n";
+    let outline = "2,0\n3,1\n3,2\n2,3\n1,3\n0,2\n0,1\n1,0\n2,0\n";
     let shown = read(&server, outline).await;
     assert_eq!(shown["curve"]["closed"], true);
-    assert_eq!(shown["curve"]["points"].as_array().unwrap().len(), 5);
+    assert_eq!(shown["curve"]["points"].as_array().unwrap().len(), 8);
     assert!(shown["notices"][0].as_str().unwrap().contains("is closed"));
     for (query, closed) in [
         ("", json!(true)),
@@ -108,7 +108,7 @@ async fn outlines_that_come_back_are_closed() {
         ("?curve.ends=natural", Value::Null),
     ] {
         let job = input(&server, query, outline).await;
-        let count = if closed == true { 5 } else { 6 };
+        let count = if closed == true { 8 } else { 9 };
         let points = job["curve"]["points"].as_array().unwrap().len();
         assert_eq!(points, count, "{query}");
         let asked = job["curve"].get("closed").filter(|it| **it == true);

@@ -50,7 +50,11 @@ const ODD: [(&[u8], i32, &str); 24] = [
         "Columns 1, 2, 3 of 4 are the coordinates",
     ),
     (b"L\xe4nge;H\xf6he\n0;0\n1;2\n3;1\n", 0, "3 points"),
-    (b"0,0\n2,0\n3,1\n2,3\n0,2\n0,0\n", 0, "the curve is closed"),
+    (
+        b"2,0\n3,1\n3,2\n2,3\n1,3\n0,2\n0,1\n1,0\n2,0\n",
+        0,
+        "the curve is closed",
+    ),
     (
         b"TEST\n1 0\n.5 .06\n0 0\n.5 -.04\n1 0\n",
         0,

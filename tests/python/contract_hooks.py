@@ -77,7 +77,8 @@ def make_computable(job: dict) -> None:
     if isinstance(curve, dict):
         align(curve.get("points"))
     if isinstance(surface, dict):
-        align([point for row in surface.get("points") or [] for point in row if point])
+        # Rows of numbers are heights, which are right as they are.
+        align([point for row in surface.get("points") or [] for point in row if isinstance(point, list)])
     for shape in (curve, surface):
         if isinstance(shape, dict) and shape.get("weights") is None:
             job.pop("rational", None)
