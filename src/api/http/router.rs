@@ -1,6 +1,6 @@
 //! The resources and their addresses.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::future::ready;
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,7 +24,7 @@ use super::{
 };
 use crate::api::app::App;
 use crate::api::grpc;
-use crate::api::openapi::resources::DescribedRoutes;
+use crate::api::openapi::resources::Resources;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
 use crate::model::short;
@@ -53,12 +53,11 @@ pub fn router(app: App, hosts: Hosts) -> Router {
             )
             .into_response()
         }));
-    let resources = resources();
-    let methods = Arc::new(resources.methods());
-    let (routes, paths) = resources.parts();
+    let (routes, methods) = resources().parts();
+    let methods = Arc::new(methods);
     let base_path = app.config.base_path.clone();
     let router = routes
-        .layer(Extension(Description::new(paths, &base_path)))
+        .layer(Extension(Description::new(&base_path)))
         .fallback(not_found)
         .method_not_allowed_fallback(move |request: Request| {
             ready(method_not_allowed(&methods, &request))
@@ -69,75 +68,43 @@ pub fn router(app: App, hosts: Hosts) -> Router {
     base_path::below(router, &base_path)
 }
 
-/// Every resource, with its description.
-fn resources() -> DescribedRoutes {
-    use crate::api::openapi::operations::{
-        geometry as of_geometry, jobs as of_jobs, server as of_server,
-    };
+/// Every resource.
+pub(in crate::api) fn resources() -> Resources {
     use crate::api::openapi::page;
-    DescribedRoutes::default()
-        .get("/", viewer::root, of_server::index())
-        .get("/viewer/{part}", viewer::part, of_server::page_part())
-        .get("/livez", about::livez, of_server::livez())
-        .get("/readyz", about::readyz, of_server::readyz())
-        .get("/metrics", about::metrics, of_server::metrics())
-        .get("/problems", about::problems, of_server::problems())
-        .get("/problems/{slug}", about::problem, of_server::problem())
-        .get("/openapi.json", openapi::get, of_server::description())
-        .get("/docs", page::page, of_server::reference())
-        .get("/docs/{file}", page::file, of_server::reference_file())
-        .get(
-            "/v1/capabilities",
-            capabilities::get,
-            of_server::capabilities(),
-        )
-        .get("/v1/rates", rates::get, of_server::rates())
-        .post("/v1/points", points::show, of_jobs::points())
-        .post("/v1/fit", fit::fit, of_jobs::fit())
-        .post("/v1/jobs", create::job, of_jobs::create())
-        .post(
-            "/v1/jobs/stream",
-            create::job_stream,
-            of_jobs::create_stream(),
-        )
-        .get("/v1/jobs", jobs::list, of_jobs::list())
-        .get("/v1/jobs/{id}", jobs::get, of_jobs::get())
-        .delete("/v1/jobs/{id}", jobs::delete, of_jobs::delete())
-        .post("/v1/jobs/{id}/cancel", jobs::cancel, of_jobs::cancel())
-        .post("/v1/jobs/{id}/edits", create::edit, of_jobs::edit())
-        .post(
-            "/v1/jobs/{id}/edits/stream",
-            create::edit_stream,
-            of_jobs::edit_stream(),
-        )
-        .get("/v1/jobs/{id}/events", events::get, of_jobs::watch())
-        .get("/v1/jobs/{id}/input", geometry::input, of_jobs::input())
-        .get(
-            "/v1/jobs/{id}/iterations/{k}",
-            geometry::iteration,
-            of_geometry::iteration(),
-        )
-        .get(
-            "/v1/jobs/{id}/result",
-            geometry::result,
-            of_geometry::result(),
-        )
+    Resources::default()
+        .get("/", viewer::root)
+        .get("/viewer/{part}", viewer::part)
+        .get("/livez", about::livez)
+        .get("/readyz", about::readyz)
+        .get("/metrics", about::metrics)
+        .get("/problems", about::problems)
+        .get("/problems/{slug}", about::problem)
+        .get("/openapi.json", openapi::get)
+        .get("/docs", page::page)
+        .get("/docs/{file}", page::file)
+        .get("/v1/capabilities", capabilities::get)
+        .get("/v1/rates", rates::get)
+        .post("/v1/points", points::show)
+        .post("/v1/fit", fit::fit)
+        .post("/v1/jobs", create::job)
+        .post("/v1/jobs/stream", create::job_stream)
+        .get("/v1/jobs", jobs::list)
+        .get("/v1/jobs/{id}", jobs::get)
+        .delete("/v1/jobs/{id}", jobs::delete)
+        .post("/v1/jobs/{id}/cancel", jobs::cancel)
+        .post("/v1/jobs/{id}/edits", create::edit)
+        .post("/v1/jobs/{id}/edits/stream", create::edit_stream)
+        .get("/v1/jobs/{id}/events", events::get)
+        .get("/v1/jobs/{id}/input", geometry::input)
+        .get("/v1/jobs/{id}/iterations/{k}", geometry::iteration)
+        .get("/v1/jobs/{id}/result", geometry::result)
         .get(
             "/v1/jobs/{id}/iterations/{k}/{format}",
             geometry::iteration_file,
-            of_geometry::iteration_file(),
         )
-        .get(
-            "/v1/jobs/{id}/result/{format}",
-            geometry::result_file,
-            of_geometry::result_file(),
-        )
-        .get(
-            "/v1/jobs/{id}/deviation",
-            geometry::deviation,
-            of_geometry::deviation(),
-        )
-        .get("/v1/jobs/{id}/limit", geometry::limit, of_geometry::limit())
+        .get("/v1/jobs/{id}/result/{format}", geometry::result_file)
+        .get("/v1/jobs/{id}/deviation", geometry::deviation)
+        .get("/v1/jobs/{id}/limit", geometry::limit)
 }
 
 async fn not_found(request: Request) -> Problem {
@@ -146,12 +113,19 @@ async fn not_found(request: Request) -> Problem {
 }
 
 /// The problem of a method that the resource does not understand; it names those that it does.
-fn method_not_allowed(methods: &HashMap<String, String>, request: &Request) -> Problem {
+fn method_not_allowed(methods: &BTreeMap<&str, Vec<&str>>, request: &Request) -> Problem {
     let method = short::plain(request.method().as_str());
     let path = short::plain(request.uri().path());
     let matched = request.extensions().get::<MatchedPath>();
     let understood = matched.and_then(|matched| methods.get(matched.as_str()));
-    let understood = understood.map_or("others, which the Allow header names", String::as_str);
+    let understood =
+        understood.map_or("others, which the Allow header names".to_owned(), |verbs| {
+            let names = verbs.iter().map(|verb| match *verb {
+                "get" => "GET, HEAD".to_owned(),
+                verb => verb.to_uppercase(),
+            });
+            names.collect::<Vec<_>>().join(", ")
+        });
     Problem::new(
         Kind::MethodNotAllowed,
         format!("{path} does not understand {method}, but {understood}"),

@@ -1,16 +1,13 @@
 //! The description of this API in OpenAPI 3.1, and its reference for people.
 //!
-//! A route is added to the router together with its description: see [`resources::DescribedRoutes`].
+//! Operations, parameters and headers are written down in `api.json`; schemas are derived from types.
 //!
-//! - [`resources`]: routes with their descriptions;
-//! - [`operation`]: what one method of a resource does; `operations`: all of them;
-//! - `parameters`: query parameters and headers;
+//! - [`resources`]: routes, of which a test knows that each has its description;
+//! - [`operation`]: `api.json`, and what the specification makes of it;
 //! - [`page`]: the reference.
 
 mod operation;
-pub mod operations;
 pub mod page;
-mod parameters;
 pub mod resources;
 
 use std::sync::{Arc, OnceLock};
@@ -39,34 +36,27 @@ use crate::api::json::view::{examples, to_bytes};
 use crate::api::problem::{Kind, Problem, ProblemBody};
 use crate::config::BasePath;
 use crate::model::stream::StreamSpec;
-use operation::Tag;
+use operation::Api;
 
-const DESCRIPTION: &str = "\
-Fits Bézier, B-spline and NURBS curves and surfaces to ordered data points by progressive iterative approximation, \
-and streams every iteration.
-
-`POST /v1/jobs` makes a fit and answers with the job, `POST /v1/jobs/stream` with the event stream of the fit. \
-What a request does not say has defaults; what it says and is not understood is refused with a problem object \
-(RFC 9457) that points at it. Limits of a server are told by `/v1/capabilities`.
-
-Each operation is described with one kind of answer. Its `Accept` header may choose others: event streams instead \
-of new jobs, files instead of JSON, and the messages of `proto/piad/v1/fitting.proto` (`application/x-protobuf`), \
-in which jobs and edits may also be sent. Bodies may be compressed (`Content-Encoding: gzip` or `zstd`), and \
-answers are for those who ask for it (`Accept-Encoding`), event streams excepted.";
-
-/// The paths of the document, and its bytes once it has been requested.
+/// Below which path the API is, and the bytes of the document once it has been requested.
 #[derive(Clone, Debug)]
-pub struct Description(Arc<(Map<String, Value>, String, OnceLock<Bytes>)>);
+pub struct Description(Arc<(String, OnceLock<Bytes>)>);
 
 impl Description {
-    /// The description of these paths, below one that clients see.
-    pub fn new(paths: Map<String, Value>, base_path: &BasePath) -> Self {
-        Self(Arc::new((paths, base_path.to_string(), OnceLock::new())))
+    /// The description of the API below a path that clients see.
+    pub fn new(base_path: &BasePath) -> Self {
+        Self(Arc::new((base_path.to_string(), OnceLock::new())))
     }
 
     fn bytes(&self) -> Bytes {
-        let (paths, base_path, bytes) = self.0.as_ref();
-        let make = || to_bytes(&document(paths.clone(), base_path));
+        let (base_path, bytes) = self.0.as_ref();
+        let make = || match document(base_path) {
+            Ok(document) => to_bytes(&document),
+            Err(error) => {
+                tracing::error!(%error, "the description of the API cannot be read");
+                Bytes::new()
+            }
+        };
         bytes.get_or_init(make).clone()
     }
 }
@@ -77,36 +67,36 @@ pub async fn get(Extension(description): Extension<Description>) -> Response {
     ([(header::CONTENT_TYPE, content_type)], description.bytes()).into_response()
 }
 
-/// The document, of which `paths` are the resources.
-fn document(paths: Map<String, Value>, base_path: &str) -> Value {
-    let mut paths = Value::Object(paths);
+/// The document: what is written down, with the schemas of types.
+fn document(base_path: &str) -> serde_json::Result<Value> {
+    let api = Api::read()?;
+    let mut paths = Value::Object(api.paths());
     let mut components = json!({
         "schemas": schemas(),
-        "parameters": parameters::parameters(),
-        "headers": parameters::headers(),
-        "links": links(),
+        "parameters": api.parameters,
+        "headers": api.headers,
+        "links": api.links,
         "examples": problem_examples(),
     });
     simplify(&mut paths);
     simplify(&mut components);
-    let tags = Tag::ALL.map(|(tag, text)| json!({"name": tag.name(), "description": text}));
-    json!({
+    Ok(json!({
         "openapi": "3.1.1",
         "info": {
             "title": "piad",
             "version": env!("CARGO_PKG_VERSION"),
             "summary": env!("CARGO_PKG_DESCRIPTION"),
-            "description": DESCRIPTION,
+            "description": api.description,
             "license": {
                 "name": "MIT OR Apache-2.0",
                 "identifier": env!("CARGO_PKG_LICENSE"),
             },
         },
         "servers": [{"url": base_path, "description": "This server."}],
-        "tags": tags,
+        "tags": api.tags,
         "paths": paths,
         "components": components,
-    })
+    }))
 }
 
 /// The schemas of requests and answers. Types of both are described as requests.
@@ -145,23 +135,6 @@ fn generator(contract: Contract) -> SchemaGenerator {
     SchemaGenerator::new(settings)
 }
 
-/// Links from a new job to the operations that take its id.
-fn links() -> Map<String, Value> {
-    let link = |id: &str| {
-        let mut parameters = json!({"id": "$response.body#/id"});
-        if id == "getIteration" {
-            parameters["k"] = json!("last");
-        }
-        let link = json!({
-            "description": "The id of the job that was made.",
-            "operationId": id,
-            "parameters": parameters,
-        });
-        (id.to_owned(), link)
-    };
-    operations::WITH_A_JOB.into_iter().map(link).collect()
-}
-
 /// A problem object of each kind.
 fn problem_examples() -> Map<String, Value> {
     let example = |kind: Kind| {
@@ -171,4 +144,64 @@ fn problem_examples() -> Map<String, Value> {
         (entry.slug.to_owned(), example)
     };
     Kind::ALL.into_iter().map(example).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::api::http::router::resources;
+    use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
+    use crate::api::order::LONGEST_KEY;
+    use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS};
+    use crate::api::whole::LARGEST;
+    use crate::export::{Dots, Format, Unit};
+    use crate::fit::rates::{MOST_DEGREE, MOST_POINTS};
+    use crate::model::named::Named;
+    use crate::model::stream::MOST_MILESTONES;
+
+    /// What is served is described, and what is described is served.
+    #[test]
+    fn each_route_has_a_description() {
+        let (_, served) = resources().parts();
+        let served = served.iter();
+        let mut served: Vec<(&str, &str)> = served
+            .flat_map(|(path, verbs)| verbs.iter().map(move |verb| (*path, *verb)))
+            .collect();
+        let api = Api::read().unwrap();
+        let mut described: Vec<_> = api.routes().collect();
+        served.sort_unstable();
+        described.sort_unstable();
+        assert_eq!(served, described);
+    }
+
+    /// The limits that are written down are those of the program.
+    #[test]
+    fn parameters_have_the_limits_of_the_program() {
+        let api = Api::read().unwrap();
+        let files = page::REFERENCE.files.iter().map(|file| file.name);
+        let files: Vec<_> = files.filter(|it| *it != page::REFERENCE.root).collect();
+        for (pointer, value) in [
+            ("limit/schema/maximum", json!(LARGEST_PAGE)),
+            ("points/schema/maximum", json!(MOST_POINTS)),
+            ("degree/schema/maximum", json!(MOST_DEGREE)),
+            ("every/schema/maximum", json!(LARGEST)),
+            ("milestones/schema/maxItems", json!(MOST_MILESTONES)),
+            ("Idempotency-Key/schema/maxLength", json!(LONGEST_KEY)),
+            ("format/schema/enum", json!(Format::ALL.map(Format::name))),
+            ("dots/schema/enum", json!(Dots::names())),
+            ("units/schema/enum", json!(Unit::names())),
+            ("file/schema/enum", json!(files)),
+        ] {
+            let found = api.parameters.pointer(&format!("/{pointer}"));
+            assert_eq!(found, Some(&value), "{pointer}");
+        }
+        for (name, usual) in [
+            ("limit", DEFAULT_PAGE),
+            ("points", USUAL_POINTS),
+            ("degree", USUAL_DEGREE),
+        ] {
+            let default = api.parameters.pointer(&format!("/{name}/schema/default"));
+            assert_eq!(default, Some(&json!(usual)), "{name}");
+        }
+    }
 }

@@ -1,170 +1,157 @@
-//! The description of an operation: its parameters, its body and its answers.
+//! The operations of the API as they are written down in `api.json`, and as the specification has them.
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
+use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::api::language::JSON;
-use crate::api::problem::{Kind, ProblemBody};
+use crate::api::problem::Kind;
 
-/// The groups of operations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tag {
-    /// Making, listing, stopping and deleting jobs.
-    Jobs,
-    /// Event streams.
-    Events,
-    /// Iterations and results.
-    Geometry,
-    /// The server itself.
-    Server,
+/// All that is not derived from types: `api.json`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Api {
+    pub(super) description: String,
+    pub(super) tags: Value,
+    /// Problems of several operations, by the names of these groups.
+    problems: BTreeMap<String, Vec<String>>,
+    pub(super) parameters: Value,
+    pub(super) headers: Value,
+    pub(super) links: Map<String, Value>,
+    /// The bodies of requests.
+    bodies: Map<String, Value>,
+    /// The content of answers, where it is not one object of JSON.
+    contents: Map<String, Value>,
+    operations: Vec<Operation>,
 }
 
-impl Tag {
-    /// All tags with their descriptions.
-    pub(super) const ALL: [(Self, &'static str); 4] = [
-        (
-            Self::Jobs,
-            "Fits: create, edit, list, show, cancel and delete them.",
-        ),
-        (Self::Events, "Every iteration of a fit as an event."),
-        (
-            Self::Geometry,
-            "Curves and surfaces of single iterations, as JSON, messages and files.",
-        ),
-        (Self::Server, "What the server can do, and how it is."),
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Jobs => "jobs",
-            Self::Events => "events",
-            Self::Geometry => "geometry",
-            Self::Server => "server",
-        }
-    }
+/// An operation.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Operation {
+    path: String,
+    verb: String,
+    tag: String,
+    /// What clients in other languages call it.
+    id: String,
+    summary: String,
+    description: String,
+    /// The names of its parameters.
+    #[serde(default)]
+    parameters: Vec<String>,
+    /// The name of its body.
+    body: Option<String>,
+    /// Its answers, by their status.
+    answers: BTreeMap<String, Answer>,
+    /// The problems that it may answer besides internal errors, or groups of them.
+    problems: Vec<String>,
 }
 
-/// The description of an operation.
-#[derive(Clone, Debug)]
-pub struct Operation {
-    object: Map<String, Value>,
-    answers: BTreeMap<u16, Value>,
-    problems: Vec<Kind>,
+/// An answer.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Answer {
+    description: String,
+    /// Its headers besides the id of the request.
+    #[serde(default)]
+    headers: Vec<String>,
+    /// The schema of an answer that is JSON.
+    json: Option<String>,
+    /// The name of other content.
+    content: Option<String>,
+    /// Whether it has links to the operations on a job.
+    #[serde(default)]
+    links: bool,
 }
 
-impl Operation {
-    /// An operation; `id` is what clients in other languages call it.
-    pub fn new(tag: Tag, id: &str, summary: &str, description: &str) -> Self {
-        let mut object = Map::new();
-        object.insert("tags".to_owned(), json!([tag.name()]));
-        object.insert("summary".to_owned(), json!(summary));
-        object.insert("description".to_owned(), json!(description));
-        object.insert("operationId".to_owned(), json!(id));
-        Self {
-            object,
-            answers: BTreeMap::new(),
-            problems: Vec::new(),
+impl Api {
+    /// What is written down.
+    pub(super) fn read() -> serde_json::Result<Self> {
+        serde_json::from_str(include_str!("api.json"))
+    }
+
+    /// The paths as the specification has them.
+    pub(super) fn paths(&self) -> Map<String, Value> {
+        let mut paths = Map::new();
+        for operation in &self.operations {
+            let resource = paths.entry(&operation.path).or_insert_with(|| json!({}));
+            resource[&operation.verb] = self.operation(operation);
         }
+        paths
     }
 
-    /// The parameters: names of components.
-    pub fn parameters(mut self, names: &[&str]) -> Self {
-        let references = names.iter().map(|name| reference("parameters", name));
-        self.object
-            .insert("parameters".to_owned(), references.collect());
-        self
-    }
-
-    /// The body: JSON with this schema and these examples.
-    pub fn body<T: JsonSchema>(mut self, examples: Value) -> Self {
-        let json = json!({"schema": schema_of::<T>(), "examples": examples});
-        let body = json!({"description": "JSON.", "required": true, "content": {JSON: json}});
-        self.object.insert("requestBody".to_owned(), body);
-        self
-    }
-
-    /// The body: a text, as CSV or plain.
-    pub fn text_body(mut self, description: &str, example: &str) -> Self {
-        let text = json!({"schema": {"type": "string"}, "example": example});
-        let content = json!({"text/csv": text, "text/plain": text});
-        let body = json!({"description": description, "required": true, "content": content});
-        self.object.insert("requestBody".to_owned(), body);
-        self
-    }
-
-    /// An answer with content of these media types, and these headers besides the id of the request.
-    pub fn answer(
-        mut self,
-        status: u16,
-        description: &str,
-        content: &[(&str, Value)],
-        headers: &[&str],
-    ) -> Self {
-        let mut answer = json!({"description": description, "headers": header_references(headers)});
-        if !content.is_empty() {
-            let content = content.iter().map(|(name, value)| (*name, value.clone()));
-            answer["content"] = content.collect();
+    fn operation(&self, operation: &Operation) -> Value {
+        let mut object = json!({
+            "tags": [operation.tag],
+            "summary": operation.summary,
+            "description": operation.description,
+            "operationId": operation.id,
+        });
+        if !operation.parameters.is_empty() {
+            let references = operation.parameters.iter();
+            object["parameters"] = references.map(|it| reference("parameters", it)).collect();
         }
-        self.answers.insert(status, answer);
-        self
-    }
-
-    /// An answer that is a JSON object, and never anything else.
-    pub fn json<T: JsonSchema>(self, status: u16, description: &str) -> Self {
-        self.answer(status, description, &[json_of::<T>()], &[])
-    }
-
-    /// Links to operations on the job in an answer.
-    pub(super) fn links(mut self, status: u16, ids: &[&str]) -> Self {
-        let links = ids
-            .iter()
-            .map(|id| ((*id).to_owned(), reference("links", id)));
-        if let Some(answer) = self.answers.get_mut(&status) {
-            answer["links"] = links.collect();
+        if let Some(body) = &operation.body {
+            object["requestBody"] = self.bodies.get(body).cloned().unwrap_or_default();
         }
-        self
-    }
-
-    /// The problems that it may answer, besides internal errors.
-    pub fn problems(mut self, kinds: &[Kind]) -> Self {
-        self.problems.extend(kinds);
-        self
-    }
-
-    /// The operation as the specification has it.
-    pub(super) fn object(mut self) -> Value {
-        self.problems.push(Kind::Internal);
-        let mut groups: BTreeMap<u16, Vec<Kind>> = BTreeMap::new();
-        for kind in self.problems {
+        let answers = operation.answers.iter();
+        let answers = answers.map(|(status, it)| (status.clone(), self.answer(it)));
+        let mut answers: BTreeMap<String, Value> = answers.collect();
+        let mut problems: BTreeMap<u16, Vec<Kind>> = BTreeMap::new();
+        for kind in self.kinds(operation) {
             let status = kind.entry().status.as_u16();
-            groups.entry(status).or_default().push(kind);
+            problems.entry(status).or_default().push(kind);
         }
-        for (status, kinds) in groups {
-            self.answers.insert(status, problem_answer(status, &kinds));
+        for (status, kinds) in problems {
+            answers.insert(status.to_string(), problem_answer(status, &kinds));
         }
-        let answers = self.answers.into_iter();
-        let answers = answers.map(|(status, answer)| (status.to_string(), answer));
-        self.object
-            .insert("responses".to_owned(), answers.collect());
-        Value::Object(self.object)
+        object["responses"] = answers.into_iter().collect();
+        object
+    }
+
+    fn answer(&self, answer: &Answer) -> Value {
+        let headers = answer.headers.iter().map(String::as_str);
+        let mut object = json!({
+            "description": answer.description,
+            "headers": header_references(headers),
+        });
+        if let Some(schema) = &answer.json {
+            object["content"] = json!({JSON: {"schema": reference("schemas", schema)}});
+        }
+        if let Some(content) = &answer.content {
+            object["content"] = self.contents.get(content).cloned().unwrap_or_default();
+        }
+        if answer.links {
+            let links = self.links.keys();
+            let links = links.map(|id| (id.clone(), reference("links", id)));
+            object["links"] = links.collect();
+        }
+        object
+    }
+
+    /// The problems that an operation may answer.
+    fn kinds<'a>(&'a self, operation: &'a Operation) -> impl Iterator<Item = Kind> + 'a {
+        let names = operation.problems.iter();
+        let slugs = names.flat_map(|name| match self.problems.get(name) {
+            Some(group) => group.as_slice(),
+            None => std::slice::from_ref(name),
+        });
+        let of_slug = |slug: &String| Kind::ALL.into_iter().find(|it| it.entry().slug == slug);
+        slugs.filter_map(of_slug).chain([Kind::Internal])
+    }
+
+    /// The path and the method of each operation.
+    #[cfg(test)]
+    pub(super) fn routes(&self) -> impl Iterator<Item = (&str, &str)> {
+        let operations = self.operations.iter();
+        operations.map(|it| (it.path.as_str(), it.verb.as_str()))
     }
 }
 
 /// A reference to a component.
 fn reference(section: &str, name: &str) -> Value {
     json!({"$ref": format!("#/components/{section}/{name}")})
-}
-
-/// A reference to the schema of a type.
-pub fn schema_of<T: JsonSchema>() -> Value {
-    reference("schemas", &T::schema_name())
-}
-
-/// JSON of this schema as the content of an answer.
-pub fn json_of<T: JsonSchema>() -> (&'static str, Value) {
-    (JSON, json!({"schema": schema_of::<T>()}))
 }
 
 /// All problems with the same status.
@@ -179,24 +166,21 @@ fn problem_answer(status: u16, kinds: &[Kind]) -> Value {
         (slug.to_owned(), reference("examples", slug))
     });
     let examples: Map<String, Value> = examples.collect();
-    let headers: &[&str] = match status {
-        429 | 503 => &["Retry-After"],
-        _ => &[],
-    };
+    let waits = matches!(status, 429 | 503).then_some("Retry-After");
     json!({
         "description": lines.join("\n"),
-        "headers": header_references(headers),
+        "headers": header_references(waits),
         "content": {
             "application/problem+json": {
-                "schema": schema_of::<ProblemBody>(),
+                "schema": reference("schemas", "Problem"),
                 "examples": examples,
             },
         },
     })
 }
 
-fn header_references(names: &[&str]) -> Map<String, Value> {
-    let all = ["X-Request-Id"].iter().chain(names);
-    all.map(|name| ((*name).to_owned(), reference("headers", name)))
+fn header_references<'a>(names: impl IntoIterator<Item = &'a str>) -> Map<String, Value> {
+    let all = std::iter::once("X-Request-Id").chain(names);
+    all.map(|name| (name.to_owned(), reference("headers", name)))
         .collect()
 }

@@ -1,79 +1,45 @@
-//! Routes with their descriptions: what is served is described, and what is described is served.
+//! The resources of the API, each of which is described in `api.json`.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use axum::Router;
 use axum::handler::Handler;
 use axum::routing::{MethodRouter, delete, get, post};
-use serde_json::{Map, Value, json};
 
-use super::operation::Operation;
 use crate::api::app::App;
 
 /// The resources of the API.
 #[derive(Default)]
-pub struct DescribedRoutes {
+pub struct Resources {
     router: Router<App>,
-    paths: Map<String, Value>,
+    /// The methods of each path.
+    methods: BTreeMap<&'static str, Vec<&'static str>>,
 }
 
-impl DescribedRoutes {
+impl Resources {
     /// Serves GET.
-    pub fn get<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
-    where
-        H: Handler<T, App>,
-        T: 'static,
-    {
-        self.add(path, "get", get(handler), operation)
+    pub fn get<H: Handler<T, App>, T: 'static>(self, path: &'static str, handler: H) -> Self {
+        self.add(path, "get", get(handler))
     }
 
     /// Serves POST.
-    pub fn post<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
-    where
-        H: Handler<T, App>,
-        T: 'static,
-    {
-        self.add(path, "post", post(handler), operation)
+    pub fn post<H: Handler<T, App>, T: 'static>(self, path: &'static str, handler: H) -> Self {
+        self.add(path, "post", post(handler))
     }
 
     /// Serves DELETE.
-    pub fn delete<H, T>(self, path: &str, handler: H, operation: Operation) -> Self
-    where
-        H: Handler<T, App>,
-        T: 'static,
-    {
-        self.add(path, "delete", delete(handler), operation)
+    pub fn delete<H: Handler<T, App>, T: 'static>(self, path: &'static str, handler: H) -> Self {
+        self.add(path, "delete", delete(handler))
     }
 
-    fn add(
-        mut self,
-        path: &str,
-        verb: &str,
-        handler: MethodRouter<App>,
-        operation: Operation,
-    ) -> Self {
+    fn add(mut self, path: &'static str, verb: &'static str, handler: MethodRouter<App>) -> Self {
         self.router = self.router.route(path, handler);
-        let resource = self.paths.entry(path).or_insert_with(|| json!({}));
-        resource[verb] = operation.object();
+        self.methods.entry(path).or_default().push(verb);
         self
     }
 
-    /// The methods of each path, as text for error messages.
-    pub fn methods(&self) -> HashMap<String, String> {
-        let of = |resource: &Value| {
-            let verbs = resource.as_object().into_iter().flat_map(Map::keys);
-            let names = verbs.map(|verb| match verb.as_str() {
-                "get" => "GET, HEAD".to_owned(),
-                verb => verb.to_uppercase(),
-            });
-            names.collect::<Vec<_>>().join(", ")
-        };
-        let paths = self.paths.iter();
-        paths.map(|(path, it)| (path.clone(), of(it))).collect()
-    }
-
-    /// The routes, and the paths of the document.
-    pub fn parts(self) -> (Router<App>, Map<String, Value>) {
-        (self.router, self.paths)
+    /// The routes, and the methods of each path.
+    pub fn parts(self) -> (Router<App>, BTreeMap<&'static str, Vec<&'static str>>) {
+        (self.router, self.methods)
     }
 }
