@@ -91,21 +91,16 @@ pub fn record(bytes: &[u8]) {
     let Some((kind, bytes)) = bytes.split_first() else {
         return;
     };
-    match kind % 5 {
+    match kind % 4 {
         0 => check_kept(store::record(bytes), store::kept_record, store::record),
         1 => check_kept(store::result(bytes), store::kept_result, store::result),
         2 => check_kept(store::entry(bytes), store::kept_entry, store::entry),
-        3 => {
+        _ => {
             let problem = store::problem(bytes);
             if let Ok(problem) = &problem {
                 compute(problem);
             }
             check_kept(problem, store::kept, store::problem);
-        }
-        _ => {
-            if let Ok(problem) = store::earlier_problem(bytes) {
-                compute(&problem);
-            }
         }
     }
 }

@@ -85,7 +85,6 @@ mod rpc_operations;
 mod scales;
 mod scattered;
 mod short_forms;
-mod stored_before;
 mod stream_object;
 mod streams;
 mod support;

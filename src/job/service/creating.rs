@@ -107,12 +107,10 @@ impl Jobs {
 
     /// The job that was made for an idempotency key, if there is one.
     pub async fn find_by_key(&self, key: &IdempotencyKey) -> Result<Option<Accepted>, Refused> {
-        for name in [key.name.as_str(), key.plain_name()] {
-            if let Some(entry) = self.store.idempotency_entry(name).await? {
-                return self.job_of(entry, Some(key)).await;
-            }
+        match self.store.idempotency_entry(&key.name).await? {
+            Some(entry) => self.job_of(entry, Some(key)).await,
+            None => Ok(None),
         }
-        Ok(None)
     }
 
     /// The job of an entry, which must have been made by the same request.

@@ -69,11 +69,6 @@ impl IdempotencyKey {
             digest,
         }
     }
-
-    /// The name alone, under which an earlier program has kept it.
-    pub(super) fn plain_name(&self) -> &str {
-        self.name.split_once('\n').map_or("", |(_, name)| name)
-    }
 }
 
 /// What is remembered of an idempotency key.

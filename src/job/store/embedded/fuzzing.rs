@@ -8,7 +8,6 @@ use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
 use super::result;
-use super::version_1;
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 
@@ -19,13 +18,7 @@ pub(crate) fn kept(problem: &Problem) -> Vec<u8> {
 
 /// The problem that is kept in these bytes.
 pub(crate) fn problem(bytes: &[u8]) -> Result<Problem, StoreError> {
-    let request = Input::decode(bytes).map_err(damaged)?.into_request()?;
-    Problem::new(request).map_err(damaged)
-}
-
-/// The problem that an earlier program has kept in these bytes.
-pub(crate) fn earlier_problem(bytes: &[u8]) -> Result<Problem, StoreError> {
-    Problem::new(version_1::request(bytes)?).map_err(damaged)
+    Problem::new(Input::read(bytes)?).map_err(damaged)
 }
 
 /// A job without its points as it is kept.

@@ -8,14 +8,13 @@ use super::super::{Record, StoreError};
 use super::error::{damaged, mistaken};
 use super::fields::{Time, grid, number, time, uuid};
 use super::status::StatusMessage;
-use super::version_1;
 use super::warning::WarningMessage;
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::state::Status;
 use crate::proto::messages as pb;
 use crate::proto::{method, stream};
 
-/// A job without its points. Tags 5 and 10 are those of version 1.
+/// A job without its points.
 #[derive(Clone, PartialEq, Message)]
 pub(super) struct Header {
     #[prost(bytes = "vec", tag = "1")]
@@ -70,13 +69,7 @@ pub(super) struct Header {
 impl Header {
     /// The header in these bytes.
     pub(super) fn read(bytes: &[u8]) -> Result<Self, StoreError> {
-        let mut header = Self::decode(bytes).map_err(damaged)?;
-        if header.method.is_none() {
-            let (method, stream) = version_1::choices(bytes)?;
-            header.method = Some(method::message(&method, header.surface, None));
-            header.stream = stream.as_ref().map(stream::options);
-        }
-        Ok(header)
+        Self::decode(bytes).map_err(damaged)
     }
 
     /// The header of a record.

@@ -10,11 +10,9 @@ use super::super::StoreError;
 use super::error::{damaged, mistaken};
 use super::points::PointsMessage;
 use super::result::{Numbers, lists, numbers};
-use super::{version_1, version_2};
-use crate::fit::method::{Ending, Method};
 use crate::fit::problem::{Problem, Request};
 use crate::proto::job;
-use crate::proto::messages::{self as pb, method::Kind};
+use crate::proto::messages as pb;
 
 /// A problem as it was asked for.
 #[derive(Clone, PartialEq, Message)]
@@ -30,9 +28,6 @@ pub(super) struct Input {
     /// The breaks of the knots of that start, of a fit that chooses its knots.
     #[prost(message, repeated, tag = "19")]
     start_breaks: Vec<Numbers>,
-    /// What is left open is as is usual today. Without it, it is by the rules of earlier programs.
-    #[prost(bool, tag = "18")]
-    open_as_usual: bool,
 }
 
 impl Input {
@@ -44,33 +39,19 @@ impl Input {
             start: request.start.as_deref().map(PointsMessage::new),
             start_breaks: numbers(request.start_breaks.as_deref().unwrap_or_default()),
             lambda_min: request.lambda_min,
-            open_as_usual: true,
         }
     }
 
     /// What was asked for, to be computed again, from these bytes.
     pub(super) fn read(bytes: &[u8]) -> Result<Request, StoreError> {
-        let input = Self::decode(bytes).map_err(damaged)?;
-        let as_usual = input.open_as_usual;
-        let mut request = match input.job {
-            Some(_) => input.into_request(),
-            None => version_1::request(bytes),
-        }?;
-        if !as_usual {
-            version_2::complete(&mut request);
-        }
-        Ok(request)
+        Self::decode(bytes).map_err(damaged)?.into_request()
     }
 
     /// What was asked for.
     pub(super) fn into_request(self) -> Result<Request, StoreError> {
         let job = self.job.ok_or_else(|| damaged("no problem"))?;
         let start = self.start.map(PointsMessage::into_points).transpose()?;
-        let said = says_its_ending(&job);
-        let mut request = job::spec(job, usize::MAX).request().map_err(mistaken)?;
-        if let (Method::LeastSquares(settings), false) = (&mut request.method, said) {
-            settings.ending = Ending::SmallStep;
-        }
+        let request = job::spec(job, usize::MAX).request().map_err(mistaken)?;
         Ok(Request {
             start: start.map(Arc::new),
             start_breaks: lists(self.start_breaks),
@@ -78,13 +59,6 @@ impl Input {
             ..request
         })
     }
-}
-
-/// Whether a least-squares fit says where it ends: those that do not are of an earlier program, and end
-/// where their steps become small.
-fn says_its_ending(job: &pb::JobInput) -> bool {
-    let kind = job.method.as_ref().and_then(|method| method.kind.as_ref());
-    !matches!(kind, Some(Kind::LeastSquares(settings)) if settings.ending() == pb::method::Ending::Unspecified)
 }
 
 #[cfg(test)]

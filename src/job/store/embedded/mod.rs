@@ -8,7 +8,7 @@
 //! - [`disk_space`]: what is kept back for when the disk is full;
 //! - [`error`], [`panics`]: errors and panics of the database;
 //! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`points`]; [`fields`]: records and
-//!   problems as protobuf messages; [`version_1`]: what earlier files have instead.
+//!   problems as protobuf messages.
 //!
 //! Reads see what was committed. Lists wait for the changes before them.
 
@@ -31,8 +31,6 @@ mod result;
 mod status;
 mod tables;
 mod transaction;
-mod version_1;
-mod version_2;
 mod warning;
 mod writer;
 

@@ -13,9 +13,7 @@ use tracing::{debug, warn};
 use super::super::StoreError;
 use super::memory_file::MemoryFile;
 use super::panics;
-use super::tables::{
-    EARLIEST, FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT,
-};
+use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
 /// of a commit; pages that do not fit in are written first and read again for their checksums.
@@ -51,8 +49,8 @@ pub enum OpenError {
     InUse(PathBuf),
     /// It was written by another version of the program.
     #[error(
-        "{path:?} has version {found} of the format, this program knows versions {EARLIEST} to {VERSION}: \
-         start the program that wrote it, or choose another --data-dir"
+        "{path:?} has version {found} of the format, this program reads version {VERSION} only: keep the \
+         file and use the program that wrote it, or choose another --data-dir"
     )]
     Version {
         /// The file.
@@ -143,7 +141,7 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
         Ok(database)
     })?;
     match attempt(path, || version(&opened))? {
-        Some(EARLIEST..=VERSION) => Ok(opened),
+        Some(VERSION) => Ok(opened),
         Some(found) => Err(OpenError::Version {
             path: path.to_owned(),
             found,

@@ -6,7 +6,6 @@ use tracing::warn;
 use super::super::StoreError;
 use super::super::blame::Crash;
 use super::header::Header;
-use super::tables::{FACTS, VERSION, VERSION_FACT};
 use super::transaction::{EndedChange, Transaction};
 use crate::job::state::State;
 
@@ -14,7 +13,6 @@ impl Transaction<'_> {
     /// Puts jobs that were running when the process ended back into the queue, or fails those that are to
     /// blame for it; and counts the jobs that have ended. This reads every header.
     pub(super) fn recover(&mut self) -> Result<(), StoreError> {
-        self.raise_version()?;
         let mut running = Vec::new();
         let mut crash = Crash::default();
         for item in self.headers.iter()? {
@@ -41,21 +39,6 @@ impl Transaction<'_> {
                 let bytes = header.bytes;
                 self.ended.push(EndedChange::Add { at, id, bytes });
             }
-        }
-        Ok(())
-    }
-
-    /// From now on the file has records that an earlier program does not know.
-    fn raise_version(&mut self) -> Result<(), StoreError> {
-        let mut facts = self.redb.open_table(FACTS)?;
-        let found = facts.get(VERSION_FACT)?.map(|version| version.value());
-        if let Some(found) = found.filter(|found| *found != VERSION) {
-            facts.insert(VERSION_FACT, VERSION)?;
-            warn!(
-                from = found,
-                to = VERSION,
-                "the store gets a later version of its format: an earlier program does not open it any more"
-            );
         }
         Ok(())
     }

@@ -2,12 +2,8 @@
 
 use redb::TableDefinition;
 
-/// The version of what is described here. Messages may get new fields under the same version;
-/// whatever an older program would misread needs a new one.
-pub(super) const VERSION: u64 = 3;
-/// The earliest version that is read; see [`version_1`](super::version_1) and
-/// [`version_2`](super::version_2).
-pub(super) const EARLIEST: u64 = 1;
+/// The version of what is described here. Files of other versions are refused.
+pub(super) const VERSION: u64 = 1;
 
 /// Facts about the file itself.
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");

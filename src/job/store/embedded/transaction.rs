@@ -23,7 +23,6 @@ const SLACK_PAGES: u64 = 128;
 
 /// A write transaction with its tables.
 pub(super) struct Transaction<'a> {
-    pub(super) redb: &'a WriteTransaction,
     pub(super) headers: Table<'a, u128, &'static [u8]>,
     inputs: Table<'a, u128, &'static [u8]>,
     results: Table<'a, u128, &'static [u8]>,
@@ -42,7 +41,6 @@ pub(super) enum EndedChange {
 impl<'a> Transaction<'a> {
     pub(super) fn open(transaction: &'a WriteTransaction) -> Result<Self, StoreError> {
         Ok(Self {
-            redb: transaction,
             headers: transaction.open_table(HEADERS)?,
             inputs: transaction.open_table(INPUTS)?,
             results: transaction.open_table(RESULTS)?,
