@@ -20,10 +20,7 @@ pub(super) enum Change {
     Start {
         id: Uuid,
         status: Status,
-        watched: bool,
-    },
-    EndWatch {
-        id: Uuid,
+        on_probation: bool,
     },
     Requeue {
         id: Uuid,

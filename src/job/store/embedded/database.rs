@@ -11,13 +11,12 @@ use tracing::error;
 use uuid::Uuid;
 
 use super::super::{IdempotencyEntry, Record, Selection, StoreError};
-use super::error::{closed, damaged};
+use super::error::{catch_panic, closed, damaged};
 use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
 use super::memory_file::MemoryFile;
 use super::opening::{self, Medium, OpenError};
-use super::panics;
 use super::result;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
 use crate::fit::problem::Problem;
@@ -58,13 +57,12 @@ impl JobDatabase {
         &self,
         read: impl FnOnce(&Self) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        panics::catch(|| read(self)).unwrap_or_else(|panic| {
-            error!(panic, "the database panicked while it was read");
-            let works = panics::catch(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
+        catch_panic(|| read(self)).unwrap_or_else(|panic| {
+            let works = catch_panic(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
             if !works && let Err(error) = self.reopen() {
                 error!(%error, "the store could not be opened again");
             }
-            Err(damaged("pages of the database do not fit together"))
+            Err(panic)
         })
     }
 
@@ -77,9 +75,8 @@ impl JobDatabase {
     pub(super) fn reopen(&self) -> Result<(), StoreError> {
         let mut redb = self.redb.write();
         // The lock on the file goes with the old one, and with the last of those who still read it.
-        if let Err(panic) = panics::catch(|| drop(redb.take())) {
-            error!(panic, "the database panicked while it was closed");
-        }
+        // A panic while it is closed changes nothing: what was committed is in the file.
+        let _ = catch_panic(|| drop(redb.take()));
         let begin = Instant::now();
         let opened = loop {
             match self.medium.open_again() {

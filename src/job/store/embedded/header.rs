@@ -53,9 +53,8 @@ pub(super) struct Header {
     /// The key of the request that made the job.
     #[prost(string, optional, tag = "19")]
     pub(super) key: Option<String>,
-    /// It runs under watch, as it may be to blame for a crash.
     #[prost(bool, tag = "20")]
-    pub(super) watched: bool,
+    pub(super) on_probation: bool,
     #[prost(message, repeated, tag = "21")]
     warnings: Vec<WarningMessage>,
     #[prost(bool, tag = "22")]
@@ -94,7 +93,7 @@ impl Header {
             crashes: record.crashes,
             bytes,
             key,
-            watched: record.watched,
+            on_probation: record.on_probation,
             warnings: outline
                 .warnings
                 .iter()
@@ -114,7 +113,7 @@ impl Header {
     /// The job was running in a crash, after which this is its record.
     pub(super) fn recover(&mut self, record: &Record) {
         self.set_status(&record.status);
-        (self.crashes, self.watched) = (record.crashes, record.watched);
+        (self.crashes, self.on_probation) = (record.crashes, record.on_probation);
     }
 
     /// The record of a header.
@@ -156,7 +155,7 @@ impl Header {
                 .ok_or_else(|| damaged("no status"))?
                 .try_into()?,
             crashes: self.crashes,
-            watched: self.watched,
+            on_probation: self.on_probation,
         })
     }
 }

@@ -6,7 +6,7 @@
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: what it is asked for;
 //!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
 //! - [`disk_space`]: what is kept back for when the disk is full;
-//! - [`error`], [`panics`]: errors and panics of the database;
+//! - [`error`]: errors and panics of the database;
 //! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`points`]; [`fields`]: records and
 //!   problems as protobuf messages.
 //!
@@ -24,7 +24,6 @@ mod idempotency;
 mod input;
 mod memory_file;
 mod opening;
-mod panics;
 mod points;
 mod recovery;
 mod result;
@@ -130,17 +129,13 @@ impl Store for EmbeddedStore {
         })
     }
 
-    fn start(&self, id: Uuid, status: Status, watched: bool) -> Acknowledgement<()> {
+    fn start(&self, id: Uuid, status: Status, on_probation: bool) -> Acknowledgement<()> {
         let change = Change::Start {
             id,
             status,
-            watched,
+            on_probation,
         };
         self.write(change, drop)
-    }
-
-    fn end_watch(&self, id: Uuid) -> Acknowledgement<()> {
-        self.write(Change::EndWatch { id }, drop)
     }
 
     fn requeue(&self, id: Uuid) -> Acknowledgement<()> {

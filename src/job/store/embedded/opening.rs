@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use redb::{Database, ReadableDatabase, StorageError, TableError};
+use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
-use tracing::{debug, warn};
+use tracing::warn;
 
 use super::super::StoreError;
+use super::error::catch_panic;
 use super::memory_file::MemoryFile;
-use super::panics;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
@@ -197,13 +197,10 @@ fn version(database: &Database) -> Result<Option<u64>, redb::Error> {
 
 /// Does something with the database. Damage makes it panic at times.
 fn attempt<T>(path: &Path, work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, OpenError> {
-    panics::catch(work)
-        .unwrap_or_else(|panic| {
-            debug!(panic, "the database panicked while it was opened");
-            let damaged = "its pages do not fit together";
-            Err(StorageError::Corrupted(damaged.to_owned()).into())
-        })
-        .map_err(|error| explain(path, error))
+    match catch_panic(work) {
+        Ok(done) => done.map_err(|error| explain(path, error)),
+        Err(_) => Err(broken(path, "its pages do not fit together")),
+    }
 }
 
 fn explain(path: &Path, error: redb::Error) -> OpenError {

@@ -64,15 +64,14 @@ impl<'a> Transaction<'a> {
             Change::Start {
                 id,
                 status,
-                watched,
+                on_probation,
             } => self.update(*id, |header| {
                 header.set_status(status);
-                header.watched = *watched;
+                header.on_probation = *on_probation;
             })?,
-            Change::EndWatch { id } => self.update(*id, |header| header.watched = false)?,
             Change::Requeue { id } => self.update(*id, |header| {
                 header.set_status(&Status::QUEUED);
-                (header.crashes, header.watched) = (0, false);
+                (header.crashes, header.on_probation) = (0, false);
             })?,
             Change::Finish { id, status, result } => {
                 self.finish(*id, status, result.as_ref())?;

@@ -13,8 +13,7 @@ use super::super::ended::Ended;
 use super::change::{Change, Outcome};
 use super::database::JobDatabase;
 use super::disk_space::DiskSpace;
-use super::error::{closed, unwritable};
-use super::panics;
+use super::error::{catch_panic, closed};
 use super::transaction::{EndedChange, Transaction};
 use crate::job::counters::Counters;
 
@@ -218,10 +217,7 @@ impl WriterThread {
             write.commit()?;
             Ok((value, ended))
         };
-        panics::catch(transact).unwrap_or_else(|panic| {
-            error!(panic, "the database panicked while it was written");
-            Err(unwritable())
-        })
+        catch_panic(transact).and_then(|done| done)
     }
 
     fn count(&mut self, changes: Vec<EndedChange>) {
