@@ -21,11 +21,9 @@ impl Ended {
         self.bytes = self.bytes + bytes - before;
     }
 
-    /// A job is gone; gives the bytes that it took.
-    pub(crate) fn remove(&mut self, at: Timestamp, id: Uuid) -> u64 {
-        let bytes = self.jobs.remove(&(at, id)).unwrap_or(0);
-        self.bytes -= bytes;
-        bytes
+    /// A job is gone.
+    pub(crate) fn remove(&mut self, at: Timestamp, id: Uuid) {
+        self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
     }
 
     /// The jobs to be forgotten, without those in `spared`. Younger jobs do not have to go instead of these:

@@ -53,24 +53,9 @@ pub(super) enum Outcome {
 }
 
 impl Change {
-    /// About how many bytes it adds to the file. `None` if it adds none, and must be possible when the disk
-    /// is full.
-    pub(super) fn added_bytes(&self) -> Option<u64> {
-        let numbers = match self {
-            Self::Insert { problem, .. } => {
-                let directions = problem.directions().map(|each| 2 * each.parameters.len());
-                problem.grid().count() * problem.data().dimension() + directions.sum::<usize>()
-            }
-            Self::Finish {
-                result: Some(result),
-                ..
-            } => {
-                let bases = result.bases.as_ref().map_or(0, |bases| bases.numbers());
-                result.control_points.len() * result.control_points.dimension() + bases
-            }
-            _ => return None,
-        };
-        Some((numbers * size_of::<f64>()) as u64)
+    /// Whether it needs more than a few pages of the file. Others must be possible when the disk is full.
+    pub(super) fn adds(&self) -> bool {
+        self.points() > 0
     }
 
     /// How many points it writes.

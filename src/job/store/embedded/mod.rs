@@ -2,10 +2,9 @@
 //!
 //! - [`tables`]: the tables of the file, and the version of their content;
 //! - [`database`]: the open file, and what is read from it;
-//! - [`opening`]: opens the file, or says what is wrong with it; [`memory_file`]: a file in memory;
+//! - [`opening`]: opens the file, or says what is wrong with it;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: what it is asked for;
 //!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
-//! - [`disk_space`]: what is kept back for when the disk is full;
 //! - [`error`]: errors and panics of the database;
 //! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`points`]; [`fields`]: records and
 //!   problems as protobuf messages.
@@ -14,7 +13,6 @@
 
 mod change;
 mod database;
-mod disk_space;
 mod error;
 mod fields;
 #[cfg(any(test, fuzzing))]
@@ -22,7 +20,6 @@ pub(crate) mod fuzzing;
 mod header;
 mod idempotency;
 mod input;
-mod memory_file;
 mod opening;
 mod points;
 mod recovery;
@@ -51,7 +48,6 @@ use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use change::{Change, Outcome};
 use database::JobDatabase;
-use disk_space::DiskSpace;
 pub use opening::OpenError;
 use writer::{WriteRequest, Writer};
 
@@ -69,8 +65,7 @@ impl EmbeddedStore {
     /// go back to the queue, or fail if that has happened too often.
     pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::open(directory, FILE)?);
-        let disk_space = Some(DiskSpace::new(directory));
-        let writer = Writer::start(Arc::clone(&database), disk_space, counters);
+        let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
         Ok(Self { database, writer })
     }
@@ -78,7 +73,7 @@ impl EmbeddedStore {
     /// Makes a store in memory, which ends with the process.
     pub fn in_memory(counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::in_memory()?);
-        let writer = Writer::start(Arc::clone(&database), None, counters);
+        let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(OpenError::Recovery)?;
         Ok(Self { database, writer })
     }

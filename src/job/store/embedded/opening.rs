@@ -6,21 +6,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use redb::backends::InMemoryBackend;
 use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
 use tracing::warn;
 
 use super::super::StoreError;
 use super::error::catch_panic;
-use super::memory_file::MemoryFile;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
 /// of a commit; pages that do not fit in are written first and read again for their checksums.
 const CACHE: usize = 32 << 20;
-
-/// What a file in memory is called.
-const MEMORY: &str = ":memory:";
 
 /// Files up to this size are read from end to end at the start, to find damage before anybody does.
 const CHECKED: u64 = 1 << 30;
@@ -74,38 +71,23 @@ pub enum OpenError {
     },
 }
 
-/// Where the file of a database is.
-pub(super) enum Medium {
-    /// On a disk, under this path.
-    Disk(PathBuf),
-    /// In memory, as long as the store lives.
-    Memory(MemoryFile),
-}
-
-impl Medium {
-    /// Opens a database that was open before.
-    pub(super) fn open_again(&self) -> Result<Database, OpenError> {
+/// Opens a file that was open before.
+pub(super) fn open_again(path: &Path) -> Result<Database, OpenError> {
+    attempt(path, || {
         let mut builder = Database::builder();
-        match self {
-            Self::Disk(path) => attempt(path, || Ok(builder.set_cache_size(CACHE).open(path)?)),
-            Self::Memory(file) => attempt(Path::new(MEMORY), || open_memory(file)),
-        }
-    }
-}
-
-/// Makes a database in memory.
-pub(super) fn make_in_memory(file: &MemoryFile) -> Result<Database, OpenError> {
-    attempt(Path::new(MEMORY), || {
-        let database = open_memory(file)?;
-        make_tables(&database)?;
-        Ok(database)
+        Ok(builder.set_cache_size(CACHE).open(path)?)
     })
 }
 
-fn open_memory(file: &MemoryFile) -> Result<Database, redb::Error> {
-    let mut builder = Database::builder();
-    builder.set_cache_size(CACHE);
-    Ok(builder.create_with_backend(file.clone())?)
+/// Makes a database in memory.
+pub(super) fn make_in_memory() -> Result<Database, OpenError> {
+    attempt(Path::new(":memory:"), || {
+        let mut builder = Database::builder();
+        let backend = InMemoryBackend::new();
+        let database = builder.set_cache_size(CACHE).create_with_backend(backend)?;
+        make_tables(&database)?;
+        Ok(database)
+    })
 }
 
 /// Opens the file in a directory, or makes it if it is not there, and checks its version.

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use tokio::sync::oneshot;
 use tracing::{error, warn};
@@ -12,13 +13,17 @@ use super::super::StoreError;
 use super::super::ended::Ended;
 use super::change::{Change, Outcome};
 use super::database::JobDatabase;
-use super::disk_space::DiskSpace;
 use super::error::{catch_panic, closed};
 use super::transaction::{EndedChange, Transaction};
 use crate::job::counters::Counters;
 
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;
+
+/// For this long after the disk was full, changes that need space are refused without trying. A failed
+/// attempt takes long, as the database has to be opened again: clients that keep on posting would hold up
+/// everything else (`durable::a_full_disk`).
+const PAUSE: Duration = Duration::from_millis(500);
 
 /// A change that is asked for, and where its outcome goes.
 pub(super) struct WriteRequest {
@@ -43,16 +48,16 @@ impl Writer {
     /// Recovers the jobs that were running in a crash, and starts the thread.
     pub(super) fn start(
         database: Arc<JobDatabase>,
-        disk_space: Option<DiskSpace>,
         counters: Counters,
     ) -> Result<Self, StoreError> {
         let mut writer = WriterThread {
             database,
-            disk_space,
             counters,
             ended: Ended::default(),
+            full_until: None,
         };
-        writer.recover()?;
+        let ((), ended) = writer.transact(|transaction| transaction.recover())?;
+        writer.count(ended);
         let (sender, receiver) = channel();
         let thread = thread::Builder::new()
             .name("piad-store".to_owned())
@@ -90,10 +95,10 @@ pub(super) fn ended() -> StoreError {
 /// What the thread works with.
 struct WriterThread {
     database: Arc<JobDatabase>,
-    /// `None` for a store in memory.
-    disk_space: Option<DiskSpace>,
     counters: Counters,
     ended: Ended,
+    /// The end of the pause after the disk was full.
+    full_until: Option<Instant>,
 }
 
 impl WriterThread {
@@ -123,14 +128,14 @@ impl WriterThread {
     /// Does the changes in one transaction and answers the requests. If that fails, a single request is
     /// answered with the error, and several are left to be tried one by one.
     fn commit(&mut self, requests: &mut Vec<WriteRequest>) -> Result<(), StoreError> {
-        self.refuse_without_space(requests);
+        self.refuse_while_full(requests);
         if requests.is_empty() {
             return Ok(());
         }
         self.counters.commits.inc();
         self.counters.writes.inc_by(requests.len() as u64);
-        let adds = requests.iter().any(|it| it.change.added_bytes().is_some());
-        let leaves_slack = adds && self.disk_space.is_some();
+        let adds = requests.iter().any(|it| it.change.adds());
+        let leaves_slack = adds && self.database.is_on_disk();
         let committed = self.transact(|transaction| {
             let changes = requests.iter().map(|request| &request.change);
             let outcomes = changes.map(|change| transaction.apply(change, &self.ended));
@@ -143,10 +148,6 @@ impl WriterThread {
         match committed {
             Ok((outcomes, ended)) => {
                 self.count(ended);
-                let removed = |outcome: &Outcome| matches!(outcome, Outcome::Removed(true));
-                if outcomes.iter().any(removed) {
-                    self.add_freed(0);
-                }
                 for (request, outcome) in requests.drain(..).zip(outcomes) {
                     request.answer(Ok(outcome));
                 }
@@ -156,26 +157,20 @@ impl WriterThread {
         }
     }
 
-    /// Opens the database again after a commit that has failed, and tries a change again if there is space
-    /// for it now.
+    /// Opens the database again after a commit that has failed.
     fn commit_failed(
         &mut self,
         requests: &mut Vec<WriteRequest>,
         error: StoreError,
     ) -> Result<(), StoreError> {
-        // After an I/O error redb takes no more changes until it is opened again.
         if let Err(error) = self.database.reopen() {
             error!(%error, "the store could not be opened again");
         }
         let [request] = requests.as_slice() else {
             return Err(error);
         };
-        if let (StoreError::Full(_), Some(space)) = (&error, &mut self.disk_space) {
-            if request.change.added_bytes().is_some() {
-                space.ran_out();
-            } else if space.release_reserve() {
-                return self.commit(requests);
-            }
+        if let (StoreError::Full(_), true) = (&error, request.change.adds()) {
+            self.full_until = Some(Instant::now() + PAUSE);
         }
         for request in requests.drain(..) {
             request.answer(Err(error.clone()));
@@ -183,18 +178,12 @@ impl WriterThread {
         Err(error)
     }
 
-    /// Refuses changes that need more disk space than there is, without trying them.
-    fn refuse_without_space(&mut self, requests: &mut Vec<WriteRequest>) {
-        let Some(space) = &mut self.disk_space else {
+    /// Refuses changes that need space for a moment after the disk was full.
+    fn refuse_while_full(&mut self, requests: &mut Vec<WriteRequest>) {
+        if self.full_until.is_none_or(|until| Instant::now() >= until) {
             return;
-        };
-        let (admitted, refused): (_, Vec<WriteRequest>) =
-            std::mem::take(requests).into_iter().partition(|request| {
-                let added = request.change.added_bytes();
-                added.is_none_or(|bytes| space.admits(bytes))
-            });
-        *requests = admitted;
-        for request in refused {
+        }
+        for request in requests.extract_if(.., |request| request.change.adds()) {
             let full = StoreError::Full("there is no room on the disk".to_owned());
             request.answer(Err(full));
         }
@@ -220,36 +209,16 @@ impl WriterThread {
         catch_panic(transact).and_then(|done| done)
     }
 
+    /// Takes note of jobs that have ended, or are gone.
     fn count(&mut self, changes: Vec<EndedChange>) {
         for change in changes {
             match change {
                 EndedChange::Add { at, id, bytes } => self.ended.add(at, id, bytes),
                 EndedChange::Remove { at, id } => {
-                    let bytes = self.ended.remove(at, id);
-                    self.add_freed(bytes);
+                    self.ended.remove(at, id);
+                    self.full_until = None;
                 }
             }
         }
-    }
-
-    /// Jobs of so many bytes were deleted.
-    fn add_freed(&mut self, bytes: u64) {
-        if let Some(space) = &mut self.disk_space {
-            space.add_freed(bytes);
-        }
-    }
-
-    /// The first transaction after a start.
-    fn recover(&mut self) -> Result<(), StoreError> {
-        let mut recovered = self.transact(|transaction| transaction.recover());
-        if let (Err(StoreError::Full(_)), Some(space)) = (&recovered, &mut self.disk_space)
-            && space.release_reserve()
-        {
-            self.database.reopen()?;
-            recovered = self.transact(|transaction| transaction.recover());
-        }
-        let ((), ended) = recovered?;
-        self.count(ended);
-        Ok(())
     }
 }
