@@ -226,7 +226,7 @@ fn record_of(outline: Outline, iteration: Option<&Iteration>) -> Record {
             ..Status::QUEUED
         },
         crashes: 0,
-        watched: false,
+        on_probation: false,
     }
 }
 

@@ -15,7 +15,6 @@
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`crash_recovery`]: jobs that may have crashed the process;
 //! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
 //! - [`counters`]: the metrics of the server.
 //!
@@ -26,7 +25,6 @@ mod checkpoints;
 pub(crate) mod codes;
 pub(crate) mod content;
 pub mod counters;
-pub(crate) mod crash_recovery;
 pub(crate) mod cursor;
 pub(crate) mod encoding_cache;
 pub(crate) mod frame;
@@ -90,7 +88,7 @@ struct Owner {
 /// A job: a problem and what has become of it. Its points are in memory only while it runs or is read.
 pub struct Job {
     outline: Outline,
-    /// How many crashes of the process it may have caused.
+    /// How many crashes of the process are counted for it.
     crashes: u32,
     /// For whom it is computed; of no one after a restart.
     peer: Option<Peer>,

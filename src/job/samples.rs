@@ -57,6 +57,6 @@ pub(crate) fn queued() -> Record {
         outline: Outline::new(Label::default(), &problem()),
         status: Status::QUEUED,
         crashes: 0,
-        watched: false,
+        on_probation: false,
     }
 }

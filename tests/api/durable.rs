@@ -276,17 +276,15 @@ async fn a_server_waits_for_the_one_before_it() {
     second.stop().await;
 }
 
-/// Says of a store that it has this version of the format; gives the one that it had.
-fn set_version(file: &Path, version: u64) -> Option<u64> {
+/// Says of a store that it has this version of the format.
+fn set_version(file: &Path, version: u64) {
     let database = redb::Database::create(file).unwrap();
     let transaction = database.begin_write().unwrap();
     let facts = redb::TableDefinition::<&str, u64>::new("facts");
     let mut table = transaction.open_table(facts).unwrap();
-    let before = table.insert("version", version).unwrap();
-    let before = before.map(|before| before.value());
+    table.insert("version", version).unwrap();
     drop(table);
     transaction.commit().unwrap();
-    before
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -305,7 +303,8 @@ async fn unknown_files_and_versions_are_clear_errors() {
 
     for version in [0, 2, 99] {
         set_version(&file, version);
-        let reason = format!("has version {version} of the format");
+        let reason =
+            format!("has version {version} of the format, this program reads version 1 only");
         refused(data.path(), &reason);
     }
 
@@ -429,7 +428,7 @@ async fn a_full_disk_refuses_new_jobs_and_loses_none() {
     program.fit(&job).await;
 }
 
-/// Fills the disk to the last page, with large jobs first; deletes all jobs; and makes new ones.
+/// Fills the file to the last page, with large jobs first; deletes all jobs; and makes new ones.
 async fn fill_and_delete(program: &Program) {
     let mut kept = Vec::new();
     for count in [4000, 400, 40, 4] {

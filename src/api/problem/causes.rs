@@ -7,7 +7,7 @@ use crate::job::scheduler::Broken;
 use crate::job::service::refused::Refused;
 use crate::job::state::Failure;
 use crate::job::store::StoreError;
-use crate::job::store::crash::MOST_CRASHES;
+use crate::job::store::crash_recovery::MOST_CRASHES;
 use crate::model::mistakes::Mistake;
 use crate::model::named::Named;
 use crate::model::stream::choices::ChoiceMistake;

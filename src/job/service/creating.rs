@@ -73,7 +73,7 @@ impl Jobs {
                 None => Status::QUEUED,
             },
             crashes: 0,
-            watched: false,
+            on_probation: false,
         };
         // In memory before it is in the store, so that whoever finds it there finds this one.
         let job = self.bring_to_life(record.clone(), peer);

@@ -74,7 +74,7 @@ impl Jobs {
             outline,
             status: Status::running(),
             crashes: 0,
-            watched: false,
+            on_probation: false,
         };
         let resources = Arc::clone(&self.resources);
         let owner = Owner { peer, keeps: false };

@@ -5,19 +5,20 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use jiff::Timestamp;
+use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::{sleep, timeout};
 use tracing::{error, info, warn};
 
 use super::Jobs;
 use crate::fit::iteration::Outcome;
 use crate::job::Job;
-use crate::job::crash_recovery::{WATCH, Watch};
 use crate::job::frame::Frame;
 use crate::job::result::LastGeometry;
 use crate::job::run::{Ending, Run, SharedSystem};
 use crate::job::slots::Slot;
 use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
+use crate::job::store::crash_recovery::PROBATION;
 
 /// How long to wait before a result that could not be stored is stored again.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
@@ -25,8 +26,8 @@ const STORE_AGAIN: Duration = Duration::from_secs(2);
 /// A run that was started.
 struct StartedRun {
     run: Arc<Run>,
-    /// If the job may have caused a crash: its permit to run under watch.
-    watch: Option<Watch>,
+    /// Held while the job is on probation after a crash.
+    probation: Option<OwnedSemaphorePermit>,
 }
 
 /// The final state of a job whose run has ended like this.
@@ -50,7 +51,10 @@ impl Jobs {
     pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
         let ended = async {
             let turn = match run {
-                Some(run) => Some(StartedRun { run, watch: None }),
+                Some(run) => Some(StartedRun {
+                    run,
+                    probation: None,
+                }),
                 None => self.turn(&job).await?,
             };
             match turn {
@@ -116,25 +120,30 @@ impl Jobs {
         let permits = async {
             let outline = job.outline();
             let memory = self.share(outline).take(job.peer, outline.memory).await?;
-            Some((memory, self.suspects.turn(job.crashes).await))
+            let probation = match job.crashes {
+                0 => None,
+                _ => Arc::clone(&self.probation).acquire_owned().await.ok(),
+            };
+            Some((memory, probation))
         };
         let permits = tokio::select! {
             biased;
             () = job.cancel_requested() => None,
             permits = permits => permits,
         };
-        let Some((memory, watch)) = permits else {
+        let Some((memory, probation)) = permits else {
             return Ok(None);
         };
         let status = Status::running();
         // After a crash the store must tell which jobs were running.
-        let started = job.store.start(job.id(), status.clone(), watch.is_some());
+        let on_probation = probation.is_some();
+        let started = job.store.start(job.id(), status.clone(), on_probation);
         started.await?;
         let problem = job.problem().await?;
         let system = SharedSystem::new(problem, None);
         let run = job.begin(Arc::new(system), Some(memory));
         job.status.send_replace(status);
-        Ok(Some(StartedRun { watch, run }))
+        Ok(Some(StartedRun { run, probation }))
     }
 
     /// Takes the run of a job to its end.
@@ -143,9 +152,9 @@ impl Jobs {
         if self.suspended.load(Ordering::Acquire) {
             run.stop();
         }
-        let end = match start.watch {
+        let end = match start.probation {
             None => run.complete().await,
-            Some(watch) => self.complete_under_watch(job, run, watch).await,
+            Some(probation) => complete_on_probation(job, run, probation).await,
         };
         // The levels must outlive the run.
         job.status.send_if_modified(|status| {
@@ -157,22 +166,21 @@ impl Jobs {
         }
         end
     }
+}
 
-    /// Takes a run to its end. Its first moments are under watch: if the process crashes then, the job
-    /// is more suspect than others.
-    async fn complete_under_watch(
-        &self,
-        job: &Job,
-        run: &Arc<Run>,
-        watch: Watch,
-    ) -> (Ending, Option<Arc<Frame>>) {
-        if let Ok(end) = timeout(WATCH, run.complete()).await {
-            return end;
-        }
-        if let Err(error) = job.store.end_watch(job.id()).await {
-            warn!(job = %job.id(), %error, "a job could not be cleared of suspicion");
-        }
-        drop(watch);
-        run.complete().await
+/// Takes the run of a job to its end that was running in a crash. Its first moments are its probation.
+async fn complete_on_probation(
+    job: &Job,
+    run: &Arc<Run>,
+    probation: OwnedSemaphorePermit,
+) -> (Ending, Option<Arc<Frame>>) {
+    if let Ok(end) = timeout(PROBATION, run.complete()).await {
+        return end;
     }
+    let status = job.status.borrow().clone();
+    if let Err(error) = job.store.start(job.id(), status, false).await {
+        warn!(job = %job.id(), %error, "the end of a probation could not be stored");
+    }
+    drop(probation);
+    run.complete().await
 }

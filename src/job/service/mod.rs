@@ -15,12 +15,11 @@ use std::sync::{Arc, Weak};
 use std::time::Duration;
 
 use parking_lot::Mutex;
-use tokio::sync::Notify;
+use tokio::sync::{Notify, Semaphore};
 use tokio::time::sleep;
 use tracing::{error, info};
 use uuid::Uuid;
 
-use super::crash_recovery::Suspects;
 use super::memory::Share;
 use super::outline::Outline;
 use super::peer::Peer;
@@ -66,8 +65,8 @@ pub struct Jobs {
     store: Arc<dyn Store>,
     resources: Arc<Resources>,
     limits: JobLimits,
-    /// Jobs that were running in a crash.
-    suspects: Suspects,
+    /// For the one job that is on probation after a crash.
+    probation: Arc<Semaphore>,
     /// For jobs that have not ended.
     slots: Arc<Slots>,
     /// The process is about to end: running jobs go back to the queue.
@@ -91,7 +90,7 @@ impl Jobs {
             store,
             resources,
             limits,
-            suspects: Suspects::default(),
+            probation: Arc::new(Semaphore::new(1)),
             slots: Slots::new(limits.jobs, limits.jobs_of_a_peer),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent, cache),
@@ -131,8 +130,6 @@ impl Jobs {
         let mut unfinished = self.store.unfinished().await?;
         // The quickest first, as they end soonest.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
-        let crashes = unfinished.iter().map(|record| record.crashes);
-        self.suspects.gather(crashes);
         if !unfinished.is_empty() {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }

@@ -1,13 +1,13 @@
 //! Where jobs are kept: their problems, states and final control points. Frames are not kept.
 //!
 //! - [`embedded`]: in a file, or in memory;
-//! - [`crash`]: which jobs may have crashed the process;
+//! - [`crash_recovery`]: what becomes of jobs that were running in a crash;
 //! - `nowhere`: for ephemeral edits, of which nothing is kept;
 //! - `ended`: which jobs that have ended to forget.
 //!
 //! What every store promises is described at [`Store`], and tested for each store by the same tests.
 
-pub mod crash;
+pub mod crash_recovery;
 pub mod embedded;
 pub(crate) mod ended;
 pub(crate) mod nowhere;
@@ -43,10 +43,10 @@ pub struct Record {
     pub outline: Outline,
     /// What has become of it.
     pub status: Status,
-    /// How many crashes of the process it may be to blame for.
+    /// How many crashes of the process are counted for it.
     pub crashes: u32,
-    /// It runs under watch, as it may be to blame for a crash.
-    pub watched: bool,
+    /// It was running in a crash, and runs again for a moment before the next such job.
+    pub on_probation: bool,
 }
 
 /// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
@@ -157,14 +157,10 @@ pub trait Store: Send + Sync {
         key: Option<IdempotencyKey>,
     ) -> Acknowledgement<Option<IdempotencyEntry>>;
 
-    /// Keeps that a queued job runs now, perhaps under watch.
-    fn start(&self, id: Uuid, status: Status, watched: bool) -> Acknowledgement<()>;
+    /// Keeps that a job runs now, and whether it is on probation.
+    fn start(&self, id: Uuid, status: Status, on_probation: bool) -> Acknowledgement<()>;
 
-    /// Keeps that a job is not under watch any more.
-    fn end_watch(&self, id: Uuid) -> Acknowledgement<()>;
-
-    /// Puts a job back into the queue at an orderly end of the process. It is not to blame for any crash
-    /// before.
+    /// Puts a job back into the queue at an orderly end of the process, and clears its count of crashes.
     fn requeue(&self, id: Uuid) -> Acknowledgement<()>;
 
     /// Keeps the final state and control points of a job.

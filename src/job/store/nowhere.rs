@@ -39,10 +39,6 @@ impl Store for Nowhere {
         done(())
     }
 
-    fn end_watch(&self, _: Uuid) -> Acknowledgement<()> {
-        done(())
-    }
-
     fn requeue(&self, _: Uuid) -> Acknowledgement<()> {
         done(())
     }

@@ -53,7 +53,7 @@ for_each_store!(
     writes_take_effect_in_the_order_of_their_calls,
     a_job_that_has_ended_has_its_state_and_result,
     a_job_that_is_gone_stays_gone,
-    a_watch_ends_or_its_job_is_requeued,
+    a_probation_ends_or_its_job_is_requeued,
     a_key_makes_one_job,
     a_key_that_is_sent_many_times_at_once_makes_one_job,
     a_key_is_forgotten_after_a_day,
@@ -224,7 +224,6 @@ async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
     assert!(store.remove(id).await.unwrap());
     assert!(!store.remove(id).await.unwrap());
     store.start(id, Status::running(), true).await.unwrap();
-    store.end_watch(id).await.unwrap();
     store.requeue(id).await.unwrap();
     let finished = store.finish(id, converged(0), Some(control_points().into()));
     finished.await.unwrap();
@@ -234,18 +233,18 @@ async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
     assert!(ids(store).await.is_empty());
 }
 
-async fn a_watch_ends_or_its_job_is_requeued(store: &impl Store) {
+async fn a_probation_ends_or_its_job_is_requeued(store: &impl Store) {
     let mut record = queued();
     record.crashes = 2;
     insert_record(store, &record).await;
     let id = record.outline.id;
     let seen = async || {
         let record = store.get(id).await.unwrap().unwrap();
-        (record.status.state, record.watched, record.crashes)
+        (record.status.state, record.on_probation, record.crashes)
     };
     store.start(id, Status::running(), true).await.unwrap();
     assert_eq!(seen().await, (State::Running, true, 2));
-    store.end_watch(id).await.unwrap();
+    store.start(id, Status::running(), false).await.unwrap();
     assert_eq!(seen().await, (State::Running, false, 2));
     store.start(id, Status::running(), true).await.unwrap();
     store.requeue(id).await.unwrap();

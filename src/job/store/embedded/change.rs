@@ -20,10 +20,7 @@ pub(super) enum Change {
     Start {
         id: Uuid,
         status: Status,
-        watched: bool,
-    },
-    EndWatch {
-        id: Uuid,
+        on_probation: bool,
     },
     Requeue {
         id: Uuid,
@@ -56,16 +53,9 @@ pub(super) enum Outcome {
 }
 
 impl Change {
-    /// Whether it makes the file grow. What does not must be possible when the disk is full.
+    /// Whether it needs more than a few pages of the file. Others must be possible when the disk is full.
     pub(super) fn adds(&self) -> bool {
-        matches!(
-            self,
-            Self::Insert { .. }
-                | Self::Finish {
-                    result: Some(_),
-                    ..
-                }
-        )
+        self.points() > 0
     }
 
     /// How many points it writes.

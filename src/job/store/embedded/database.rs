@@ -1,6 +1,6 @@
 //! The open database: reading jobs, and opening it again after an error.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -11,13 +11,11 @@ use tracing::error;
 use uuid::Uuid;
 
 use super::super::{IdempotencyEntry, Record, Selection, StoreError};
-use super::error::{closed, damaged};
+use super::error::{catch_panic, closed, damaged};
 use super::header::Header;
 use super::idempotency::EntryMessage;
 use super::input::Input;
-use super::memory_file::MemoryFile;
-use super::opening::{self, Medium, OpenError};
-use super::panics;
+use super::opening::{self, OpenError};
 use super::result;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
 use crate::fit::problem::Problem;
@@ -28,7 +26,8 @@ const MOST_READING: Duration = Duration::from_secs(5);
 
 /// The database of a store. It is opened again when an I/O error or a panic has made it unusable.
 pub(super) struct JobDatabase {
-    medium: Medium,
+    /// `None` if it is in memory.
+    path: Option<PathBuf>,
     /// `None` after a failure until it could be opened again.
     redb: RwLock<Option<Database>>,
 }
@@ -38,19 +37,22 @@ impl JobDatabase {
     pub(super) fn open(directory: &Path, name: &str) -> Result<Self, OpenError> {
         let path = directory.join(name);
         let redb = opening::open_or_make(directory, &path)?;
-        Ok(Self::new(Medium::Disk(path), redb))
+        Ok(Self::new(Some(path), redb))
     }
 
     /// Makes a database in memory.
     pub(super) fn in_memory() -> Result<Self, OpenError> {
-        let file = MemoryFile::default();
-        let redb = opening::make_in_memory(&file)?;
-        Ok(Self::new(Medium::Memory(file), redb))
+        Ok(Self::new(None, opening::make_in_memory()?))
     }
 
-    fn new(medium: Medium, redb: Database) -> Self {
+    fn new(path: Option<PathBuf>, redb: Database) -> Self {
         let redb = RwLock::new(Some(redb));
-        Self { medium, redb }
+        Self { path, redb }
+    }
+
+    /// Whether it is on a disk, which can be full.
+    pub(super) fn is_on_disk(&self) -> bool {
+        self.path.is_some()
     }
 
     /// Reads. If the database panics, as it does where pages are damaged, only this read fails.
@@ -58,13 +60,12 @@ impl JobDatabase {
         &self,
         read: impl FnOnce(&Self) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
-        panics::catch(|| read(self)).unwrap_or_else(|panic| {
-            error!(panic, "the database panicked while it was read");
-            let works = panics::catch(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
+        catch_panic(|| read(self)).unwrap_or_else(|panic| {
+            let works = catch_panic(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
             if !works && let Err(error) = self.reopen() {
                 error!(%error, "the store could not be opened again");
             }
-            Err(damaged("pages of the database do not fit together"))
+            Err(panic)
         })
     }
 
@@ -73,16 +74,19 @@ impl JobDatabase {
         self.redb.read()
     }
 
-    /// Opens the database again after an error, with what was committed before it.
+    /// Opens the database again after an error, with what was committed before it: redb takes no more
+    /// changes after an I/O error. In memory there are none.
     pub(super) fn reopen(&self) -> Result<(), StoreError> {
+        let Some(path) = &self.path else {
+            return Ok(());
+        };
         let mut redb = self.redb.write();
         // The lock on the file goes with the old one, and with the last of those who still read it.
-        if let Err(panic) = panics::catch(|| drop(redb.take())) {
-            error!(panic, "the database panicked while it was closed");
-        }
+        // A panic while it is closed changes nothing: what was committed is in the file.
+        let _ = catch_panic(|| drop(redb.take()));
         let begin = Instant::now();
         let opened = loop {
-            match self.medium.open_again() {
+            match opening::open_again(path) {
                 Err(OpenError::InUse(_)) if begin.elapsed() < MOST_READING => {
                     sleep(Duration::from_millis(5));
                 }

@@ -1,22 +1,23 @@
 //! Errors of the database and of what stands in it.
 
 use std::io::ErrorKind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use redb::{StorageError, TableError};
 
 use super::super::StoreError;
 use crate::model::mistakes::Mistakes;
 
+/// Does work in which the database may panic, as it does where pages of the file are damaged. A panic
+/// becomes an error: only what needs the page fails, and the thread goes on (`tests/api/damage.rs`).
+pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> {
+    let damaged = |_| damaged("pages of the database do not fit together");
+    catch_unwind(AssertUnwindSafe(work)).map_err(damaged)
+}
+
 /// After a failure there is no database until it could be opened again.
 pub(super) fn closed() -> StoreError {
     StoreError::Failed("the database could not be opened again after an error".to_owned())
-}
-
-/// The database panicked in a write, as it does where pages that it changes are damaged.
-pub(super) fn unwritable() -> StoreError {
-    StoreError::Failed(
-        "pages of the database that are to be changed do not fit together".to_owned(),
-    )
 }
 
 /// What was read makes no sense.

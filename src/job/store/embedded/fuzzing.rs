@@ -18,8 +18,7 @@ pub(crate) fn kept(problem: &Problem) -> Vec<u8> {
 
 /// The problem that is kept in these bytes.
 pub(crate) fn problem(bytes: &[u8]) -> Result<Problem, StoreError> {
-    let request = Input::decode(bytes).map_err(damaged)?.into_request()?;
-    Problem::new(request).map_err(damaged)
+    Problem::new(Input::read(bytes)?).map_err(damaged)
 }
 
 /// A job without its points as it is kept.

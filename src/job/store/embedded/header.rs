@@ -25,44 +25,43 @@ pub(super) struct Header {
     parent: Option<Vec<u8>>,
     #[prost(uint64, tag = "4")]
     parent_iteration: u64,
-    #[prost(message, optional, tag = "5")]
+    #[prost(message, optional, tag = "6")]
     created: Option<Time>,
-    #[prost(bool, tag = "6")]
+    #[prost(bool, tag = "7")]
     surface: bool,
-    #[prost(uint64, tag = "7")]
-    rows: u64,
     #[prost(uint64, tag = "8")]
+    rows: u64,
+    #[prost(uint64, tag = "9")]
     columns: u64,
-    #[prost(uint64, optional, tag = "9")]
+    #[prost(uint64, optional, tag = "11")]
     adjusted: Option<u64>,
-    #[prost(double, tag = "10")]
+    #[prost(double, tag = "12")]
     tolerance: f64,
-    #[prost(uint64, tag = "11")]
-    max_iterations: u64,
-    #[prost(uint64, tag = "12")]
-    memory: u64,
     #[prost(uint64, tag = "13")]
+    max_iterations: u64,
+    #[prost(uint64, tag = "14")]
+    memory: u64,
+    #[prost(uint64, tag = "15")]
     step_cost: u64,
-    #[prost(message, optional, tag = "14")]
+    #[prost(message, optional, tag = "16")]
     status: Option<StatusMessage>,
-    #[prost(uint32, tag = "15")]
+    #[prost(uint32, tag = "17")]
     pub(super) crashes: u32,
     /// Bytes of the input and of the result.
-    #[prost(uint64, tag = "16")]
+    #[prost(uint64, tag = "18")]
     pub(super) bytes: u64,
     /// The key of the request that made the job.
-    #[prost(string, optional, tag = "17")]
+    #[prost(string, optional, tag = "19")]
     pub(super) key: Option<String>,
-    /// It runs under watch, as it may be to blame for a crash.
-    #[prost(bool, tag = "18")]
-    pub(super) watched: bool,
-    #[prost(message, repeated, tag = "19")]
-    warnings: Vec<WarningMessage>,
     #[prost(bool, tag = "20")]
+    pub(super) on_probation: bool,
+    #[prost(message, repeated, tag = "21")]
+    warnings: Vec<WarningMessage>,
+    #[prost(bool, tag = "22")]
     bases_differ: bool,
-    #[prost(message, optional, tag = "21")]
+    #[prost(message, optional, tag = "23")]
     method: Option<pb::Method>,
-    #[prost(message, optional, tag = "22")]
+    #[prost(message, optional, tag = "24")]
     stream: Option<pb::StreamOptions>,
 }
 
@@ -94,7 +93,7 @@ impl Header {
             crashes: record.crashes,
             bytes,
             key,
-            watched: record.watched,
+            on_probation: record.on_probation,
             warnings: outline
                 .warnings
                 .iter()
@@ -114,7 +113,7 @@ impl Header {
     /// The job was running in a crash, after which this is its record.
     pub(super) fn recover(&mut self, record: &Record) {
         self.set_status(&record.status);
-        (self.crashes, self.watched) = (record.crashes, record.watched);
+        (self.crashes, self.on_probation) = (record.crashes, record.on_probation);
     }
 
     /// The record of a header.
@@ -156,7 +155,7 @@ impl Header {
                 .ok_or_else(|| damaged("no status"))?
                 .try_into()?,
             crashes: self.crashes,
-            watched: self.watched,
+            on_probation: self.on_probation,
         })
     }
 }

@@ -2,10 +2,10 @@
 //!
 //! - [`tables`]: the tables of the file, and the version of their content;
 //! - [`database`]: the open file, and what is read from it;
-//! - [`opening`]: opens the file, or says what is wrong with it; [`memory_file`]: a file in memory;
+//! - [`opening`]: opens the file, or says what is wrong with it;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: what it is asked for;
 //!   [`transaction`]: what that does to the tables; [`recovery`]: the first transaction after a start;
-//! - [`error`], [`panics`]: errors and panics of the database;
+//! - [`error`]: errors and panics of the database;
 //! - [`header`], [`status`], [`warning`], [`idempotency`]; [`input`], [`points`]; [`fields`]: records and
 //!   problems as protobuf messages.
 //!
@@ -20,9 +20,7 @@ pub(crate) mod fuzzing;
 mod header;
 mod idempotency;
 mod input;
-mod memory_file;
 mod opening;
-mod panics;
 mod points;
 mod recovery;
 mod result;
@@ -67,7 +65,7 @@ impl EmbeddedStore {
     /// go back to the queue, or fail if that has happened too often.
     pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::open(directory, FILE)?);
-        let writer = Writer::start(Arc::clone(&database), true, counters);
+        let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
         Ok(Self { database, writer })
     }
@@ -75,7 +73,7 @@ impl EmbeddedStore {
     /// Makes a store in memory, which ends with the process.
     pub fn in_memory(counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::in_memory()?);
-        let writer = Writer::start(Arc::clone(&database), false, counters);
+        let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(OpenError::Recovery)?;
         Ok(Self { database, writer })
     }
@@ -126,17 +124,13 @@ impl Store for EmbeddedStore {
         })
     }
 
-    fn start(&self, id: Uuid, status: Status, watched: bool) -> Acknowledgement<()> {
+    fn start(&self, id: Uuid, status: Status, on_probation: bool) -> Acknowledgement<()> {
         let change = Change::Start {
             id,
             status,
-            watched,
+            on_probation,
         };
         self.write(change, drop)
-    }
-
-    fn end_watch(&self, id: Uuid) -> Acknowledgement<()> {
-        self.write(Change::EndWatch { id }, drop)
     }
 
     fn requeue(&self, id: Uuid) -> Acknowledgement<()> {

@@ -6,21 +6,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use redb::{Database, ReadableDatabase, StorageError, TableError};
+use redb::backends::InMemoryBackend;
+use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
-use tracing::{debug, warn};
+use tracing::warn;
 
 use super::super::StoreError;
-use super::memory_file::MemoryFile;
-use super::panics;
+use super::error::catch_panic;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
 /// of a commit; pages that do not fit in are written first and read again for their checksums.
 const CACHE: usize = 32 << 20;
-
-/// What a file in memory is called.
-const MEMORY: &str = ":memory:";
 
 /// Files up to this size are read from end to end at the start, to find damage before anybody does.
 const CHECKED: u64 = 1 << 30;
@@ -49,8 +46,8 @@ pub enum OpenError {
     InUse(PathBuf),
     /// It was written by another version of the program.
     #[error(
-        "{path:?} has version {found} of the format, this program knows version {VERSION}: \
-         start the program that wrote it, or choose another --data-dir"
+        "{path:?} has version {found} of the format, this program reads version {VERSION} only: keep the \
+         file and use the program that wrote it, or choose another --data-dir"
     )]
     Version {
         /// The file.
@@ -74,38 +71,23 @@ pub enum OpenError {
     },
 }
 
-/// Where the file of a database is.
-pub(super) enum Medium {
-    /// On a disk, under this path.
-    Disk(PathBuf),
-    /// In memory, as long as the store lives.
-    Memory(MemoryFile),
-}
-
-impl Medium {
-    /// Opens a database that was open before.
-    pub(super) fn open_again(&self) -> Result<Database, OpenError> {
+/// Opens a file that was open before.
+pub(super) fn open_again(path: &Path) -> Result<Database, OpenError> {
+    attempt(path, || {
         let mut builder = Database::builder();
-        match self {
-            Self::Disk(path) => attempt(path, || Ok(builder.set_cache_size(CACHE).open(path)?)),
-            Self::Memory(file) => attempt(Path::new(MEMORY), || open_memory(file)),
-        }
-    }
-}
-
-/// Makes a database in memory.
-pub(super) fn make_in_memory(file: &MemoryFile) -> Result<Database, OpenError> {
-    attempt(Path::new(MEMORY), || {
-        let database = open_memory(file)?;
-        make_tables(&database)?;
-        Ok(database)
+        Ok(builder.set_cache_size(CACHE).open(path)?)
     })
 }
 
-fn open_memory(file: &MemoryFile) -> Result<Database, redb::Error> {
-    let mut builder = Database::builder();
-    builder.set_cache_size(CACHE);
-    Ok(builder.create_with_backend(file.clone())?)
+/// Makes a database in memory.
+pub(super) fn make_in_memory() -> Result<Database, OpenError> {
+    attempt(Path::new(":memory:"), || {
+        let mut builder = Database::builder();
+        let backend = InMemoryBackend::new();
+        let database = builder.set_cache_size(CACHE).create_with_backend(backend)?;
+        make_tables(&database)?;
+        Ok(database)
+    })
 }
 
 /// Opens the file in a directory, or makes it if it is not there, and checks its version.
@@ -197,13 +179,10 @@ fn version(database: &Database) -> Result<Option<u64>, redb::Error> {
 
 /// Does something with the database. Damage makes it panic at times.
 fn attempt<T>(path: &Path, work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, OpenError> {
-    panics::catch(work)
-        .unwrap_or_else(|panic| {
-            debug!(panic, "the database panicked while it was opened");
-            let damaged = "its pages do not fit together";
-            Err(StorageError::Corrupted(damaged.to_owned()).into())
-        })
-        .map_err(|error| explain(path, error))
+    match catch_panic(work) {
+        Ok(done) => done.map_err(|error| explain(path, error)),
+        Err(_) => Err(broken(path, "its pages do not fit together")),
+    }
 }
 
 fn explain(path: &Path, error: redb::Error) -> OpenError {

@@ -2,8 +2,7 @@
 
 use redb::TableDefinition;
 
-/// The version of what is described here; other versions are refused. Messages may get new fields under
-/// the same version; whatever an older program would misread needs a new one.
+/// The version of what is described here. Files of other versions are refused.
 pub(super) const VERSION: u64 = 1;
 
 /// Facts about the file itself.

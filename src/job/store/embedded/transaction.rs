@@ -17,9 +17,9 @@ use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 
-/// So many pages of the file stay free for changes that must be possible when the disk is full, as a change
-/// writes new pages before it frees old ones: a deletion takes a few dozen, which are free again two commits
-/// later.
+/// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
+/// frees some, which can be used two commits later. Without them no job could be deleted to make room where
+/// the file cannot grow (`durable::jobs_can_be_deleted`).
 const SLACK_PAGES: u64 = 128;
 
 /// A write transaction with its tables.
@@ -65,15 +65,14 @@ impl<'a> Transaction<'a> {
             Change::Start {
                 id,
                 status,
-                watched,
+                on_probation,
             } => self.update(*id, |header| {
                 header.set_status(status);
-                header.watched = *watched;
+                header.on_probation = *on_probation;
             })?,
-            Change::EndWatch { id } => self.update(*id, |header| header.watched = false)?,
             Change::Requeue { id } => self.update(*id, |header| {
                 header.set_status(&Status::QUEUED);
-                (header.crashes, header.watched) = (0, false);
+                (header.crashes, header.on_probation) = (0, false);
             })?,
             Change::Finish { id, status, result } => {
                 self.finish(*id, status, result.as_ref())?;

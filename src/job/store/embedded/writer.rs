@@ -13,17 +13,17 @@ use super::super::StoreError;
 use super::super::ended::Ended;
 use super::change::{Change, Outcome};
 use super::database::JobDatabase;
-use super::error::{closed, unwritable};
-use super::panics;
+use super::error::{catch_panic, closed};
 use super::transaction::{EndedChange, Transaction};
 use crate::job::counters::Counters;
 
-/// For this long after the disk was full, changes that need space are refused without trying: a failed
-/// attempt takes long, as the database has to be opened again after it.
-const PAUSE: Duration = Duration::from_millis(500);
-
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;
+
+/// For this long after the disk was full, changes that need space are refused without trying. A failed
+/// attempt takes long, as the database has to be opened again: clients that keep on posting would hold up
+/// everything else (`durable::a_full_disk`).
+const PAUSE: Duration = Duration::from_millis(500);
 
 /// A change that is asked for, and where its outcome goes.
 pub(super) struct WriteRequest {
@@ -48,17 +48,16 @@ impl Writer {
     /// Recovers the jobs that were running in a crash, and starts the thread.
     pub(super) fn start(
         database: Arc<JobDatabase>,
-        on_disk: bool,
         counters: Counters,
     ) -> Result<Self, StoreError> {
         let mut writer = WriterThread {
             database,
-            on_disk,
-            full_until: None,
             counters,
             ended: Ended::default(),
+            full_until: None,
         };
-        writer.recover()?;
+        let ((), ended) = writer.transact(|transaction| transaction.recover())?;
+        writer.count(ended);
         let (sender, receiver) = channel();
         let thread = thread::Builder::new()
             .name("piad-store".to_owned())
@@ -96,12 +95,10 @@ pub(super) fn ended() -> StoreError {
 /// What the thread works with.
 struct WriterThread {
     database: Arc<JobDatabase>,
-    /// Not in memory.
-    on_disk: bool,
-    /// The end of the pause, if no job was deleted since the disk was full.
-    full_until: Option<Instant>,
     counters: Counters,
     ended: Ended,
+    /// The end of the pause after the disk was full.
+    full_until: Option<Instant>,
 }
 
 impl WriterThread {
@@ -131,14 +128,14 @@ impl WriterThread {
     /// Does the changes in one transaction and answers the requests. If that fails, a single request is
     /// answered with the error, and several are left to be tried one by one.
     fn commit(&mut self, requests: &mut Vec<WriteRequest>) -> Result<(), StoreError> {
-        self.refuse_without_space(requests);
+        self.refuse_while_full(requests);
         if requests.is_empty() {
             return Ok(());
         }
         self.counters.commits.inc();
         self.counters.writes.inc_by(requests.len() as u64);
         let adds = requests.iter().any(|it| it.change.adds());
-        let leaves_slack = adds && self.on_disk;
+        let leaves_slack = adds && self.database.is_on_disk();
         let committed = self.transact(|transaction| {
             let changes = requests.iter().map(|request| &request.change);
             let outcomes = changes.map(|change| transaction.apply(change, &self.ended));
@@ -166,14 +163,13 @@ impl WriterThread {
         requests: &mut Vec<WriteRequest>,
         error: StoreError,
     ) -> Result<(), StoreError> {
-        // After an I/O error redb takes no more changes until it is opened again.
         if let Err(error) = self.database.reopen() {
             error!(%error, "the store could not be opened again");
         }
         let [request] = requests.as_slice() else {
             return Err(error);
         };
-        if matches!(error, StoreError::Full(_)) && request.change.adds() {
+        if let (StoreError::Full(_), true) = (&error, request.change.adds()) {
             self.full_until = Some(Instant::now() + PAUSE);
         }
         for request in requests.drain(..) {
@@ -182,16 +178,12 @@ impl WriterThread {
         Err(error)
     }
 
-    /// Refuses changes that need disk space shortly after there was none.
-    fn refuse_without_space(&self, requests: &mut Vec<WriteRequest>) {
+    /// Refuses changes that need space for a moment after the disk was full.
+    fn refuse_while_full(&mut self, requests: &mut Vec<WriteRequest>) {
         if self.full_until.is_none_or(|until| Instant::now() >= until) {
             return;
         }
-        let (admitted, refused) = std::mem::take(requests)
-            .into_iter()
-            .partition(|request| !request.change.adds());
-        *requests = admitted;
-        for request in refused {
+        for request in requests.extract_if(.., |request| request.change.adds()) {
             let full = StoreError::Full("there is no room on the disk".to_owned());
             request.answer(Err(full));
         }
@@ -214,12 +206,10 @@ impl WriterThread {
             write.commit()?;
             Ok((value, ended))
         };
-        panics::catch(transact).unwrap_or_else(|panic| {
-            error!(panic, "the database panicked while it was written");
-            Err(unwritable())
-        })
+        catch_panic(transact).and_then(|done| done)
     }
 
+    /// Takes note of jobs that have ended, or are gone.
     fn count(&mut self, changes: Vec<EndedChange>) {
         for change in changes {
             match change {
@@ -230,12 +220,5 @@ impl WriterThread {
                 }
             }
         }
-    }
-
-    /// The first transaction after a start.
-    fn recover(&mut self) -> Result<(), StoreError> {
-        let ((), ended) = self.transact(|transaction| transaction.recover())?;
-        self.count(ended);
-        Ok(())
     }
 }

@@ -1,5 +1,5 @@
-//! Many jobs that were running in a crash: they go on soon, and the one that brings the server down
-//! is found among them.
+//! Many jobs that were running in a crash: the one that brings the server down fails, and the others go
+//! on.
 
 use std::time::Duration;
 
@@ -9,7 +9,8 @@ use crate::data;
 use crate::program::Program;
 use crate::support::eventually;
 
-const JOBS: usize = 300;
+/// They go on four a second.
+const JOBS: usize = 24;
 
 fn start(data: &std::path::Path) -> Program {
     Program::with(data, &["--ring", "64KiB"])
@@ -38,7 +39,7 @@ async fn becomes(program: &Program, job: &str, wanted: &str) -> bool {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn many_suspects_go_on_soon_and_the_culprit_is_found() {
+async fn a_job_that_crashes_the_server_fails_and_the_others_go_on() {
     let data = tempfile::tempdir().unwrap();
     let mut program = start(data.path());
     let mut jobs = Vec::new();
@@ -54,11 +55,10 @@ async fn many_suspects_go_on_soon_and_the_culprit_is_found() {
     while becomes(&program, culprit, "running").await {
         program.kill();
         crashes += 1;
-        assert!(crashes <= 6, "the culprit is not found");
+        assert!(crashes <= 3, "the culprit does not fail");
         program = start(data.path());
     }
-    assert!(crashes >= 3, "given up after {crashes} crashes");
-    // The others go on: one after the other, for half a second each, they took 150 s.
+    assert_eq!(crashes, 3);
     eventually("the others go on", async || {
         in_state(&program, "running").await == JOBS - 1
     })

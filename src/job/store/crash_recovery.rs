@@ -1,0 +1,104 @@
+//! Crash recovery: what becomes of the jobs that were running when the process crashed.
+//!
+//! They go back to the queue and run again one at a time: each is on probation for a moment before the
+//! next one starts. If the process crashes meanwhile, the crash is counted for the job on probation and
+//! for jobs that were running for the first time, not for jobs that have passed. So a job that crashes the
+//! process as soon as it runs fails after [`MOST_CRASHES`], and the others do not. Crashes while nothing
+//! is on probation are counted for every running job. An orderly stop clears the counts.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+
+use super::Record;
+use crate::job::state::{Failure, State, Status};
+
+/// A job that was running in so many crashes is not run again.
+pub const MOST_CRASHES: u32 = 3;
+
+/// How long a job that was running in a crash runs before the next one starts.
+pub const PROBATION: Duration = Duration::from_millis(250);
+
+impl Record {
+    /// Whether it was on probation in the crash.
+    pub fn was_on_probation(&self) -> bool {
+        self.status.state == State::Running && self.on_probation
+    }
+
+    /// Puts a job that was running in a crash back into the queue, or fails it.
+    pub fn recover(&mut self, any_on_probation: bool) {
+        let counts = !any_on_probation || self.on_probation || self.crashes == 0;
+        self.crashes += u32::from(counts);
+        self.on_probation = false;
+        self.status = match self.crashes {
+            MOST_CRASHES.. => Status {
+                state: State::Failed,
+                finished: Some(Timestamp::now()),
+                failure: Some(Failure::Crashes),
+                ..self.status.clone()
+            },
+            _ => Status::QUEUED,
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::samples;
+
+    fn run(job: &mut Record, on_probation: bool) {
+        (job.status, job.on_probation) = (Status::running(), on_probation);
+    }
+
+    fn crash(jobs: &mut [Record]) {
+        let any_on_probation = jobs.iter().any(Record::was_on_probation);
+        let running = |job: &&mut Record| job.status.state == State::Running;
+        let running = jobs.iter_mut().filter(running);
+        running.for_each(|job| job.recover(any_on_probation));
+    }
+
+    fn has_failed(job: &Record) -> bool {
+        job.status.failure == Some(Failure::Crashes)
+    }
+
+    #[test]
+    fn a_job_that_crashes_the_process_at_once_fails_alone() {
+        let mut jobs: Vec<_> = (0..10).map(|_| samples::queued()).collect();
+        let culprit = 4;
+        jobs.iter_mut().for_each(|job| run(job, false));
+        crash(&mut jobs);
+        for _ in 1..MOST_CRASHES {
+            assert!(!has_failed(&jobs[culprit]));
+            for job in &mut jobs[..culprit] {
+                run(job, false);
+            }
+            run(&mut jobs[culprit], true);
+            crash(&mut jobs);
+        }
+        for (i, job) in jobs.iter().enumerate() {
+            assert_eq!(has_failed(job), i == culprit, "{i}");
+        }
+    }
+
+    #[test]
+    fn a_new_job_is_counted_beside_one_on_probation() {
+        let mut jobs = [samples::queued(), samples::queued()];
+        run(&mut jobs[0], false);
+        (jobs[1].crashes, jobs[1].status) = (1, Status::running());
+        jobs[1].on_probation = true;
+        crash(&mut jobs);
+        assert_eq!(jobs.each_ref().map(|job| job.crashes), [1, 2]);
+    }
+
+    #[test]
+    fn jobs_that_crash_after_their_probation_fail_in_the_end() {
+        let mut jobs = [samples::queued(), samples::queued()];
+        for crashes in 1..=MOST_CRASHES {
+            jobs.iter_mut().for_each(|job| run(job, false));
+            crash(&mut jobs);
+            assert!(jobs.iter().all(|job| job.crashes == crashes));
+        }
+        assert!(jobs.iter().all(has_failed));
+    }
+}
