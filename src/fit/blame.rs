@@ -55,7 +55,8 @@ impl I {
         match *self {
             I::Omega { .. } => Place::Setting(Setting::Omega),
             I::NotPositive { setting, .. } => Place::Setting(setting),
-            I::ThresholdCount { .. } | I::PartOfStep { .. } => Place::Setting(Setting::Threshold),
+            I::ThresholdCount { .. } => Place::Setting(Setting::Threshold),
+            I::PartOfStep { .. } => Place::Setting(Setting::StepTolerance),
             I::Threshold { index, .. } => Place::Threshold(index),
             I::NoIndices => Place::Setting(Setting::Indices),
             I::IndexOutside { index, .. } | I::IndexRepeated { index } => Place::Index(index),

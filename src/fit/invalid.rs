@@ -167,8 +167,8 @@ pub enum Invalid {
     /// A setting is not a finite number greater than 0.
     #[error("{name} is {value}; it must be a finite number greater than 0", name = setting.name())]
     NotPositive { setting: Setting, value: f64 },
-    /// The threshold of the bisection for a step is not a part of it.
-    #[error("threshold is {value}; it is a part of a step, greater than 0 and less than 1")]
+    /// The tolerance of the bisection for a step is not a part of it.
+    #[error("step_tolerance is {value}; it is a part of a step, greater than 0 and less than 1")]
     PartOfStep { value: f64 },
     /// The number of thresholds is not that of the data points.
     #[error("{given} thresholds for {expected} points")]

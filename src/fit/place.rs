@@ -110,8 +110,10 @@ pub enum Place {
 pub enum Setting {
     /// The relaxation ω of weighted, local and adaptive PIA.
     Omega,
-    /// The threshold of adaptive or of convexity-preserving PIA.
+    /// The threshold of adaptive PIA.
     Threshold,
+    /// How near convexity-preserving PIA comes to the longest step.
+    StepTolerance,
     /// The step μ of least-squares PIA.
     Mu,
     /// The indices of local PIA.
@@ -144,12 +146,13 @@ impl Setting {
         match self {
             Self::Omega => "omega",
             Self::Threshold => "threshold",
+            Self::StepTolerance => "step_tolerance",
             Self::Mu => "mu",
             Self::Indices => "indices",
             Self::RowByRow => "row_by_row",
             Self::Sweeps => "sweeps",
             Self::DataWeights => "data_weights",
-            Self::EndPoints => "ends",
+            Self::EndPoints => "end_points",
             Self::Constraints => "constraints",
             Self::Fairness => "fairness",
             Self::FairnessOrder => "fairness_order",

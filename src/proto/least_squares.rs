@@ -64,7 +64,7 @@ pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes
             m::Ending::Unspecified | m::Ending::Minimum => Ending::Minimum,
             m::Ending::SmallStep => Ending::SmallStep,
         },
-        ends: match known(settings.ends, "method.least_squares.ends")? {
+        ends: match known(settings.end_points, "method.least_squares.end_points")? {
             m::EndPoints::Unspecified => EndPoints::Usual,
             m::EndPoints::Interpolated => EndPoints::Interpolated,
             m::EndPoints::Free => EndPoints::Free,
@@ -198,7 +198,7 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
             Ending::SmallStep => m::Ending::SmallStep,
         }
         .into(),
-        ends: match settings.ends {
+        end_points: match settings.ends {
             EndPoints::Usual => m::EndPoints::Unspecified,
             EndPoints::Interpolated => m::EndPoints::Interpolated,
             EndPoints::Free => m::EndPoints::Free,

@@ -33,8 +33,9 @@ pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Optio
             transformed_error: extended.transformed_error,
         }),
         Kind::Transpose(_) => Method::Transpose,
-        Kind::Convex(m::Convex { threshold }) => {
-            Method::Convex(threshold.map_or_else(Convex::default, |threshold| Convex { threshold }))
+        Kind::Convex(m::Convex { step_tolerance }) => {
+            let convex = step_tolerance.map(|step_tolerance| Convex { step_tolerance });
+            Method::Convex(convex.unwrap_or_default())
         }
         Kind::Chebyshev(_) => Method::Chebyshev,
         Kind::Direct(_) => Method::Direct,
@@ -199,6 +200,7 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
         Place::Setting(setting) => {
             let kind = match setting {
                 Setting::Omega | Setting::Threshold => layout.kind,
+                Setting::StepTolerance => "convex",
                 Setting::Mu
                 | Setting::DataWeights
                 | Setting::EndPoints
@@ -279,7 +281,7 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
         }),
         Method::Transpose => Kind::Transpose(m::Transpose {}),
         Method::Convex(convex) => Kind::Convex(m::Convex {
-            threshold: (convex != Convex::default()).then_some(convex.threshold),
+            step_tolerance: (convex != Convex::default()).then_some(convex.step_tolerance),
         }),
         Method::Chebyshev => Kind::Chebyshev(m::Chebyshev {}),
         Method::Direct => Kind::Direct(m::Direct {}),

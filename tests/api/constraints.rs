@@ -294,7 +294,7 @@ async fn end_points_are_interpolated() {
         assert!((0..3).all(|c| (control[7][c] - data[49][c]).abs() < 1e-14));
     }
     let mut free = method.clone();
-    free["ends"] = json!("free");
+    free["end_points"] = json!("free");
     let story = server
         .stream(&json!({"curve": {"points": data}, "method": free}))
         .await;
@@ -362,12 +362,12 @@ async fn the_input_has_the_settings() {
     let weights: Vec<Vec<f64>> = vec![vec![1.0, 2.0, 0.5, 1.0, 1.0, 1.0, 3.0, 1.0]; 8];
     let jobs = [
         json!({"curve": {"points": wave(40)}, "method": {
-            "kind": "least_squares", "control_points": 12, "variant": "cg", "ends": "free", "fairness": 1e-5, "fairness_order": 3,
+            "kind": "least_squares", "control_points": 12, "variant": "cg", "end_points": "free", "fairness": 1e-5, "fairness_order": 3,
             "data_weights": (0..40).map(|i| f64::from(i % 3)).collect::<Vec<f64>>(),
             "constraints": [{"index": 7}, {"at": "start", "tangent": [0, 1, 1]}, {"at": {"parameter": 2.5}, "point": [1, 2, 3]}, {"at": "end", "second_derivative": [0, 0, 0]}],
         }}),
         json!({"surface": {"points": data::peaks(8)}, "method": {
-            "kind": "least_squares", "control_points": {"u": 7, "v": 6}, "ends": "interpolated", "data_weights": weights,
+            "kind": "least_squares", "control_points": {"u": 7, "v": 6}, "end_points": "interpolated", "data_weights": weights,
             "constraints": [{"index": [3, 4]}, {"at": {"index": [5, 2]}, "derivative_uv": [0, 0, 1]}, {"at": {"boundary": "u_end"}, "cross_derivatives": across}],
         }}),
     ];

@@ -202,8 +202,11 @@ async fn wrong_settings_are_named() {
         ),
         (
             false,
-            m::LeastSquares { ends: 3, ..plain() },
-            "ends",
+            m::LeastSquares {
+                end_points: 3,
+                ..plain()
+            },
+            "end_points",
             "3 is no value",
         ),
         (
@@ -275,7 +278,7 @@ async fn jobs_leave_lists_out() {
         control_points_v: 5,
         variant: m::Variant::Direct.into(),
         ending: m::Ending::Minimum.into(),
-        ends: m::EndPoints::Free.into(),
+        end_points: m::EndPoints::Free.into(),
         data_weights: (0..64).map(|i| 0.1 * f64::from(i)).collect(),
         fairness: Some(1e-5),
         fairness_order: 2,
@@ -394,7 +397,7 @@ async fn edits_keep_the_settings_or_have_others() {
     let server = Server::start().await;
     let weights: Vec<f64> = (0..30).map(|i| 1.0 + 0.1 * f64::from(i)).collect();
     let method = json!({
-        "kind": "least_squares", "control_points": 12, "variant": "direct", "ends": "free",
+        "kind": "least_squares", "control_points": 12, "variant": "direct", "end_points": "free",
         "data_weights": weights, "fairness": 1e-4, "fairness_order": 3,
         "constraints": [{"index": 7}, {"at": "end", "derivative": [1.0, 0.5]}],
     });

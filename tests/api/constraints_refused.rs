@@ -138,8 +138,8 @@ async fn constraints_that_cannot_be_are_refused() {
             "along a boundary",
         ),
         (
-            curve(setting("ends", json!("closed"))),
-            "/method/ends",
+            curve(setting("end_points", json!("closed"))),
+            "/method/end_points",
             "interpolated",
         ),
         (
@@ -168,9 +168,9 @@ async fn constraints_that_cannot_be_are_refused() {
             "rows of numbers",
         ),
         (
-            json!({"curve": {"points": wave(30)}, "method": {"kind": "global", "ends": "free"}}),
-            "/method/ends",
-            "unknown field \"ends\"",
+            json!({"curve": {"points": wave(30)}, "method": {"kind": "global", "end_points": "free"}}),
+            "/method/end_points",
+            "unknown field \"end_points\"",
         ),
     ] {
         let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
@@ -186,7 +186,7 @@ async fn constraints_that_cannot_be_are_refused() {
     negative[7] = -2.0;
     let mut fair = setting("fairness", json!(1));
     fair["fairness_order"] = json!(4);
-    let closed = json!({"curve": {"points": wave(30), "closed": true}, "method": setting("ends", json!("interpolated"))});
+    let closed = json!({"curve": {"points": wave(30), "closed": true}, "method": setting("end_points", json!("interpolated"))});
     for (job, pointer, reason) in [
         (
             curve(setting("data_weights", json!(negative))),
@@ -194,7 +194,7 @@ async fn constraints_that_cannot_be_are_refused() {
             "not negative",
         ),
         (curve(fair), "/method/fairness_order", "order 4"),
-        (closed, "/method/ends", "closed"),
+        (closed, "/method/end_points", "closed"),
     ] {
         let response = server.post("/v1/jobs").json(&job).send().await.unwrap();
         let (_, found) = problem(response).await;

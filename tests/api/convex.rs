@@ -120,13 +120,13 @@ fn step(story: &Story, k: usize) -> f64 {
 }
 
 /// The first step that is cut short, as a part of the plain one, falls short of the longest one that
-/// keeps the turns by no more than the threshold. The default is 1e-6.
+/// keeps the turns by no more than the tolerance. The default is 1e-6.
 #[tokio::test]
 async fn a_threshold_says_how_near_bisection_goes() {
     let server = Server::start().await;
     let plain = server.stream(&elliptic(&json!("global"))).await;
     let with = async |threshold: f64| {
-        let method = json!({"kind": "convex", "threshold": threshold});
+        let method = json!({"kind": "convex", "step_tolerance": threshold});
         server.stream(&elliptic(&method)).await
     };
     let exact = with(1e-15).await;
@@ -139,7 +139,7 @@ async fn a_threshold_says_how_near_bisection_goes() {
     let signs = turns(&plain.iterations[0]);
     for threshold in [0.9, 0.3, 0.1, 1e-2, 1e-4] {
         let story = with(threshold).await;
-        assert_eq!(story.job["method"]["threshold"], threshold);
+        assert_eq!(story.job["method"]["step_tolerance"], threshold);
         assert_eq!(story.state(), "stalled");
         assert!(story.iterations.iter().all(|it| turns(it) == signs));
         let part = step(&story, cut) / step(&plain, cut);
@@ -161,15 +161,15 @@ async fn a_threshold_says_how_near_bisection_goes() {
 #[tokio::test]
 async fn a_threshold_is_kept() {
     let server = Server::start().await;
-    let method = json!({"kind": "convex", "threshold": 0.125});
+    let method = json!({"kind": "convex", "step_tolerance": 0.125});
     let job = server.fit(&elliptic(&method)).await;
     let input = server.json(&format!("{}/input", base(&job))).await;
     assert_eq!(input["method"], method);
     let edits = server.post(&format!("{}/edits", base(&job)));
-    let edit = json!({"method": {"kind": "convex", "threshold": 0.25}});
+    let edit = json!({"method": {"kind": "convex", "step_tolerance": 0.25}});
     let edited = edits.header("prefer", "wait=30").json(&edit).send().await;
     let edited: Value = edited.unwrap().json().await.unwrap();
-    assert_eq!(edited["method"]["threshold"], 0.25);
+    assert_eq!(edited["method"]["step_tolerance"], 0.25);
     let usual = server.fit(&elliptic(&json!("convex"))).await;
     let input = server.json(&format!("{}/input", base(&usual))).await;
     assert_eq!(input["method"], json!({"kind": "convex"}));
@@ -177,8 +177,8 @@ async fn a_threshold_is_kept() {
     let id = job["id"].as_str().unwrap().to_owned();
     let input = client.get_input(pb::GetInputRequest { id }).await.unwrap();
     let method = input.into_inner().input.unwrap().method.unwrap();
-    let threshold = Some(0.125);
-    let expected = pb::method::Kind::Convex(pb::method::Convex { threshold });
+    let step_tolerance = Some(0.125);
+    let expected = pb::method::Kind::Convex(pb::method::Convex { step_tolerance });
     assert_eq!(method.kind, Some(expected));
 }
 
@@ -189,17 +189,17 @@ async fn wrong_thresholds_are_refused() {
         (json!(0), "greater than 0 and less than 1"),
         (json!(1), "less than 1"),
         (json!(-0.5), "less than 1"),
-        (json!([0.1, 0.1, 0.1, 0.1, 0.1]), "one threshold"),
+        (json!([0.1, 0.1, 0.1, 0.1, 0.1]), "expected a number"),
         (json!("small"), "number"),
     ] {
-        let method = json!({"kind": "convex", "threshold": threshold});
+        let method = json!({"kind": "convex", "step_tolerance": threshold});
         server
-            .assert_refused(&elliptic(&method), "/method/threshold", reason)
+            .assert_refused(&elliptic(&method), "/method/step_tolerance", reason)
             .await;
     }
     let mut client = connect(&server).await;
-    let threshold = Some(2.0);
-    let kind = pb::method::Kind::Convex(pb::method::Convex { threshold });
+    let step_tolerance = Some(2.0);
+    let kind = pb::method::Kind::Convex(pb::method::Convex { step_tolerance });
     let curve = pb::Curve {
         dimension: 2,
         points: vec![0.0, 0.0, 1.0, 1.0, 2.0, 0.0],
@@ -215,6 +215,6 @@ async fn wrong_thresholds_are_refused() {
         ..Default::default()
     };
     let refused = client.create_job(request).await.unwrap_err();
-    let field = "input.method.convex.threshold";
+    let field = "input.method.convex.step_tolerance";
     assert!(refused.message().contains(field), "{refused:?}");
 }

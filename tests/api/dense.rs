@@ -133,7 +133,7 @@ fn generate(random: &mut Random) -> Case {
         method["fairness"] = json!(fairness);
     }
     if free_ends {
-        method["ends"] = json!("free");
+        method["end_points"] = json!("free");
     }
     let basis = degrees.map(|degree| json!({"kind": "bspline", "degree": degree}));
     let job = json!({

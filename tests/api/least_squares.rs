@@ -56,7 +56,7 @@ async fn the_minimum_is_that_of_scipy() {
                     "points": points, "parameters": t,
                     "basis": {"kind": "bspline", "knots": "piegl_tiller"},
                 },
-                "method": {"kind": "least_squares", "control_points": 10, "variant": variant, "ends": "free"},
+                "method": {"kind": "least_squares", "control_points": 10, "variant": variant, "end_points": "free"},
                 "stop": {"tolerance": 1e-9, "max_iterations": 10_000},
             }))
             .await;

@@ -121,7 +121,7 @@ async fn the_earlier_rule_has_a_name() {
     let other =
         json!({"curve": {"points": uneven()}, "method": {"kind": "direct", "ending": "minimum"}});
     server
-        .assert_refused(&other, "/method/ending", "setting of")
+        .assert_refused(&other, "/method/ending", "unknown field")
         .await;
 }
 

@@ -71,7 +71,7 @@ fn with_repeated_ends(job: &Value) -> Value {
         if shape["closed"] != true {
             name_knots(&mut shape["basis"], "piegl_tiller");
         }
-        job["method"]["ends"] = json!("free");
+        job["method"]["end_points"] = json!("free");
         return job;
     }
     name_knots(&mut shape["basis"], "data");

@@ -298,9 +298,9 @@ async fn mistakes_name_the_field_and_the_index() {
             "different parameters",
         ),
         (
-            "/method/ends",
+            "/method/end_points",
             json!("interpolated"),
-            "/method/ends",
+            "/method/end_points",
             "scattered",
         ),
         (

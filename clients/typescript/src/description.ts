@@ -1245,12 +1245,13 @@ export interface components {
              *     tolerance. Only with `local`.
              */
             sweeps?: components["schemas"]["Sweeps"] | null;
-            /**
-             * @description With `adaptive` only control points move whose data point is further away than this, in data
-             *     units. With `convex` bisection ends as near as this part of the plain step to the longest one
-             *     that keeps the turns: a number below 1, by default 1e-6. Only with `adaptive`, `convex`.
-             */
+            /** @description Only control points move whose data point is further away than this, in data units. Only with `adaptive`. */
             threshold?: components["schemas"]["Thresholds"] | null;
+            /**
+             * Format: double
+             * @description How near bisection comes to the longest step that keeps the turns, as a part of the plain step. Only with `convex`. Default: `1e-6`.
+             */
+            step_tolerance?: number | null;
             /** @description What iteration 0 is. Only with `extended`. */
             start?: components["schemas"]["ExtendedStart"] | null;
             /**
@@ -1274,7 +1275,7 @@ export interface components {
             /** @description Where the fit ends besides its tolerance and its last iteration. Only with `least_squares`. */
             ending?: components["schemas"]["LeastSquaresEnding"] | null;
             /** @description Whether it passes through its end points at every iteration. Only with `least_squares`. */
-            ends?: components["schemas"]["LeastSquaresEnds"] | null;
+            end_points?: components["schemas"]["LeastSquaresEnds"] | null;
             /**
              * @description How much each data point counts in the sum of squares: of a curve a list of numbers that are not
              *     negative, of a surface rows of them. Only with `least_squares`.
@@ -1915,10 +1916,14 @@ export interface components {
             sweeps?: components["schemas"]["Sweeps"];
             /**
              * Format: double
-             * @description Adaptive: the distance beyond which control points move; left out if each point has one. Convex:
-             *     how near bisection goes to the longest step that keeps the turns, as a part of the plain step.
+             * @description Adaptive: the distance beyond which control points move; left out if each point has one.
              */
             threshold?: number;
+            /**
+             * Format: double
+             * @description Convex: how near bisection comes to the longest step that keeps the turns, as a part of the plain step.
+             */
+            step_tolerance?: number;
             /** @description Extended: what iteration 0 is. */
             start?: components["schemas"]["ExtendedStart"];
             /** @description Extended: whether `error.transformed` is told. */

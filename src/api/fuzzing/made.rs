@@ -316,7 +316,7 @@ impl<'a> Choices<'a> {
         ];
         match self.below(13) {
             0..=5 => json!({"kind": self.one_of(&PLAIN)}),
-            6 if self.often() => json!({"kind": "convex", "threshold": 0.5}),
+            6 if self.often() => json!({"kind": "convex", "step_tolerance": 0.5}),
             6 => json!({"kind": "extended", "start": "data", "transformed_error": self.often()}),
             7 if self.often() => json!({"kind": "weighted", "omega": "auto"}),
             7 => json!({"kind": "weighted", "omega": self.positive()}),

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! (LWD04, Algorithm 1). A plain step, ε = 1, is taken if the turning angles of the control polygon
-//! keep their signs; else bisection finds the longest step that keeps them, but for a threshold: the
+//! keep their signs; else bisection finds the longest step that keeps them, but for a tolerance: the
 //! search ends where the step that keeps them and the one that does not differ by no more than this
 //! part of the plain step.
 //! The signs of data that are no convex polygon are kept as they are. Where the control polygon of
@@ -39,18 +39,20 @@ const PROGRESS: f64 = 1e-9;
 /// Steps without progress after which the fit has stalled.
 const PATIENCE: usize = 3;
 
-/// Convexity-preserving PIA with its threshold.
+/// Convexity-preserving PIA with its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convex {
     /// How near to the turning point the bisection goes, as a part of the plain step, between 0 and
     /// 1 (LWD04, Algorithm 1).
-    pub threshold: f64,
+    pub step_tolerance: f64,
 }
 
 impl Default for Convex {
     /// A millionth of the step.
     fn default() -> Self {
-        Self { threshold: 1e-6 }
+        Self {
+            step_tolerance: 1e-6,
+        }
     }
 }
 
@@ -59,10 +61,10 @@ impl Scheme for Convex {
         &ABOUT
     }
 
-    /// Turning angles are those of planar polygons. A threshold of 0 would take bisection to its
+    /// Turning angles are those of planar polygons. A tolerance of 0 would take bisection to its
     /// limit at every level, and with 1 it would not begin.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
-        let value = self.threshold;
+        let value = self.step_tolerance;
         if !(value > 0.0 && value < 1.0) {
             return Err(Invalid::PartOfStep { value });
         }
@@ -91,7 +93,7 @@ impl Scheme for Convex {
     }
 
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
-        Box::new(Steps::new(&equations.setup, self.threshold))
+        Box::new(Steps::new(&equations.setup, self.step_tolerance))
     }
 
     /// When no step keeps the turns any more.
@@ -104,7 +106,7 @@ impl Scheme for Convex {
 #[derive(Clone, Debug)]
 struct Steps {
     /// How near to the turning point the search goes, in steps.
-    threshold: f64,
+    step_tolerance: f64,
     /// Whether the polygon turns at its ends, too.
     closed: bool,
     /// The constants of control points beside the first and the last one, by which they differ from
@@ -124,10 +126,10 @@ struct Steps {
 
 impl Steps {
     /// Before the first update.
-    fn new(setup: &Setup, threshold: f64) -> Self {
+    fn new(setup: &Setup, step_tolerance: f64) -> Self {
         let data = setup.data();
         Self {
-            threshold,
+            step_tolerance,
             closed: setup.u().is_closed(),
             beside: [Side::Start, Side::End].map(|side| beside(setup, side)),
             scale: normalizing_scale(setup.diagonal()),
@@ -157,7 +159,7 @@ impl Steps {
         self.turns_of(control_points).eq(self.turns.iter().copied())
     }
 
-    /// The largest ε in (0, 1], but for the threshold, that keeps the turns; 0 if there is none.
+    /// The largest ε in (0, 1], but for the tolerance, that keeps the turns; 0 if there is none.
     fn admissible_part(&self, control_points: &mut Points) -> f64 {
         if self.keeps_turns(1.0, control_points) {
             return 1.0;
@@ -174,7 +176,7 @@ impl Steps {
         // Back towards the whole step, as near as the turns allow.
         let mut lost = 1.0;
         for _ in 0..HALVINGS {
-            if lost - kept <= self.threshold {
+            if lost - kept <= self.step_tolerance {
                 break;
             }
             let middle = f64::midpoint(kept, lost);

@@ -33,8 +33,8 @@ impl Choices<'_> {
             }
         }
         match self.below(4) {
-            0 => method["ends"] = json!("free"),
-            1 => method["ends"] = json!("interpolated"),
+            0 => method["end_points"] = json!("free"),
+            1 => method["end_points"] = json!("interpolated"),
             _ => {}
         }
         if self.below(4) == 3 {

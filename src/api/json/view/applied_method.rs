@@ -38,11 +38,14 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Sweeps")]
     sweeps: Option<Sweeps>,
-    /// Adaptive: the distance beyond which control points move; left out if each point has one. Convex:
-    /// how near bisection goes to the longest step that keeps the turns, as a part of the plain step.
+    /// Adaptive: the distance beyond which control points move; left out if each point has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     threshold: Option<f64>,
+    /// Convex: how near bisection comes to the longest step that keeps the turns, as a part of the plain step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    step_tolerance: Option<f64>,
     /// Extended: what iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Start")]
@@ -99,7 +102,9 @@ impl AppliedMethod {
                 };
                 view.omega = Some(Some(*omega));
             }
-            Method::Convex(Convex { threshold }) => view.threshold = Some(*threshold),
+            Method::Convex(Convex { step_tolerance }) => {
+                view.step_tolerance = Some(*step_tolerance);
+            }
             Method::Extended(settings) => {
                 view.start = Some(settings.start);
                 view.transformed_error = settings.transformed_error.then_some(true);

@@ -227,7 +227,9 @@ fn methods(surface: bool) -> Vec<(Method, Option<Arc<[usize]>>)> {
     if surface {
         methods.push(custom(Some(nearly_identity(grid.columns))));
     } else {
-        let rough = Convex { threshold: 0.1 };
+        let rough = Convex {
+            step_tolerance: 0.1,
+        };
         methods.extend([custom(None)]);
         methods.extend([Convex::default(), rough].map(Method::Convex));
     }

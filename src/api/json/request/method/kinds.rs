@@ -67,7 +67,7 @@ names!(VariantRequest, "variant of the method least_squares", [
     "cg" => Cg,
     "direct" => Direct,
 ]);
-names!(EndPoints, "choice of ends of the method least_squares", [
+names!(EndPoints, "choice of end points of the method least_squares", [
     "interpolated" => Interpolated,
     "free" => Free,
 ]);

@@ -51,7 +51,7 @@ pub(in crate::api) struct LeastSquaresRequest {
     /// Where the fit ends besides its tolerance and its last iteration.
     ending: Option<Ending>,
     /// Whether it passes through its end points at every iteration.
-    ends: Option<EndPoints>,
+    end_points: Option<EndPoints>,
     /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
     /// negative, of a surface rows of them.
     #[schemars(with = "Option<DataWeights>")]
@@ -127,7 +127,7 @@ impl LeastSquaresRequest {
                 Some(VariantRequest::Direct) => Variant::Direct,
             },
             ending: self.ending.unwrap_or(Ending::Minimum),
-            ends: self.ends.unwrap_or(EndPoints::Usual),
+            ends: self.end_points.unwrap_or(EndPoints::Usual),
             constraints: constraints?.into(),
             fairness: self.fairness.map(|value| Fairness {
                 value,

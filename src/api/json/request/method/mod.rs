@@ -85,9 +85,7 @@ pub(in crate::api) struct LocalRequest {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::api) struct AdaptiveRequest {
-    /// With `adaptive` only control points move whose data point is further away than this, in data
-    /// units. With `convex` bisection ends as near as this part of the plain step to the longest one
-    /// that keeps the turns: a number below 1, by default 1e-6.
+    /// Only control points move whose data point is further away than this, in data units.
     threshold: Option<Thresholds>,
     /// The relaxation.
     omega: Option<Omega>,
@@ -107,8 +105,9 @@ pub(in crate::api) struct ExtendedRequest {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::api) struct ConvexRequest {
-    /// How near bisection goes.
-    threshold: Option<Thresholds>,
+    /// How near bisection comes to the longest step that keeps the turns, as a part of the plain step.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "default" = 1e-6))]
+    step_tolerance: Option<f64>,
 }
 
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -270,7 +269,10 @@ impl MethodRequest {
                 transformed_error: extended.transformed_error.unwrap_or(false),
             }),
             Self::Transpose => Method::Transpose,
-            Self::Convex(convex) => Method::Convex(convex.settings()?),
+            Self::Convex(ConvexRequest { step_tolerance }) => {
+                let convex = step_tolerance.map(|step_tolerance| Convex { step_tolerance });
+                Method::Convex(convex.unwrap_or_default())
+            }
             Self::Chebyshev => Method::Chebyshev,
             Self::Direct => Method::Direct,
             Self::LeastSquares(it) => Method::LeastSquares(it.settings(grid, surface)?),
@@ -309,20 +311,6 @@ impl LocalRequest {
             sweeps: sweeps(self.sweeps, self.row_by_row, surface)?,
         };
         MethodSpec::local(selected, settings)
-    }
-}
-
-impl ConvexRequest {
-    fn settings(self) -> OrMistakes<Convex> {
-        match self.threshold {
-            None => Ok(Convex::default()),
-            Some(Thresholds::All(threshold)) => Ok(Convex { threshold }),
-            Some(Thresholds::Each(_)) => {
-                let place = P::Setting(Setting::Threshold);
-                let detail = "convex has one threshold, a part of its step";
-                Err(Mistake::at(SpecPart::Fit(place), detail).into())
-            }
-        }
     }
 }
 

@@ -74,7 +74,7 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
         }
         Method::LeastSquares(ref settings) => least_squares(settings, problem, set),
         Method::Convex(convex) if convex != Convex::default() => {
-            set("threshold", json!(convex.threshold));
+            set("step_tolerance", json!(convex.step_tolerance));
         }
         Method::Custom(ref custom) => {
             let transform = match custom.v() {
@@ -122,7 +122,7 @@ fn least_squares(settings: &LeastSquares, problem: &Problem, mut set: impl FnMut
         set("ending", json!("small_step"));
     }
     if settings.ends != EndPoints::Usual {
-        set("ends", json!(settings.ends));
+        set("end_points", json!(settings.ends));
     }
     if let Some(weights) = &settings.data_weights {
         set("data_weights", of_points(weights, problem));

@@ -68,7 +68,7 @@ pub enum ConstraintsMistake {
     Contradictory { index: usize, others: String },
     /// An end point cannot be interpolated.
     #[error(
-        "the data points at the ends cannot be interpolated together with {others}: name the ends \"free\""
+        "the data points at the ends cannot be interpolated together with {others}: name the end_points \"free\""
     )]
     EndsContradict { others: String },
     /// There are too many conditions.
