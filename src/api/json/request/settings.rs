@@ -2,6 +2,7 @@
 //! point.
 
 use std::fmt;
+use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use schemars::json_schema;
@@ -112,12 +113,15 @@ impl<'de> Deserialize<'de> for Matrix {
     }
 }
 
-/// The index of a point: of a curve `i`, of a surface `[row, column]`.
+/// The index of a point: of a curve `i`, of a surface `[row, column]`. It takes eight bytes, since lists of
+/// them may be as long as a body allows: a column is kept as the number behind it, which is not zero.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::api) enum Index {
     Single(u32),
-    Pair(u32, u32),
+    Pair(u32, NonZeroU32),
 }
+
+const _: () = assert!(size_of::<Index>() == 8);
 
 impl Index {
     /// The index in the list of all points, row by row. Whether a point of a curve exists is
@@ -127,7 +131,7 @@ impl Index {
         match (self, surface && grid.is_rows()) {
             (Self::Single(i), false) => Ok(i as usize),
             (Self::Pair(i, j), true) => {
-                let (i, j) = (i as usize, j as usize);
+                let (i, j) = (i as usize, j.get() as usize - 1);
                 if i < rows && j < columns {
                     return Ok(i * columns + j);
                 }
@@ -150,7 +154,7 @@ impl Index {
     }
 }
 
-/// An index as it is kept: in four bytes, since lists of them may be as long as those of points.
+/// An index as it is kept, in four bytes.
 fn small<E: Error>(index: u64) -> Result<u32, E> {
     let detail = || format!("{index} is not the index of a point: no job has so many");
     u32::try_from(index).map_err(|_| E::custom(detail()))
@@ -180,7 +184,8 @@ impl<'de> Deserialize<'de> for Index {
                 let (row, column) = (list.next_element()?, list.next_element()?);
                 match (row, column, list.next_element::<Whole>()?) {
                     (Some(Whole(row)), Some(Whole(column)), None) => {
-                        Ok(Index::Pair(small(row as u64)?, small(column as u64)?))
+                        let behind = NonZeroU32::MIN.saturating_add(small(column as u64)?);
+                        Ok(Index::Pair(small(row as u64)?, behind))
                     }
                     _ => Err(A::Error::custom(
                         "an index of a surface has two numbers, [row, column]",
