@@ -118,8 +118,6 @@ pub enum Setting {
     Mu,
     /// The indices of local PIA.
     Indices,
-    /// Whether local PIA goes row by row.
-    RowByRow,
     /// The lines that local PIA goes by.
     Sweeps,
     /// How much each data point counts in least-squares PIA.
@@ -134,8 +132,6 @@ pub enum Setting {
     FairnessOrder,
     /// The update of least-squares PIA.
     Variant,
-    /// When least-squares PIA ends.
-    Ending,
     /// Whether parameters move while least-squares PIA chooses its knots.
     CorrectParameters,
 }
@@ -149,7 +145,6 @@ impl Setting {
             Self::StepTolerance => "step_tolerance",
             Self::Mu => "mu",
             Self::Indices => "indices",
-            Self::RowByRow => "row_by_row",
             Self::Sweeps => "sweeps",
             Self::DataWeights => "data_weights",
             Self::EndPoints => "end_points",
@@ -157,7 +152,6 @@ impl Setting {
             Self::Fairness => "fairness",
             Self::FairnessOrder => "fairness_order",
             Self::Variant => "variant",
-            Self::Ending => "ending",
             Self::CorrectParameters => "correct_parameters",
         }
     }

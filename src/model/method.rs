@@ -34,27 +34,13 @@ impl MethodSpec {
     }
 }
 
-/// The sweeps of local PIA: the lines that are asked for, or rows if it goes `row_by_row`.
-pub fn sweeps(
-    sweeps: Option<Sweeps>,
-    row_by_row: Option<bool>,
-    surface: bool,
-) -> Result<Option<Sweeps>, Mistake> {
-    let wrong = |detail| Mistake::at(SpecPart::Fit(Place::Setting(Setting::Sweeps)), detail);
-    match (sweeps, row_by_row) {
-        (None, Some(true)) => Ok(Some(Sweeps::Rows)),
-        (None, _) => Ok(None),
-        // Of curves the setting is named that was given.
-        (Some(_), _) if !surface => Err(wrong(
-            "sweeps are for surfaces; a curve has no rows and no columns",
-        )),
-        (Some(Sweeps::Columns), Some(true)) => {
-            Err(wrong("sweeps go by columns, but row_by_row is true"))
-        }
-        (Some(Sweeps::Rows), Some(false)) => {
-            Err(wrong("sweeps go by rows, but row_by_row is false"))
-        }
-        (Some(sweeps), _) => Ok(Some(sweeps)),
+/// The sweeps of local PIA, which are for surfaces.
+pub fn sweeps(sweeps: Option<Sweeps>, surface: bool) -> Result<Option<Sweeps>, Mistake> {
+    let place = SpecPart::Fit(Place::Setting(Setting::Sweeps));
+    let detail = "sweeps are for surfaces; a curve has no rows and no columns";
+    match sweeps.is_some() && !surface {
+        true => Err(Mistake::at(place, detail)),
+        false => Ok(sweeps),
     }
 }
 

@@ -4,8 +4,8 @@ use super::messages::{method as m, method::constraint as c};
 use super::values::{MethodTarget, check_count, count, known};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Ending, Fairness,
-    LeastSquares, MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant, Wanted,
 };
 use crate::fit::points::Points;
 use crate::model::method::mu_without_lspia;
@@ -60,10 +60,6 @@ pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes
     let constraints = constraints(settings.constraints, scope.surface)?;
     Ok(LeastSquares {
         variant,
-        ending: match known(settings.ending, "method.least_squares.ending")? {
-            m::Ending::Unspecified | m::Ending::Minimum => Ending::Minimum,
-            m::Ending::SmallStep => Ending::SmallStep,
-        },
         ends: match known(settings.end_points, "method.least_squares.end_points")? {
             m::EndPoints::Unspecified => EndPoints::Usual,
             m::EndPoints::Interpolated => EndPoints::Interpolated,
@@ -193,11 +189,6 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         }),
         variant: variant.into(),
         mu,
-        ending: match settings.ending {
-            Ending::Minimum => m::Ending::Minimum,
-            Ending::SmallStep => m::Ending::SmallStep,
-        }
-        .into(),
         end_points: match settings.ends {
             EndPoints::Usual => m::EndPoints::Unspecified,
             EndPoints::Interpolated => m::EndPoints::Interpolated,

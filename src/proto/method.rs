@@ -73,8 +73,7 @@ fn local_settings(local: &m::Local, surface: bool) -> Result<Local, Mistake> {
     let given = local.omega.map_or_else(Omega::default, Omega::Given);
     Ok(Local {
         omega: if local.auto_omega { Omega::Best } else { given },
-        // Without a value it is not known whether it was said that it is false.
-        sweeps: sweeps(lines, local.row_by_row.then_some(true), surface)?,
+        sweeps: sweeps(lines, surface)?,
     })
 }
 
@@ -207,10 +206,9 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
                 | Setting::Constraints
                 | Setting::Fairness
                 | Setting::FairnessOrder
-                | Setting::Variant
-                | Setting::Ending => "least_squares",
+                | Setting::Variant => "least_squares",
                 Setting::CorrectParameters => "least_squares.automatic",
-                Setting::Indices | Setting::RowByRow | Setting::Sweeps => "local",
+                Setting::Indices | Setting::Sweeps => "local",
             };
             format!("method.{kind}.{}", setting.name())
         }
@@ -300,7 +298,6 @@ fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
     let omega_used = forecast.and_then(|it| it.omega).or(given);
     m::Local {
         indices: Vec::new(),
-        row_by_row: sweeps == Some(Sweeps::Rows),
         omega: omega_used,
         auto_omega: omega == Omega::Best && omega_used.is_none(),
         sweeps: match sweeps {

@@ -422,7 +422,6 @@ async fn what_does_not_go_with_it_is_refused() {
     let with = |more: Value| automatic(curve(), 1e-3, more);
     for (more, pointer, reason) in [
         (json!({"variant": "direct"}), "/method/variant", "variant"),
-        (json!({"ending": "small_step"}), "/method/ending", "ending"),
         (
             json!({"max_control_points": 3}),
             "/method/max_control_points",

@@ -110,7 +110,7 @@ async fn changes_make_the_whole_surface() {
     ] {
         for method in [
             json!({"kind": "local", "indices": [[0, 0], [4, 4], [8, 1]]}),
-            json!({"kind": "local", "row_by_row": true}),
+            json!({"kind": "local", "sweeps": "rows"}),
             json!({"kind": "adaptive", "threshold": 0.05}),
         ] {
             let job = json!({"surface": surface, "method": method, "stop": {"max_iterations": 40}});

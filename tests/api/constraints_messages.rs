@@ -277,7 +277,6 @@ async fn jobs_leave_lists_out() {
         control_points_u: 6,
         control_points_v: 5,
         variant: m::Variant::Direct.into(),
-        ending: m::Ending::Minimum.into(),
         end_points: m::EndPoints::Free.into(),
         data_weights: (0..64).map(|i| 0.1 * f64::from(i)).collect(),
         fairness: Some(1e-5),

@@ -74,7 +74,7 @@ fn mixed_jobs() -> Vec<Value> {
             "knots": [0, 0, 0, 1, 1, 1]}, "parameters": [0, 0.4, 1]}}),
         json!({"surface": {"points": grid, "basis": {"u": {"kind": "bernstein"},
             "v": {"kind": "bspline", "degree": 2, "knots": "averaged"}}}}),
-        json!({"surface": {"points": grid}, "method": {"kind": "local", "row_by_row": true},
+        json!({"surface": {"points": grid}, "method": {"kind": "local", "sweeps": "rows"},
             "stop": {"tolerance": 0.001, "max_iterations": 90}}),
     ]
 }

@@ -332,8 +332,8 @@ async fn wrong_settings_are_refused() {
             "-1",
         ),
         (
-            json!({"kind": "local", "row_by_row": true}),
-            "/method/row_by_row",
+            json!({"kind": "local", "sweeps": "rows"}),
+            "/method/sweeps",
             "no rows",
         ),
         (json!({"kind": "adaptive"}), "/method", "threshold"),

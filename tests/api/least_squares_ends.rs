@@ -98,33 +98,6 @@ async fn exact_data_end_at_rounding() {
     }
 }
 
-/// The rule of earlier programs has a name, which the input says.
-#[tokio::test]
-async fn the_earlier_rule_has_a_name() {
-    let server = Server::start().await;
-    let mut asked = job(&uneven(), 120, "lspia");
-    asked["method"]["mu"] = json!(1e-9);
-    asked["method"]["ending"] = json!("small_step");
-    let found = server.fit(&asked).await;
-    assert_eq!(
-        (&found["iteration"], &found["reason"]),
-        (&json!(1), &json!("minimum"))
-    );
-    let input = server
-        .json(&format!("{}/input", crate::support::base(&found)))
-        .await;
-    assert_eq!(input["method"]["ending"], "small_step");
-    asked["method"]["ending"] = json!("never");
-    server
-        .assert_refused(&asked, "/method/ending", "is no ending")
-        .await;
-    let other =
-        json!({"curve": {"points": uneven()}, "method": {"kind": "direct", "ending": "minimum"}});
-    server
-        .assert_refused(&other, "/method/ending", "unknown field")
-        .await;
-}
-
 /// A step of the solution leads a surface, with holes or without, to where conjugate gradients end.
 #[tokio::test]
 async fn surfaces_are_at_the_minimum_at_once() {

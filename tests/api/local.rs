@@ -138,7 +138,10 @@ async fn local_surfaces_adjust_pairs_and_rows() {
     let server = Server::start().await;
     let pairs = json!([[2, 3], [2, 4], [5, 5], [7, 1]]);
     for (row_by_row, indices) in [(false, true), (true, true), (true, false)] {
-        let mut method = json!({"kind": "local", "row_by_row": row_by_row});
+        let mut method = json!({"kind": "local"});
+        if row_by_row {
+            method["sweeps"] = json!("rows");
+        }
         if indices {
             method["indices"] = pairs.clone();
         }

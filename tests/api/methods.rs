@@ -134,7 +134,7 @@ fn methods(surface: bool) -> Vec<(&'static str, Value)> {
     if surface {
         methods.push((
             "local, row by row",
-            json!({"kind": "local", "row_by_row": true}),
+            json!({"kind": "local", "sweeps": "rows"}),
         ));
         methods.push((
             "local, column by column",
@@ -383,7 +383,6 @@ async fn capabilities_documentation_and_code_agree() {
         for other in [
             "omega",
             "indices",
-            "row_by_row",
             "sweeps",
             "threshold",
             "start",

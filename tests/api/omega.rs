@@ -170,7 +170,7 @@ async fn many_points_have_the_relaxation_of_the_matrix() {
     let rows = server
         .stream(&json!({
             "surface": {"points": data::peaks(9)},
-            "method": {"kind": "local", "row_by_row": true, "omega": "auto"},
+            "method": {"kind": "local", "sweeps": "rows", "omega": "auto"},
             "stop": {"tolerance": 1e-6, "max_iterations": 100_000},
         }))
         .await;
@@ -241,6 +241,6 @@ async fn wrong_relaxations_are_refused() {
         .await;
     let other = json!({"kind": "global", "omega": 1});
     server
-        .assert_refused(&job(other), "/method/omega", "weighted, local, adaptive")
+        .assert_refused(&job(other), "/method/omega", "unknown field")
         .await;
 }

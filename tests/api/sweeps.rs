@@ -89,25 +89,6 @@ async fn one_column_moves_at_a_time() {
     }
 }
 
-/// `row_by_row` is short for rows: the same levels, to the last bit.
-#[tokio::test]
-async fn row_by_row_means_rows() {
-    let server = Server::start().await;
-    let mut stories = Vec::new();
-    for sweeps in [
-        json!({"row_by_row": true}),
-        json!({"sweeps": "rows"}),
-        json!({"sweeps": "rows", "row_by_row": true}),
-    ] {
-        let story = server.stream(&job(false, &sweeps, None)).await;
-        assert_eq!(story.job["method"]["row_by_row"], true);
-        assert_eq!(story.job["method"]["sweeps"], "rows");
-        stories.push(story);
-    }
-    assert_eq!(stories[0].iterations, stories[1].iterations);
-    assert_eq!(stories[0].iterations, stories[2].iterations);
-}
-
 /// As it was asked for, and as a message.
 #[tokio::test]
 async fn sweeps_are_kept() {
@@ -138,7 +119,6 @@ async fn sweeps_are_kept() {
             _ => pb::method::Sweeps::Columns,
         };
         assert_eq!(local.sweeps(), expected);
-        assert_eq!(local.row_by_row, sweeps == "rows");
         let edit = json!({"points": [{"index": [3, 3], "point": [0, 0, 0]}]});
         let edits = server.post(&format!("{}/edits", base(&fitted)));
         let edited = edits.header("prefer", "wait=30").json(&edit).send().await;
@@ -152,30 +132,17 @@ async fn sweeps_are_kept() {
 async fn wrong_sweeps_are_refused() {
     let server = Server::start().await;
     for (sweeps, reason) in [
-        (
-            json!({"sweeps": "columns", "row_by_row": true}),
-            "by columns, but row_by_row is true",
-        ),
-        (
-            json!({"sweeps": "rows", "row_by_row": false}),
-            "by rows, but row_by_row is false",
-        ),
         (json!({"sweeps": "diagonals"}), "is no kind of sweeps"),
         (json!({"sweeps": true}), "rows"),
     ] {
         let job = job(false, &sweeps, Some(&[[1, 1]]));
         server.assert_refused(&job, "/method/sweeps", reason).await;
     }
-    for (name, value) in [
-        ("sweeps", json!("columns")),
-        ("sweeps", json!("rows")),
-        ("row_by_row", json!(true)),
-    ] {
+    for sweeps in ["columns", "rows"] {
         let mut job = json!({"curve": {"points": data::helix()}, "method": {"kind": "local"}});
-        job["method"][name] = value;
-        let pointer = format!("/method/{name}");
+        job["method"]["sweeps"] = json!(sweeps);
         server
-            .assert_refused(&job, &pointer, "a curve has no rows")
+            .assert_refused(&job, "/method/sweeps", "a curve has no rows")
             .await;
     }
     let global = json!({"surface": {"points": data::peaks(9)}, "method": {"kind": "global", "sweeps": "rows"}});
@@ -184,10 +151,9 @@ async fn wrong_sweeps_are_refused() {
         .await;
     // In messages.
     let mut client = connect(&server).await;
-    for (sweeps, row_by_row) in [(pb::method::Sweeps::Columns as i32, true), (17, false)] {
+    for sweeps in [17, -1] {
         let local = pb::method::Local {
             sweeps,
-            row_by_row,
             ..Default::default()
         };
         let surface = pb::Surface {

@@ -17,7 +17,7 @@ from over_http import server
 
 POINTS = [[0, 0], [1, 2], [3, 1], [4, 4], [5, 0], [6, 2]]
 WEIGHTS = [1, 2, 3, 1, 1, 1]
-LOCAL_GRID = {"kind": "local", "indices": [[1, 1], [2, 3]], "row_by_row": True}
+LOCAL_GRID = {"kind": "local", "indices": [[1, 1], [2, 3]], "sweeps": "rows"}
 LSPIA = {"kind": "least_squares", "control_points": {"u": 4, "v": 5}, "variant": "lspia", "mu": 0.1}
 
 STREAMS = [

@@ -1236,11 +1236,6 @@ export interface components {
             /** @description The data points whose control points may move. Only with `local`. */
             indices?: components["schemas"]["PointIndex"][] | null;
             /**
-             * @description Surfaces: one row after the other, in sweeps until all are within the tolerance; short for the
-             *     sweeps `rows`. Only with `local`.
-             */
-            row_by_row?: boolean | null;
-            /**
              * @description Surfaces: the lines of points that are adjusted one after the other, until all are within the
              *     tolerance. Only with `local`.
              */
@@ -1272,8 +1267,6 @@ export interface components {
              * @description The length of the step; without one 1 / (largest column sum). Only with `least_squares`.
              */
             mu?: number | null;
-            /** @description Where the fit ends besides its tolerance and its last iteration. Only with `least_squares`. */
-            ending?: components["schemas"]["LeastSquaresEnding"] | null;
             /** @description Whether it passes through its end points at every iteration. Only with `least_squares`. */
             end_points?: components["schemas"]["LeastSquaresEnds"] | null;
             /**
@@ -1387,12 +1380,6 @@ export interface components {
          * @enum {string}
          */
         LeastSquaresVariant: "diagonal" | "lspia" | "cg" | "direct";
-        /**
-         * @description Where a least-squares fit ends: where its gradient says that the minimum is near, or as soon as the residual shrinks by less than a millionth in one iteration. Default: `"minimum"`.
-         * @example minimum
-         * @enum {string}
-         */
-        LeastSquaresEnding: "minimum" | "small_step";
         /**
          * @description Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others. Default: `"interpolated"`.
          * @example interpolated
@@ -1910,8 +1897,6 @@ export interface components {
              * @description Local: how many control points may move.
              */
             adjusted?: number;
-            /** @description Local: whether rows are swept one after the other. */
-            row_by_row?: boolean;
             /** @description Local: the lines of points that are swept one after the other. */
             sweeps?: components["schemas"]["Sweeps"];
             /**
@@ -3844,7 +3829,6 @@ export type ControlPointCount = components['schemas']['ControlPointCount'];
 export type CountPair = components['schemas']['CountPair'];
 export type MostControlPoints = components['schemas']['MostControlPoints'];
 export type LeastSquaresVariant = components['schemas']['LeastSquaresVariant'];
-export type LeastSquaresEnding = components['schemas']['LeastSquaresEnding'];
 export type LeastSquaresEnds = components['schemas']['LeastSquaresEnds'];
 export type DataWeights = components['schemas']['DataWeights'];
 export type Constraint = components['schemas']['Constraint'];

@@ -330,8 +330,6 @@ impl<'a> Choices<'a> {
                 let mut method = json!({"kind": "local", "indices": indices});
                 if surface && self.often() {
                     method["sweeps"] = json!(self.one_of(&["rows", "columns"]));
-                } else {
-                    method["row_by_row"] = json!(surface && self.often());
                 }
                 match self.below(3) {
                     0 => {}

@@ -68,11 +68,8 @@ impl Scheme for Local {
     /// Sweeps are for surfaces, and indices are those of points, each once.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         self.omega.check()?;
-        if let Some(sweeps) = self.sweeps.filter(|_| !scope.is_surface) {
-            let setting = match sweeps {
-                Sweeps::Rows => Setting::RowByRow,
-                Sweeps::Columns => Setting::Sweeps,
-            };
+        if self.sweeps.is_some() && !scope.is_surface {
+            let setting = Setting::Sweeps;
             return Err(Invalid::SweepsOfCurve { setting });
         }
         match scope.selected {

@@ -70,8 +70,8 @@ pub(super) use least_squares::automatic;
 pub(super) use least_squares::obeying::Obeying;
 pub(super) use least_squares::obeying_surface::ObeyingSurface;
 pub use least_squares::{
-    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, ConstraintsMistake, EndPoints, Ending,
-    Fairness, LeastSquares, LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, ConstraintsMistake, EndPoints, Fairness,
+    LeastSquares, LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;

@@ -30,10 +30,6 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "usize")]
     adjusted: Option<usize>,
-    /// Local: whether rows are swept one after the other.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "bool")]
-    row_by_row: Option<bool>,
     /// Local: the lines of points that are swept one after the other.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Sweeps")]
@@ -92,7 +88,6 @@ impl AppliedMethod {
                 let used = forecast.and_then(|it| it.omega);
                 view.omega = Some(used.or(omega.given()));
                 view.adjusted = outline.adjusted;
-                view.row_by_row = Some(*sweeps == Some(Sweeps::Rows));
                 view.sweeps = *sweeps;
             }
             Method::Adaptive(Adaptive { threshold, omega }) => {

@@ -2,7 +2,7 @@
 
 use super::constraints::{At, Constraint};
 use super::mistake::LeastSquaresMistake as Mistake;
-use super::settings::{EndPoints, Ending, LeastSquares, Variant};
+use super::settings::{EndPoints, LeastSquares, Variant};
 use crate::fit::basis::knots::Knots;
 use crate::fit::choice::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{Axis, Invalid};
@@ -47,9 +47,6 @@ pub(in crate::fit) fn check_request(request: &Request) -> Result<(), Invalid> {
     };
     if settings.variant != Variant::ConjugateGradients {
         return Err(Mistake::AutomaticVariant.into());
-    }
-    if settings.ending != Ending::Minimum {
-        return Err(Mistake::AutomaticEnding.into());
     }
     let choices = || std::iter::once(&request.u).chain(&request.v);
     let fixed = |choice: &DirectionChoice| choice.weights.is_some();

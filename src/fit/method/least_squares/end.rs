@@ -27,7 +27,7 @@ use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 
 /// A residual that shrinks by less than this part in one iteration has nearly stopped.
-pub(super) const SLOW: f64 = 1e-6;
+const SLOW: f64 = 1e-6;
 
 /// A fit is at its minimum if its objective is above it by at most this part.
 const NEAR: f64 = 1e-6;

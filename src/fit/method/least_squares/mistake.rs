@@ -44,9 +44,6 @@ pub enum LeastSquaresMistake {
         "with control_points \"auto\" the fit takes steps of conjugate gradients and minima in turn: variant is left out, or cg"
     )]
     AutomaticVariant,
-    /// An automatic fit with an ending.
-    #[error("with control_points \"auto\" the fit ends by its tolerance: ending is left out")]
-    AutomaticEnding,
     /// An automatic rational fit.
     #[error("with control_points \"auto\" curves and surfaces have no weights")]
     AutomaticRational,
@@ -95,7 +92,6 @@ impl LeastSquaresMistake {
             Self::FairnessOrder { .. } => Place::Setting(Setting::FairnessOrder),
             Self::Count | Self::NormalEquations => Place::Method,
             Self::AutomaticVariant => Place::Setting(Setting::Variant),
-            Self::AutomaticEnding => Place::Setting(Setting::Ending),
             Self::AutomaticCorrection => Place::Setting(Setting::CorrectParameters),
             Self::AutomaticRational => Place::Weights,
             Self::AutomaticKnots { axis } => Place::Basis(axis),

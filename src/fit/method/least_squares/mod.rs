@@ -42,19 +42,17 @@ mod steps;
 
 use std::sync::Arc;
 
-use super::scheme::{Demand, Progress, Scheme, Scope};
+use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::fit::about::About;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
 use crate::fit::forecast::Forecast;
 use crate::fit::invalid::{Axis, Invalid, ScatteredMistake, Setting};
-use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
 use constraints::independent;
-use end::SLOW;
 use fairness::Energy;
 use steps::Steps;
 
@@ -62,7 +60,7 @@ pub use automatic::{AS_MANY_AS_DATA, Automatic};
 pub use constraints::mistake::{ConstraintsMistake, MOST_CONDITIONS};
 pub use constraints::{At, Constraint, Wanted};
 pub use mistake::LeastSquaresMistake;
-pub use settings::{BY_KNOTS, EndPoints, Ending, Fairness, LeastSquares, Variant};
+pub use settings::{BY_KNOTS, EndPoints, Fairness, LeastSquares, Variant};
 
 /// The most control points for each data point of a direction of a fair fit.
 const FAIR: usize = 2;
@@ -236,19 +234,6 @@ impl Scheme for LeastSquares {
     /// At the minimum.
     fn ends_by_itself(&self) -> bool {
         true
-    }
-
-    /// The rule of earlier fits: the residual stands still; if μ is too large it grows.
-    fn stop(&self, progress: &Progress) -> Option<Outcome> {
-        if progress.iteration == 0 || self.ending == Ending::Minimum {
-            None
-        } else if progress.decrease.abs() < SLOW {
-            Some(Outcome::Minimum)
-        } else if progress.decrease < 0.0 {
-            Some(Outcome::Stalled(Reason::Diverging))
-        } else {
-            None
-        }
     }
 
     /// Control points without data.

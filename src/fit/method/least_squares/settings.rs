@@ -21,8 +21,6 @@ pub struct LeastSquares {
     pub automatic: Option<Automatic>,
     /// How the control points move.
     pub variant: Variant,
-    /// Where it ends.
-    pub ending: Ending,
     /// Whether the end points are interpolated.
     pub ends: EndPoints,
     /// What every level obeys, besides the end points.
@@ -41,7 +39,6 @@ impl LeastSquares {
             v,
             automatic: None,
             variant: Variant::ConjugateGradients,
-            ending: Ending::Minimum,
             ends: EndPoints::Usual,
             constraints: Arc::new([]),
             fairness: None,
@@ -144,16 +141,6 @@ pub struct Fairness {
     pub value: f64,
     /// The order r of the derivative, 2 or 3.
     pub order: usize,
-}
-
-/// Where a least-squares fit ends besides its tolerance and its last level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// Where the gradient says that the minimum is near.
-    Minimum,
-    /// Where the residual shrinks by less than a millionth in one iteration: the rule of fits that
-    /// were accepted before there was the other one.
-    SmallStep,
 }
 
 /// The variants of the least-squares update.

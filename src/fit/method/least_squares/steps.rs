@@ -7,7 +7,7 @@ use super::conjugate::Conjugate;
 use super::constraints::{Condition, Projection, independent};
 use super::end::End;
 use super::objective::Objective;
-use super::settings::{Ending, LeastSquares, Variant};
+use super::settings::{LeastSquares, Variant};
 use super::solver::Solver;
 use crate::fit::equations::Equations;
 use crate::fit::method::update::{Change, State, Update};
@@ -38,7 +38,7 @@ pub(super) struct Steps {
     /// How the step follows from the gradient.
     kind: Kind,
     /// How far the minimum is, if the fit ends there.
-    end: Option<End>,
+    end: End,
 }
 
 /// How the step follows from the gradient.
@@ -80,8 +80,7 @@ impl Steps {
             .collect();
         Self {
             projection: Projection::diagonal(&conditions, &scale).map(Arc::new),
-            end: (settings.ending == Ending::Minimum)
-                .then(|| End::new(&units, conditions, setup, settings)),
+            end: End::new(&units, conditions, setup, settings),
             objective,
             scale,
             units,
@@ -182,15 +181,13 @@ impl Update for Steps {
             Kind::Direct(solver) => Some(&**solver),
             _ => None,
         };
-        if let Some(end) = &mut self.end {
-            end.measure(
-                (equations, &self.objective),
-                state,
-                &self.gradient,
-                &self.scale,
-                own,
-            );
-        }
+        self.end.measure(
+            (equations, &self.objective),
+            state,
+            &self.gradient,
+            &self.scale,
+            own,
+        );
     }
 
     /// `‖g‖² / ‖g⁰‖²`.
@@ -204,6 +201,6 @@ impl Update for Steps {
     }
 
     fn outcome(&self) -> Option<Outcome> {
-        self.end.as_ref().and_then(End::outcome)
+        self.end.outcome()
     }
 }

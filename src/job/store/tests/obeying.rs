@@ -2,9 +2,7 @@
 
 use super::kinds::{points, size};
 use crate::fit::invalid::{Axis, Side};
-use crate::fit::method::{
-    At, Constraint, EndPoints, Ending, Fairness, LeastSquares, Method, Wanted,
-};
+use crate::fit::method::{At, Constraint, EndPoints, Fairness, LeastSquares, Method, Wanted};
 use crate::fit::points::Grid;
 
 /// For data with three coordinates.
@@ -18,7 +16,6 @@ pub(super) fn methods(surface: bool) -> Vec<Method> {
     let fair = |value, order| with(&|it| it.fairness = Some(Fairness { value, order }));
     let weights = (0..size(surface).count()).map(|i| 0.1 * i as f64);
     let mut settings = vec![
-        with(&|it| it.ending = Ending::SmallStep),
         with(&|it| it.ends = EndPoints::Free),
         with(&|it| it.ends = EndPoints::Interpolated),
         with(&|it| it.data_weights = Some(weights.clone().collect())),

@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, json_schema};
 
 use crate::api::json::schema::{names as schema_of_names, schema_of};
-use crate::fit::method::{EndPoints, Ending, Start, Sweeps, Variant};
+use crate::fit::method::{EndPoints, Start, Sweeps, Variant};
 use crate::model::named::{Named, names};
 
 /// A kind of method.
@@ -57,10 +57,6 @@ names!(Sweeps, "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,
 ]);
-names!(Ending, "ending of the method least_squares", [
-    "minimum" => Minimum,
-    "small_step" => SmallStep,
-]);
 names!(VariantRequest, "variant of the method least_squares", [
     "diagonal" => Diagonal,
     "lspia" => Lspia,
@@ -100,15 +96,6 @@ schema_of!(
         "enum": Sweeps::names(),
         "examples": ["columns"],
     })
-);
-schema_of!(
-    Ending,
-    "LeastSquaresEnding",
-    schema_of_names(
-        "Where a least-squares fit ends: where its gradient says that the minimum is near, or as soon as the residual shrinks by less than a millionth in one iteration.",
-        "minimum",
-        &Ending::names(),
-    )
 );
 schema_of!(
     EndPoints,

@@ -10,7 +10,7 @@ use crate::api::json::lists::WeightList;
 use crate::api::json::request::settings::{DataWeights, each_point};
 use crate::fit::invalid::{Place, Setting};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Ending, Fairness, LeastSquares,
+    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
     MOST_CONDITIONS, Variant,
 };
 use crate::fit::points::Grid;
@@ -48,8 +48,6 @@ pub(in crate::api) struct LeastSquaresRequest {
     /// The length of the step; without one 1 / (largest column sum).
     #[schemars(extend("exclusiveMinimum" = 0))]
     mu: Option<f64>,
-    /// Where the fit ends besides its tolerance and its last iteration.
-    ending: Option<Ending>,
     /// Whether it passes through its end points at every iteration.
     end_points: Option<EndPoints>,
     /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
@@ -126,7 +124,6 @@ impl LeastSquaresRequest {
                 Some(VariantRequest::Lspia) => Variant::Lspia { mu: self.mu },
                 Some(VariantRequest::Direct) => Variant::Direct,
             },
-            ending: self.ending.unwrap_or(Ending::Minimum),
             ends: self.end_points.unwrap_or(EndPoints::Usual),
             constraints: constraints?.into(),
             fairness: self.fairness.map(|value| Fairness {

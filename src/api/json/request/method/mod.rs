@@ -72,9 +72,6 @@ pub(in crate::api) struct LocalRequest {
     /// The data points whose control points may move.
     #[schemars(length(min = 1), extend("uniqueItems" = true))]
     indices: Option<Vec<Index>>,
-    /// Surfaces: one row after the other, in sweeps until all are within the tolerance; short for the
-    /// sweeps `rows`.
-    row_by_row: Option<bool>,
     /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
     /// tolerance.
     sweeps: Option<Sweeps>,
@@ -308,7 +305,7 @@ impl LocalRequest {
                 Some(Omega(None)) => fit::Omega::Best,
                 Some(Omega(Some(omega))) => fit::Omega::Given(omega),
             },
-            sweeps: sweeps(self.sweeps, self.row_by_row, surface)?,
+            sweeps: sweeps(self.sweeps, surface)?,
         };
         MethodSpec::local(selected, settings)
     }

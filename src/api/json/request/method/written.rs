@@ -6,8 +6,8 @@ use super::constraint;
 use super::kinds::variant_name;
 use crate::api::json::view::error::PointIndex;
 use crate::fit::method::{
-    AS_MANY_AS_DATA, Adaptive, Convex, EndPoints, Ending, LeastSquares, Local, Method, Sweeps,
-    Threshold, Variant, Weighted,
+    AS_MANY_AS_DATA, Adaptive, Convex, EndPoints, LeastSquares, Local, Method, Threshold, Variant,
+    Weighted,
 };
 use crate::fit::problem::Problem;
 
@@ -52,9 +52,8 @@ pub(in crate::api) fn written(problem: &Problem) -> Value {
                     .map(|&index| json!(PointIndex::new(index, problem)));
                 set("indices", indices.collect());
             }
-            match sweeps {
-                Some(Sweeps::Columns) => set("sweeps", json!(Sweeps::Columns)),
-                _ => set("row_by_row", json!(sweeps.is_some())),
+            if let Some(sweeps) = sweeps {
+                set("sweeps", json!(sweeps));
             }
         }
         Method::Adaptive(Adaptive {
@@ -117,9 +116,6 @@ fn least_squares(settings: &LeastSquares, problem: &Problem, mut set: impl FnMut
     }
     if let Variant::Lspia { mu: Some(mu) } = settings.variant {
         set("mu", json!(mu));
-    }
-    if settings.ending == Ending::SmallStep {
-        set("ending", json!("small_step"));
     }
     if settings.ends != EndPoints::Usual {
         set("end_points", json!(settings.ends));
