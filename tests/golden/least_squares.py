@@ -87,7 +87,7 @@ def curve(name, points, p, n, constraints=(), ends=None, weights=None, fairness=
         method["constraints"] = [c for c, _ in constraints]
     conditions = [f(t, points) for _, f in constraints]
     if ends:
-        method["ends"] = ends
+        method["end_points"] = ends
     if ends != "free":
         fixed = [x for x, r, _ in conditions if r == 0]
         conditions += [(t[k], 0, points[k]) for k in (0, -1) if t[k] not in fixed]
@@ -147,7 +147,7 @@ def smoothing():
         control = np.linalg.solve(np.array([row(knots, 3, s) for s in places]), spline(places))
         fairness = lam * len(x) / (x[-1] - x[0]) ** 3
         job = {"curve": {"points": [[v] for v in y], "parameters": x.tolist(), "basis": {"kind": "bspline", "degree": 3, "knots": knots.tolist()}},
-               "method": {"kind": "least_squares", "control_points": len(x) + 2, "variant": "direct", "ends": "free", "fairness": fairness}}
+               "method": {"kind": "least_squares", "control_points": len(x) + 2, "variant": "direct", "end_points": "free", "fairness": fairness}}
         case(f"make_smoothing_spline, lam {lam}", job, control[:, None])
 
 
@@ -159,7 +159,7 @@ def weighted():
     # scipy's weights multiply distances, those here their squares.
     spline = make_lsq_spline(t, points, knots, 3, w=np.sqrt(weights))
     job = {"curve": {"points": points.tolist(), "parameters": t.tolist(), "basis": {"kind": "bspline", "degree": 3, "knots": knots.tolist()}},
-           "method": {"kind": "least_squares", "control_points": 17, "variant": "direct", "ends": "free", "data_weights": weights.tolist()}}
+           "method": {"kind": "least_squares", "control_points": 17, "variant": "direct", "end_points": "free", "data_weights": weights.tolist()}}
     case("make_lsq_spline", job, spline.c)
 
 
@@ -220,7 +220,7 @@ def surface(name, shape, degrees, counts, constraints=(), ends=None, weights=Non
     if given:
         method["constraints"] = given
     if ends:
-        method["ends"] = ends
+        method["end_points"] = ends
     if weights is not None:
         method["data_weights"] = np.asarray(weights).tolist()
     if fairness is not None:
