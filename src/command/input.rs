@@ -9,9 +9,7 @@ use serde::de::IgnoredAny;
 use serde_json::Value;
 
 use super::failure::Failure;
-use crate::fit::points::Grid;
 use crate::import::{self, Hints};
-use crate::model::stream::Samples;
 
 /// What an input is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,19 +78,9 @@ pub fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     Failure::usage(format!("{name}:{line}: {detail}"))
 }
 
-/// What is found out about a file of points of that size, in sentences. `closed` is what is said of it.
-pub fn notices(bytes: &[u8], size: Option<&str>, closed: Option<bool>) -> Vec<String> {
-    let size = match size.and_then(Samples::of_text) {
-        Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
-        _ => None,
-    };
-    let hints = Hints {
-        kind: None,
-        size,
-        closed,
-        most: usize::MAX,
-    };
-    let read = import::read(&String::from_utf8_lossy(bytes), &hints);
+/// What is found out about a file of points, in sentences.
+pub fn notices(bytes: &[u8], hints: &Hints) -> Vec<String> {
+    let read = import::read(&String::from_utf8_lossy(bytes), hints);
     read.map(|read| read.notices).unwrap_or_default()
 }
 

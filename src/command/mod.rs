@@ -47,7 +47,7 @@ use progress::Progress;
 use request::Request;
 use summary::Shape;
 
-use crate::api::json::request::file;
+use crate::import::Hints;
 use crate::server;
 
 /// The status after an interrupt, as shells tell it.
@@ -102,7 +102,7 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
     if let Some(directory) = &arguments.iterations {
         iterations::prepare(directory)?;
     }
-    let notices = notices(arguments, &input, file::closed(&asked.fields));
+    let notices = notices(arguments, &input, asked.hints());
     let client = client(arguments).await?;
     let client = shared.get_or_init(|| client);
     let Request {
@@ -138,16 +138,11 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
 }
 
 /// What is found out about a file of points, in the meantime. It is the same that those find who read it.
-fn notices(
-    arguments: &FitArguments,
-    input: &Input,
-    closed: Option<bool>,
-) -> JoinHandle<Vec<String>> {
+fn notices(arguments: &FitArguments, input: &Input, hints: Hints) -> JoinHandle<Vec<String>> {
     let wanted = !arguments.quiet && input.content == Content::Text;
     let bytes = input.bytes.clone();
-    let size = arguments.surface.clone().flatten();
     tokio::task::spawn_blocking(move || match wanted {
-        true => input::notices(&bytes, size.as_deref(), closed),
+        true => input::notices(&bytes, &hints),
         false => Vec::new(),
     })
 }

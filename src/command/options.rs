@@ -7,8 +7,11 @@ use serde_json::{Map, Value, json};
 use super::arguments::FitArguments;
 use super::failure::Failure;
 use super::input::{Content, Input, not_json};
+use crate::api::json::request::file;
 use crate::api::json::request::path::{insert, insert_value};
+use crate::fit::points::Grid;
 use crate::import::{self, Hints};
+use crate::model::stream::Samples;
 
 /// The field of a request with a file of points that says how many rows and columns there are.
 pub const SIZE: &str = "surface.size";
@@ -25,6 +28,15 @@ pub struct Asked {
 }
 
 impl Asked {
+    /// What the flags say of a file of points.
+    pub fn hints(&self) -> Hints {
+        let size = match self.size.as_deref().and_then(Samples::of_text) {
+            Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
+            _ => None,
+        };
+        file::hints(&self.fields, size, usize::MAX)
+    }
+
     /// What the flags ask of an input.
     pub fn of(arguments: &FitArguments, input: &Input) -> Result<Self, Failure> {
         let mut asked = Self::default();
@@ -173,12 +185,7 @@ fn is_other_kind(before: &Map<String, Value>, after: &Map<String, Value>) -> boo
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
         Content::Text => {
-            let hints = Hints {
-                kind: None,
-                size: None,
-                closed: None,
-                most: usize::MAX,
-            };
+            let hints = Asked::default().hints();
             // What is wrong with it is told by those who read it.
             let text = String::from_utf8_lossy(&input.bytes);
             import::read(&text, &hints).is_ok_and(|read| read.grid.is_some())

@@ -8,6 +8,10 @@ use crate::fit::points::Points;
 /// an airfoil turns by more than 160°, or by 90° where it is blunt, and stays an end.
 const SHARPEST_TURN: f64 = 0.5;
 
+/// The fewest points of an outline that is closed without being asked for. Of fewer, a corner is not told
+/// from a curve, and closed curves of some degrees need as many.
+const FEWEST: usize = 8;
+
 /// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
 pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
     let last = table.points.len() - 1;
@@ -15,7 +19,7 @@ pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
     if surface || last < 3 || table.points.distance(0, last) != 0.0 {
         return false;
     }
-    let smooth = turn(&table.points) >= SHARPEST_TURN;
+    let smooth = last >= FEWEST && turn(&table.points) >= SHARPEST_TURN;
     let closed = hints.closed.unwrap_or(smooth);
     if closed {
         table.points.truncate(last);
@@ -24,7 +28,7 @@ pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
     }
     let what = match (closed, hints.closed) {
         (true, _) => "the curve is closed, and the point is there once",
-        (false, None) => "with a sharp corner there, so the curve stays open",
+        (false, None) => "with a corner there or few points, so the curve stays open",
         (false, Some(_)) => "and the curve stays open, as it was asked for",
     };
     let notice = format!("The last point is the first one again: {what}.");

@@ -132,6 +132,25 @@ fn odd_files_are_fitted_or_refused_at_their_lines() {
 }
 
 #[test]
+fn scattered_points_are_no_outline() {
+    let folder = Folder::new();
+    folder.write(
+        "scan.xyz",
+        "2 0 0\n3 1 0\n3 2 1\n2 3 1\n1 3 0\n0 2 0\n0 1 1\n1 0 1\n2 0 0\n",
+    );
+    let flags = ["--surface", "--set", "surface.parameters=project"];
+    let told = folder.fit(
+        &[
+            &["scan.xyz", "--control-points", "2x2", "--degree", "1"],
+            &flags[..],
+        ]
+        .concat(),
+    );
+    assert!(!told.err.contains("the first one again"), "{}", told.err);
+    assert!(told.err.contains("surface of degree 1 × 1"), "{}", told.err);
+}
+
+#[test]
 fn airfoils_keep_their_names() {
     let folder = Folder::new();
     folder.write("wing.dat", WING);

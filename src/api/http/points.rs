@@ -29,7 +29,7 @@ use crate::api::stream::sending::ENOUGH;
 use crate::api::text;
 use crate::config::Config;
 use crate::fit::points::Grid;
-use crate::import::{self, Hints, Imported, Kind};
+use crate::import::{self, Hints, Imported};
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use crate::model::job::JobSpec;
@@ -54,12 +54,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     let body = body::read_points(&app, request).await?;
     let (length, most) = (body.bytes.len(), app.config.limits().points);
     let work = move || {
-        let hints = Hints {
-            kind: None,
-            size,
-            closed: None,
-            most,
-        };
+        let hints = file::hints(&Map::new(), size, most);
         let points = imported(&body.bytes, &hints)?;
         let json = to_bytes(&PointsView::new(points));
         // Held until now: the file and its points take memory.
@@ -153,20 +148,9 @@ impl Fields {
         bytes: &Bytes,
         config: &Config,
     ) -> Result<(JobSpec, FileWords), Problem> {
-        let has = |name| self.json.contains_key(name);
-        let kind = match (has("curve"), has("surface") || self.size.is_some()) {
-            (true, _) => Some(Kind::Curve),
-            (false, true) => Some(Kind::Surface),
-            (false, false) => None,
-        };
-        let hints = Hints {
-            kind,
-            size: self.size,
-            closed: file::closed(&self.json),
-            most: config.limits().points,
-        };
+        let hints = file::hints(&self.json, self.size, config.limits().points);
         let points = imported(bytes, &hints)?;
-        file::read(self.json, points, kind)
+        file::read(self.json, points, hints.kind)
     }
 }
 

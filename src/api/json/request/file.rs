@@ -9,14 +9,31 @@ use super::job::{self, Data};
 use super::places::Places;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::{Location, Problem, Words};
-use crate::import::{Imported, Kind};
+use crate::fit::points::Grid;
+use crate::import::{Hints, Imported, Kind};
 use crate::model::job::{JobSpec, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::short;
 
+/// What these fields, and a size in rows and columns, say of a file of at most so many points.
+pub fn hints(fields: &Map<String, Value>, size: Option<Grid>, most: usize) -> Hints {
+    let has = |name| fields.contains_key(name);
+    let kind = match (has("curve"), has("surface") || size.is_some()) {
+        (true, _) => Some(Kind::Curve),
+        (false, true) => Some(Kind::Surface),
+        (false, false) => None,
+    };
+    Hints {
+        kind,
+        size,
+        closed: closed(fields),
+        most,
+    }
+}
+
 /// Whether these fields say that the curve of a file is closed or not. Ends and polynomial bases go
 /// with open curves only.
-pub fn closed(fields: &Map<String, Value>) -> Option<bool> {
+fn closed(fields: &Map<String, Value>) -> Option<bool> {
     let curve = fields.get("curve")?.as_object()?;
     let basis = curve.get("basis").map(|it| it.get("kind").unwrap_or(it));
     let open = curve.contains_key("ends") || basis.is_some_and(|kind| kind != "bspline");
