@@ -98,7 +98,7 @@ impl RatesRequest {
 
 /// The part of the request that an error of the mathematics is about.
 fn part(error: &Invalid) -> &'static str {
-    match error.place() {
+    match error.place {
         Place::Degree(_) => "degree",
         Place::Parameters(_) | Place::Parameter(..) => "parameters",
         _ => "points",

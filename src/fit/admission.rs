@@ -1,7 +1,6 @@
 //! What a fit may take: known from its sizes, before anything of it is computed.
 
-use thiserror::Error;
-
+use super::invalid::{Invalid, Place};
 use super::problem::Problem;
 
 /// The most that a fit may take.
@@ -19,25 +18,6 @@ pub struct Admission {
     pub start: usize,
 }
 
-/// What is too much.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[allow(missing_docs, reason = "fields are the values that the messages name")]
-pub enum TooMuch {
-    /// It would never get its memory.
-    #[error("the fit needs {needed} bytes of memory, and all fits together may take {limit}")]
-    Memory { needed: usize, limit: usize },
-    /// Others, and those who cancel it, would wait for seconds.
-    #[error(
-        "{what} takes about {:.0e} multiplications, and this server computes at most {:.0e} \
-         in one piece: choose a lower degree or fewer points", *needed as f64, *limit as f64
-    )]
-    Work {
-        what: &'static str,
-        needed: usize,
-        limit: usize,
-    },
-}
-
 impl Admission {
     /// Everything is admitted: it was before, or there is nobody else.
     pub const ANY: Self = Self {
@@ -49,7 +29,7 @@ impl Admission {
     };
 
     /// Refuses a problem that takes more.
-    pub(super) fn check(&self, problem: &Problem) -> Result<(), TooMuch> {
+    pub(super) fn check(&self, problem: &Problem) -> Result<(), Invalid> {
         let step = problem.step_cost();
         let limit = match step <= self.small_step {
             true => self.quick,
@@ -57,7 +37,12 @@ impl Admission {
         };
         let needed = problem.memory();
         if needed > limit {
-            return Err(TooMuch::Memory { needed, limit });
+            return Err(Invalid::at(
+                Place::Whole,
+                format!(
+                    "the fit needs {needed} bytes of memory, and all fits together may take {limit}"
+                ),
+            ));
         }
         let pieces = [
             ("an iteration", step, self.step),
@@ -65,11 +50,14 @@ impl Admission {
         ];
         match pieces.into_iter().find(|(_, needed, limit)| needed > limit) {
             None => Ok(()),
-            Some((what, needed, limit)) => Err(TooMuch::Work {
-                what,
-                needed,
-                limit,
-            }),
+            // Others, and those who cancel it, would wait for seconds.
+            Some((what, needed, limit)) => {
+                let [needed, limit] = [needed, limit].map(|it| it as f64);
+                let detail = format!(
+                    "{what} takes about {needed:.0e} multiplications, and this server computes at most {limit:.0e} in one piece: choose a lower degree or fewer points"
+                );
+                Err(Invalid::at(Place::Whole, detail))
+            }
         }
     }
 }

@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use super::construction::first_line;
 use super::direction::{BasisChoice, Direction, DirectionChoice};
-use super::invalid::{Axis, Invalid, LeastSquaresMistake};
+use super::invalid::{Axis, Invalid};
 use super::method::{Automatic as Settings, LeastSquares, Obeying, ObeyingSurface};
 use super::norms::FitError;
-use super::outcome::Outcome;
 use super::points::{Grid, Points};
 use super::problem::Problem;
 use super::request::Request;
 use super::setup::Setup;
+use super::termination::Outcome;
 use super::tolerance::equations::{self, Distances, Minimum};
 use super::tolerance::line::KnotLine;
 use super::tolerance::placed::{in_directions, in_lines};
@@ -280,19 +280,19 @@ fn first_scattered(
     axis: Axis,
 ) -> Result<Direction, Invalid> {
     let BasisChoice::BSpline { degree, .. } = choice.basis else {
-        return Err(LeastSquaresMistake::AutomaticKnots { axis }.into());
+        return Err(Invalid::automatic_knots(axis));
     };
     let free = degree.saturating_add(1);
     if most < free {
         let free = most;
-        return Err(Invalid::TooFewControlPoints { axis, free, degree });
+        return Err(Invalid::too_few_control_points(axis, free, degree));
     }
     let direction = Direction::scattered(choice, (parameters, free), axis)?;
     let line = match breaks {
         Some(breaks) => KnotLine::new(degree, false, breaks.to_vec()),
         None => KnotLine::of(&direction),
     };
-    let line = line.ok_or(Invalid::ParameterRange { axis })?;
+    let line = line.ok_or(Invalid::parameter_range(axis))?;
     Ok(line.direction(direction.parameters))
 }
 

@@ -10,9 +10,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::aligned::{self, Lane};
 use super::basis::{Basis, bspline};
 use super::direction::Direction;
-use super::lane::{self, Lane};
 use super::linear::banded::{Banded, Stretch};
 
 /// The number of rows that a thread evaluates at a time.
@@ -25,7 +25,7 @@ const SHORT: usize = 8;
 /// of end copies are added to the column of the control point that they copy.
 pub(super) fn banded(direction: &Direction) -> Banded {
     let (rows, support) = (direction.parameters.len(), direction.basis.support_width());
-    let mut lanes = lane::lanes(support, rows, |_| Lane::zeros(rows));
+    let mut lanes = aligned::lanes(support, rows, |_| Lane::zeros(rows));
     let mut chunks: Vec<Chunk> = (0..rows)
         .step_by(CHUNK)
         .map(|start| Chunk {

@@ -5,7 +5,7 @@
 
 use super::basis::Polynomial;
 use super::basis::knots::Knots;
-use super::ends::mistake::MOST_ESTIMATED;
+use super::ends::MOST_ESTIMATED;
 use super::ends::rules::{End, Ends};
 use super::parameters::Parametrization;
 

@@ -21,7 +21,7 @@ use super::basis::{
 use super::choice::{BasisChoice, DirectionChoice};
 use super::direction::Direction;
 use super::ends::chosen;
-use super::invalid::{Axis, Invalid, LeastSquaresMistake};
+use super::invalid::{Axis, Invalid, Place};
 use super::missing::Missing;
 use super::parameters::{Parametrization, Parametrized, parameters, rescale};
 use super::points::{Grid, Points};
@@ -61,7 +61,10 @@ impl Direction {
         check_range(&placed.values, axis)?;
         let direction = match choice.basis {
             BasisChoice::Polynomial(_) if choice.closed => {
-                return Err(Invalid::ClosedPolynomial { axis });
+                return Err(Invalid::at(
+                    Place::Closed(axis),
+                    "a closed curve is a periodic B-spline: polynomials cannot be closed",
+                ));
             }
             BasisChoice::Polynomial(kind) => polynomial(kind, placed.values, free, axis)?,
             BasisChoice::BSpline { degree, knots } => {
@@ -100,12 +103,12 @@ pub(super) fn first_line(
 ) -> Result<(KnotLine, Arc<Vec<f64>>), Invalid> {
     chosen::are_chosen(&choice, axis)?;
     let BasisChoice::BSpline { degree, .. } = choice.basis else {
-        return Err(LeastSquaresMistake::AutomaticKnots { axis }.into());
+        return Err(Invalid::automatic_knots(axis));
     };
     check_degree(degree, true, axis)?;
     let free = most.min(grid.along(axis).max(degree + 1));
     if degree >= free {
-        return Err(Invalid::TooFewControlPoints { axis, free, degree });
+        return Err(Invalid::too_few_control_points(axis, free, degree));
     }
     let Parametrized { values, period } =
         parameters(choice.parameters, points, grid, None, axis, choice.closed)?;
@@ -116,7 +119,7 @@ pub(super) fn first_line(
         Some(breaks) => KnotLine::new(degree, choice.closed, breaks.to_vec()),
         None => KnotLine::coarsest(degree, choice.closed, first, end),
     };
-    let line = line.ok_or(Invalid::ParameterRange { axis })?;
+    let line = line.ok_or(Invalid::parameter_range(axis))?;
     Ok((line, values))
 }
 
@@ -158,7 +161,12 @@ fn clamped(
             check_enough(degree, free, axis)?;
             Arc::new(knots::averaged(&t, degree))
         }
-        Knots::Spread | Knots::PieglTiller => return Err(Invalid::SpreadKnots { axis }),
+        Knots::Spread | Knots::PieglTiller => {
+            return Err(Invalid::at(
+                Place::Knots(axis),
+                "\"spread\" and \"piegl_tiller\" place knots for fewer control points than data: they are for least squares",
+            ));
+        }
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
             given_knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
@@ -180,13 +188,13 @@ fn least_squares(
     axis: Axis,
 ) -> Result<Direction, Invalid> {
     if degree >= free {
-        return Err(Invalid::TooFewControlPoints { axis, free, degree });
+        return Err(Invalid::too_few_control_points(axis, free, degree));
     }
     let spread = matches!(choice, Knots::Usual | Knots::Spread);
     let knots = match choice {
         Knots::Usual | Knots::Spread => Arc::new(knots::spread(&t, degree, free)),
         Knots::PieglTiller => Arc::new(knots::piegl_tiller(&t, degree, free)),
-        Knots::Data | Knots::Averaged => return Err(Invalid::LeastSquaresKnots { axis }),
+        Knots::Data | Knots::Averaged => return Err(least_squares_knots(axis)),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
             knots
@@ -194,13 +202,12 @@ fn least_squares(
     };
     let (low, high) = (knots[0], knots[knots.len() - 1]);
     if let Some(index) = t.iter().position(|t| !(low..=high).contains(t)) {
-        return Err(Invalid::ParameterOutside {
+        return Err(Invalid::parameter_outside(
             axis,
             index,
-            value: t[index],
-            low,
-            high,
-        });
+            t[index],
+            (low, high),
+        ));
     }
     let basis = Basis::BSpline { degree, knots };
     let direction = Direction::open(basis, t, free, 0);
@@ -222,15 +229,23 @@ fn periodic(
     match choice {
         Knots::Usual => {}
         Knots::Data if free == placed.values.len() => {}
-        Knots::Data => return Err(Invalid::LeastSquaresKnots { axis }),
-        _ => return Err(Invalid::ClosedKnots { axis }),
+        Knots::Data => return Err(least_squares_knots(axis)),
+        _ => {
+            return Err(Invalid::at(
+                Place::Knots(axis),
+                "a closed B-spline has its knots at the data: other rules and explicit knots are for open ones",
+            ));
+        }
     }
     if degree >= free {
-        return Err(Invalid::ClosedDegree {
-            axis,
-            degree,
-            count: free,
-        });
+        return Err(Invalid::at(
+            Place::Degree(axis),
+            format!(
+                "degree {degree} needs at least {needed} control points on a closed curve, {count} given",
+                needed = degree + 1,
+                count = free
+            ),
+        ));
     }
     let knots = knots::periodic(&placed.values, placed.period, degree, free);
     let knots = Arc::new(knots);
@@ -259,11 +274,13 @@ fn explicit(
 /// Refuses averaged knots of a degree that is not less than the number of points.
 fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> {
     if degree >= count {
-        return Err(Invalid::DegreeTooHigh {
-            axis,
-            degree,
-            count,
-        });
+        return Err(Invalid::at(
+            Place::Degree(axis),
+            format!(
+                "degree {degree} needs at least {needed} points with averaged knots, {count} given",
+                needed = degree + 1
+            ),
+        ));
     }
     Ok(())
 }
@@ -273,15 +290,28 @@ fn check_enough(degree: usize, count: usize, axis: Axis) -> Result<(), Invalid> 
 pub(super) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<(), Invalid> {
     let limit = MAX_DEGREE;
     match degree {
-        0 => Err(Invalid::DegreeTooLow { axis, degree }),
-        _ if degree > limit => Err(Invalid::DegreeAboveLimit {
-            axis,
-            degree,
-            limit,
-            chosen,
-        }),
+        0 => Err(Invalid::at(
+            Place::Degree(axis),
+            format!("degree {degree} is below 1"),
+        )),
+        _ if degree > limit => {
+            let place = match chosen {
+                true => Place::Degree(axis),
+                false => Place::Basis(axis),
+            };
+            let detail = format!(
+                "degree {degree} is above {limit}, the highest that is evaluated to full accuracy"
+            );
+            Err(Invalid::at(place, detail))
+        }
         _ => Ok(()),
     }
+}
+
+/// Knots at the data or averaged ones are asked for in a least-squares fit.
+fn least_squares_knots(axis: Axis) -> Invalid {
+    let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"piegl_tiller\", or give numbers";
+    Invalid::at(Place::Knots(axis), detail)
 }
 
 /// Refuses parameters so large that knots made of them could overflow.
@@ -290,6 +320,6 @@ fn check_range(values: &[f64], axis: Axis) -> Result<(), Invalid> {
     if ends.iter().all(|x| x.abs() <= knots::LARGEST) {
         Ok(())
     } else {
-        Err(Invalid::ParameterRange { axis })
+        Err(Invalid::parameter_range(axis))
     }
 }

@@ -23,8 +23,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::basis::Basis;
-use super::invalid::{Axis, Invalid, Side};
-use super::scaling::normalizing_scale;
+use super::invalid::{Axis, Invalid, Place, Side};
+use super::points::normalizing_scale;
 
 pub use super::choice::{BasisChoice, DirectionChoice};
 
@@ -373,7 +373,7 @@ impl Direction {
     fn complete_weights(&self, weights: Vec<f64>, axis: Axis) -> Result<Vec<f64>, Invalid> {
         for (index, &value) in weights.iter().enumerate() {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(Invalid::AxisWeight { axis, index, value });
+                return Err(Invalid::axis_weight(axis, index, value));
             }
         }
         let functions = self.basis.functions();
@@ -385,12 +385,13 @@ impl Direction {
         } else if given == functions && !self.is_closed() {
             Ok(weights)
         } else {
-            Err(Invalid::AxisWeightCount {
-                axis,
-                given,
-                free: self.free,
-                functions,
-            })
+            Err(Invalid::at(
+                Place::AxisWeights(axis),
+                format!(
+                    "{given} weights given; {free} are needed (one for each free control point) or {functions} (end copies included)",
+                    free = self.free
+                ),
+            ))
         }
     }
 }

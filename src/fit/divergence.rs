@@ -5,7 +5,7 @@ use nalgebra::{Complex, Schur};
 use super::basis::{Basis, Polynomial};
 use super::collocation::Collocation;
 use super::direction::Direction;
-use super::invalid::Invalid;
+use super::invalid::{Invalid, Place};
 use super::setup::Setup;
 
 /// Bases that are not totally positive are checked up to this number of control points in a
@@ -41,11 +41,19 @@ pub(super) fn check_real(setup: &Setup, method: &'static str) -> Result<(), Inva
     if !is_doubtful(setup) {
         return Ok(());
     }
-    let values = eigenvalues(setup).ok_or(Invalid::ComplexSpectrum { method })?;
+    let values = eigenvalues(setup).ok_or_else(|| complex_spectrum(method))?;
     if values.iter().any(|z| z.im.abs() > REAL || z.re <= 0.0) {
-        return Err(Invalid::ComplexSpectrum { method });
+        return Err(complex_spectrum(method));
     }
     check_rate(&values, method, 1.0)
+}
+
+/// A method that chooses its steps by λ_min has eigenvalues that are not real and positive.
+fn complex_spectrum(method: &str) -> Invalid {
+    let detail = format!(
+        "{method} needs a collocation matrix with positive real eigenvalues, and this one, of a basis that is not totally positive, has others; use extended or direct"
+    );
+    Invalid::at(Place::Method, detail)
 }
 
 /// Refuses relaxations with which some eigenvalue `1 − ω z` of `I − ω B` is larger than one.
@@ -55,7 +63,12 @@ fn check_rate(values: &[Complex<f64>], method: &'static str, omega: f64) -> Resu
         .map(|z| (Complex::new(1.0, 0.0) - z * omega).norm())
         .fold(0.0, f64::max);
     if rate > 1.0 + REAL {
-        return Err(Invalid::Diverges { method, rate });
+        return Err(Invalid::at(
+            Place::Method,
+            format!(
+                "{method} PIA diverges: with this basis and these parameters the error grows by {rate:.3} per iteration; use extended or direct"
+            ),
+        ));
     }
     Ok(())
 }

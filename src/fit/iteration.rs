@@ -22,8 +22,7 @@ mod ending;
 use std::sync::Arc;
 
 use super::automatic::Automatic;
-use super::decay::Decay;
-use super::forecast::Foreseen;
+use super::convergence::{Decay, Foreseen};
 use super::geometry::Geometry;
 use super::method::update::Update;
 use super::norms::FitError;
@@ -33,8 +32,24 @@ use super::problem::Problem;
 use super::sweep::{Measured, Sweep};
 use super::system::System;
 
-pub use super::level::Level;
-pub use super::outcome::Outcome;
+pub use super::termination::Outcome;
+
+/// A level of the iteration: how far the curve of these control points is from the data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// The number of updates so far.
+    pub iteration: usize,
+    /// The distances from the data.
+    pub error: FitError,
+    /// The largest distance as a multiple of that of the level before.
+    pub rate: Option<f64>,
+    /// How many control points the last update moved.
+    pub moved: usize,
+    /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
+    pub bad_weight: Option<(usize, f64)>,
+    /// The level at which the fit will end, by what is known at this level.
+    pub predicted: Option<usize>,
+}
 
 /// The iteration of one problem at some level.
 #[derive(Debug)]

@@ -15,10 +15,9 @@
 //! residual is told apart. A point at which the weight of the curve is not positive is at an
 //! infinite distance.
 
+use super::aligned::Lane;
 use super::blocks::{BLOCK, Block, Blocks};
-use super::lane::Lane;
-use super::points::{self, Points};
-use super::scaling::normalizing_scale;
+use super::points::{self, Points, normalizing_scale};
 use super::setup::Setup;
 use super::tolerance::equations::Distances;
 

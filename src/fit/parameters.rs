@@ -15,9 +15,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::invalid::{Axis, Invalid};
+use super::invalid::{Axis, Invalid, Place};
 use super::missing::Missing;
-use super::order;
+use super::monotonic;
 use super::points::{Grid, Points};
 
 /// How the parameters of one direction are chosen.
@@ -141,7 +141,7 @@ fn by_distance(
         *t = last;
     }
     // Looked at afterwards, side by side: each sum waits for the one before.
-    if order::increases(&totals) && last.is_finite() {
+    if monotonic::increases(&totals) && last.is_finite() {
         return Ok(Arc::new(totals));
     }
     Err(not_increasing(&totals, &pairs, grid, axis, rule))
@@ -170,24 +170,39 @@ fn not_increasing(
         if pairs.get(k) == Some(&0) {
             // The neighbour of the last line of a closed surface is the first one.
             let previous = k - 1;
-            Invalid::NoNeighbours {
-                axis,
-                previous,
-                index,
-                rule,
-            }
+            Invalid::at(
+                Place::Line(axis, index),
+                format!(
+                    "no two neighbours of lines {previous} and {index} are given, so that {rule} parameters are unknown: use uniform or explicit parameters"
+                ),
+            )
         } else if k == count {
             let index = count - 1;
-            Invalid::FirstRepeated { axis, index }
+            Invalid::at(
+                Place::Line(axis, index),
+                "the last point equals the first: a closed curve returns to its first point by itself, leave the last one out",
+            )
         } else if grid.columns == 1 {
-            Invalid::EqualPoints { axis, index, rule }
+            Invalid::at(
+                Place::Line(axis, index),
+                format!(
+                    "point {index} equals point {previous} (or is too close to it), so that {rule} parameters do not increase: drop one of them or use uniform or explicit parameters",
+                    previous = index - 1
+                ),
+            )
         } else {
-            Invalid::EqualLines { axis, index, rule }
+            Invalid::at(
+                Place::Line(axis, index),
+                format!(
+                    "all points of line {index} equal those of line {previous} (or are too close to them), so that {rule} parameters do not increase: drop one of the lines or use uniform or explicit parameters",
+                    previous = index - 1
+                ),
+            )
         }
     });
     match lost.xor(unknown) {
-        Some(_) => Invalid::TooLarge,
-        None => Invalid::of_all(wrong.collect()).unwrap_or(Invalid::TooLarge),
+        Some(_) => Invalid::too_large(),
+        None => Invalid::of_all(wrong).unwrap_or_else(Invalid::too_large),
     }
 }
 
@@ -268,35 +283,32 @@ fn explicit(
     if values.len() != expected {
         let given = values.len();
         return Err(if closed {
-            Invalid::ClosedParameterCount {
-                axis,
-                given,
-                expected,
-            }
+            Invalid::at(
+                Place::Parameters(axis),
+                format!(
+                    "{given} parameters given, {expected} needed: one for each point, and the one at which the closed curve is back at the first"
+                ),
+            )
         } else {
-            Invalid::ParameterCount {
-                axis,
-                given,
-                expected,
-            }
+            Invalid::parameter_count(axis, given, expected)
         });
     }
     let ends = values.first().into_iter().chain(values.last());
-    if order::increases(&values) && ends.into_iter().all(|end| end.is_finite()) {
+    if monotonic::increases(&values) && ends.into_iter().all(|end| end.is_finite()) {
         return Ok(values);
     }
     for (index, &value) in values.iter().enumerate() {
         if !value.is_finite() {
-            return Err(Invalid::ParameterNotFinite { axis, index, value });
+            return Err(Invalid::parameter_not_finite(axis, index, value));
         }
         if index > 0 && value <= values[index - 1] {
             let previous = values[index - 1];
-            return Err(Invalid::ParameterOrder {
-                axis,
-                index,
-                value,
-                previous,
-            });
+            return Err(Invalid::at(
+                Place::Parameter(axis, index),
+                format!(
+                    "parameter {index} is {value}, not greater than the one before, {previous}: parameters must strictly increase"
+                ),
+            ));
         }
     }
     Ok(values)
@@ -319,10 +331,10 @@ pub(super) fn rescale(t: &mut [f64], low: f64, high: f64, axis: Axis) -> Result<
         *end = high;
     }
     // Neighbours may fall together when they differ by less than the rounding of the new range.
-    if length.is_finite() && order::increases(t) {
+    if length.is_finite() && monotonic::increases(t) {
         Ok(())
     } else {
-        Err(Invalid::ParameterRange { axis })
+        Err(Invalid::parameter_range(axis))
     }
 }
 

@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::extent::Extent;
+use super::aligned::{self, Lane};
+use super::bounds::Extent;
 use super::invalid::Axis;
-use super::lane::{self, Lane};
 
 /// The extents of fewer points are found by one thread.
 const PARALLEL: usize = 100_000;
@@ -45,7 +45,7 @@ impl Points {
     /// `count` points at the origin.
     pub fn zeros(dimension: usize, count: usize) -> Self {
         Self {
-            lanes: lane::lanes(dimension, count, |_| Lane::zeros(count)),
+            lanes: aligned::lanes(dimension, count, |_| Lane::zeros(count)),
         }
     }
 
@@ -199,7 +199,7 @@ impl Clone for Points {
     fn clone(&self) -> Self {
         let lane = |c: usize| self.lanes[c].clone();
         Self {
-            lanes: lane::lanes(self.dimension(), self.len(), lane),
+            lanes: aligned::lanes(self.dimension(), self.len(), lane),
         }
     }
 }
@@ -283,6 +283,16 @@ impl Grid {
             Axis::U => self.rows,
             Axis::V => self.columns,
         }
+    }
+}
+
+/// A power of two near `1 / length`: squares of lengths like this neither over- nor underflow, as those
+/// above 10¹⁵⁴ or below 10⁻¹⁵⁴ would, and multiplying with it is exact. It is 1 if the length is zero or NaN.
+pub(super) fn normalizing_scale(length: f64) -> f64 {
+    if length > 0.0 {
+        (-length.log2().floor()).clamp(-1022.0, 1022.0).exp2()
+    } else {
+        1.0
     }
 }
 

@@ -74,7 +74,7 @@ impl Problem {
         check_finite(&request.points, &extents)?;
         let diagonal = points::diagonal(&extents);
         if !diagonal.is_finite() {
-            return Err(Invalid::TooLarge);
+            return Err(Invalid::too_large());
         }
         let tolerance =
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;

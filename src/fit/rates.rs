@@ -82,7 +82,7 @@ pub fn compare(
     degree: usize,
 ) -> Result<Vec<BasisRate>, Invalid> {
     if count < 2 {
-        return Err(Invalid::TooFewPoints { count });
+        return Err(Invalid::too_few_points(count));
     }
     let polynomials = [
         (Polynomial::Bernstein, "bernstein"),

@@ -8,8 +8,6 @@
 //!
 //! The surface has fewer control points than there are points, so that only least squares fits it.
 
-mod mistake;
-
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
@@ -20,12 +18,9 @@ use super::basis::knots::{self, Knots};
 use super::choice::{BasisChoice, DirectionChoice};
 use super::construction::check_degree;
 use super::direction::Direction;
-use super::invalid::{Axis, EndsMistake, Invalid};
+use super::invalid::{Axis, Invalid, Place};
 use super::linear::triangular::Triangular;
-use super::points::Points;
-use super::scaling::normalizing_scale;
-
-pub use mistake::ScatteredMistake;
+use super::points::{Points, normalizing_scale};
 
 /// Points that spread less than this part across a line lie on it.
 const LINE: f64 = 1e-12;
@@ -53,18 +48,14 @@ impl Scattered {
             Self::Given(pairs) => {
                 let (given, expected) = (pairs.len(), points.len());
                 if given != expected {
-                    return Err(Invalid::ParameterCount {
-                        axis: Axis::U,
-                        given,
-                        expected,
-                    });
+                    return Err(Invalid::parameter_count(Axis::U, given, expected));
                 }
                 [pairs.lane(0).to_vec(), pairs.lane(1).to_vec()]
             }
             Self::Plane => in_plane(points)?,
             Self::Coordinates => match points.lanes() {
                 [x, y, ..] => [x.to_vec(), y.to_vec()],
-                _ => return Err(ScatteredMistake::NoPlane.into()),
+                _ => return Err(no_plane()),
             },
         };
         for (axis, values) in [Axis::U, Axis::V].into_iter().zip(&parameters) {
@@ -78,13 +69,16 @@ impl Scattered {
 fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {
         let value = values[index];
-        return Err(Invalid::ParameterNotFinite { axis, index, value });
+        return Err(Invalid::parameter_not_finite(axis, index, value));
     }
     if values.iter().any(|t| t.abs() > knots::LARGEST) {
-        return Err(Invalid::ParameterRange { axis });
+        return Err(Invalid::parameter_range(axis));
     }
     if values.iter().all(|value| *value == values[0]) {
-        return Err(ScatteredMistake::Equal { axis }.into());
+        return Err(Invalid::at(
+            Place::Parameters(axis),
+            "all points have the same parameter in this direction: they are no surface",
+        ));
     }
     Ok(())
 }
@@ -93,7 +87,7 @@ fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
 fn in_plane(points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
     let dimension = points.dimension();
     if dimension < 2 {
-        return Err(ScatteredMistake::NoPlane.into());
+        return Err(no_plane());
     }
     // Scaled, so that neither sums nor squares leave the range of numbers.
     let scale = normalizing_scale(points.magnitude());
@@ -112,7 +106,7 @@ fn in_plane(points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
         let entries = entries.filter(|(column, _)| *column < dimension);
         entries.for_each(|(column, value)| matrix[(row, column)] = value);
     }
-    let axes = principal_axes(matrix).ok_or(ScatteredMistake::OnLine)?;
+    let axes = principal_axes(matrix).ok_or_else(on_line)?;
     Ok(axes.map(|axis| {
         let along = |i| centred(i).map(|(c, x)| x * axis[c]).sum::<f64>() / scale;
         (0..points.len()).map(along).collect()
@@ -156,11 +150,14 @@ impl Direction {
         sorted.dedup();
         let count = sorted.len();
         if choice.closed {
-            return Err(ScatteredMistake::Closed { axis }.into());
+            return Err(Invalid::at(
+                Place::Closed(axis),
+                "scattered points are fitted by open surfaces only",
+            ));
         }
         if choice.ends.is_some() {
             let found = "least squares has ends of its own";
-            return Err(EndsMistake::NoEnds { axis, found }.into());
+            return Err(Invalid::no_ends(axis, found));
         }
         let basis = match &choice.basis {
             BasisChoice::Polynomial(kind) => {
@@ -179,7 +176,7 @@ impl Direction {
                 check_degree(*degree, true, axis)?;
                 let degree = *degree;
                 if degree >= free {
-                    return Err(Invalid::TooFewControlPoints { axis, free, degree });
+                    return Err(Invalid::too_few_control_points(axis, free, degree));
                 }
                 let knots = knots_of(knots, degree, free, (&parameters, &sorted), axis)?;
                 Basis::BSpline { degree, knots }
@@ -199,28 +196,44 @@ fn knots_of(
 ) -> Result<Arc<Vec<f64>>, Invalid> {
     let count = sorted.len();
     match choice {
-        Knots::Usual | Knots::Spread if free > count => {
-            Err(ScatteredMistake::Few { axis, free, count }.into())
-        }
+        Knots::Usual | Knots::Spread if free > count => Err(Invalid::at(
+            Place::ControlPoints(axis),
+            format!(
+                "{free} control points for {count} different parameters: give the knots as numbers, or fewer control points"
+            ),
+        )),
         Knots::Usual | Knots::Spread => Ok(Arc::new(knots::spread(sorted, degree, free))),
-        Knots::Data | Knots::Averaged | Knots::PieglTiller => {
-            Err(ScatteredMistake::Knots { axis }.into())
-        }
+        Knots::Data | Knots::Averaged | Knots::PieglTiller => Err(Invalid::at(
+            Place::Knots(axis),
+            "the knots of scattered points are \"spread\" over their parameters, or numbers",
+        )),
         Knots::Explicit(knots) => {
             given_knots::check(knots, degree, free, axis)?;
             let (low, high) = (knots[0], knots[knots.len() - 1]);
             match parameters.iter().position(|t| !(low..=high).contains(t)) {
-                Some(index) => Err(Invalid::ParameterOutside {
+                Some(index) => Err(Invalid::parameter_outside(
                     axis,
                     index,
-                    value: parameters[index],
-                    low,
-                    high,
-                }),
+                    parameters[index],
+                    (low, high),
+                )),
                 None => Ok(Arc::clone(knots)),
             }
         }
     }
+}
+
+/// Points of one coordinate have no plane.
+fn no_plane() -> Invalid {
+    let detail =
+        "points of one coordinate have no plane for their parameters: give u and v of each point";
+    Invalid::at(Place::Parameters(Axis::U), detail)
+}
+
+/// All points lie on a line.
+fn on_line() -> Invalid {
+    let detail = "all points lie on a line (or are equal), so that there is no plane nearest to them: give u and v of each point";
+    Invalid::at(Place::Parameters(Axis::U), detail)
 }
 
 #[cfg(test)]
@@ -272,24 +285,12 @@ mod tests {
     fn points_on_a_line_have_no_plane() {
         let mut line = Points::new(3);
         (0..9).for_each(|i| line.push(&[0.1 * f64::from(i), 0.3 * f64::from(i), 7.0]));
-        assert_eq!(
-            Scattered::Plane.parameters(&line),
-            Err(ScatteredMistake::OnLine.into())
-        );
+        assert_eq!(Scattered::Plane.parameters(&line), Err(on_line()));
         let mut equal = Points::new(3);
         (0..9).for_each(|_| equal.push(&[0.1, 0.2, 0.3]));
-        assert_eq!(
-            Scattered::Plane.parameters(&equal),
-            Err(ScatteredMistake::OnLine.into())
-        );
+        assert_eq!(Scattered::Plane.parameters(&equal), Err(on_line()));
         let values = Points::zeros(1, 9);
-        assert_eq!(
-            Scattered::Plane.parameters(&values),
-            Err(ScatteredMistake::NoPlane.into())
-        );
-        assert_eq!(
-            Scattered::Coordinates.parameters(&values),
-            Err(ScatteredMistake::NoPlane.into())
-        );
+        assert_eq!(Scattered::Plane.parameters(&values), Err(no_plane()));
+        assert_eq!(Scattered::Coordinates.parameters(&values), Err(no_plane()));
     }
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::bounds::Extent;
 use super::direction::Direction;
 use super::ends::offsets::Offsets;
-use super::extent::Extent;
 use super::missing::Missing;
 use super::points::{self, Grid, Points};
 

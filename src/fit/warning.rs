@@ -7,9 +7,9 @@
 
 use super::basis::knots::Knots;
 use super::choice::{BasisChoice, DirectionChoice};
+use super::convergence::Forecast;
 use super::direction::Direction;
 use super::ends::{End, Ends, MOST_ESTIMATED};
-use super::forecast::Forecast;
 use super::invalid::{Axis, Place};
 use super::points::Points;
 

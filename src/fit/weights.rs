@@ -7,7 +7,7 @@
 //! that of a surface is the product of two of them, so that its weights must be products, too
 //! (LBW05 (3.8)).
 
-use super::invalid::Invalid;
+use super::invalid::{Invalid, Place};
 use super::points::{Grid, Points};
 
 /// The largest relative difference of a grid of weights from a product.
@@ -30,7 +30,10 @@ pub(super) fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> 
             .map(|(x, weight)| x * weight)
             .collect();
         if lane.iter().any(|x| !x.is_finite()) {
-            return Err(Invalid::WeightsTooLarge);
+            return Err(Invalid::at(
+                Place::Weights,
+                "the products of weights and coordinates exceed the range of 64-bit numbers: scale them down",
+            ));
         }
         check_digits(&lane, coordinates, weights)?;
         lanes.push(lane);
@@ -48,10 +51,13 @@ fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Resul
     let spoilt = |i: &usize| lost(*i) > 4.0 * f64::EPSILON * largest;
     match (0..products.len()).filter(small).find(spoilt) {
         None => Ok(()),
-        Some(index) => Err(Invalid::WeightTooSmall {
-            index,
-            value: weights[index],
-        }),
+        Some(index) => Err(Invalid::at(
+            Place::Weight(index),
+            format!(
+                "weight {index} is {value}, so small that its products with coordinates lose their digits: scale the weights up",
+                value = weights[index]
+            ),
+        )),
     }
 }
 
@@ -70,7 +76,10 @@ pub(super) fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64
     for (row, weights) in rows.iter().zip(weights.chunks_exact(grid.columns)) {
         for (column, weight) in columns.iter().zip(weights) {
             if (row * column / weight - 1.0).abs() > SEPARABLE {
-                return Err(Invalid::NotSeparable);
+                return Err(Invalid::at(
+                    Place::Weights,
+                    "the grid of fixed weights is not a product of weights of the rows and of the columns, as the rational basis of a surface needs: use homogeneous weights, or give those of both directions",
+                ));
             }
         }
     }
@@ -81,13 +90,16 @@ pub(super) fn separate(weights: &[f64], grid: Grid) -> Result<(Vec<f64>, Vec<f64
 fn check(weights: &[f64], expected: usize) -> Result<(), Invalid> {
     let given = weights.len();
     if given != expected {
-        return Err(Invalid::WeightCount { given, expected });
+        return Err(Invalid::weight_count(given, expected));
     }
     match weights.iter().position(|w| !(*w > 0.0 && w.is_finite())) {
         None => Ok(()),
-        Some(index) => Err(Invalid::Weight {
-            index,
-            value: weights[index],
-        }),
+        Some(index) => Err(Invalid::at(
+            Place::Weight(index),
+            format!(
+                "weight {index} is {value}; weights are finite and greater than 0",
+                value = weights[index]
+            ),
+        )),
     }
 }

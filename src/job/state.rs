@@ -7,7 +7,7 @@ use jiff::Timestamp;
 
 pub use super::levels::Levels;
 use super::outline::Outline;
-pub use crate::fit::outcome::Reason;
+pub use crate::fit::termination::Reason;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

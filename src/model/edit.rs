@@ -262,7 +262,7 @@ fn set_weights(
     if let Weights::Homogeneous(weights) = &resolved.weights {
         let (given, expected) = (weights.len(), request.grid.count());
         if given != expected {
-            let error = Invalid::WeightCount { given, expected };
+            let error = Invalid::weight_count(given, expected);
             return Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), error.to_string()).into());
         }
     }

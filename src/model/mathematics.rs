@@ -29,15 +29,15 @@ impl Mistakes {
                 Ok(problem) => return Some(problem),
                 Err(error) => error,
             };
-            let first = error.place();
+            let first = error.place;
             for error in error.each() {
                 if self.full() {
                     self.more("there are more of them");
                     break;
                 }
-                let part = match error {
-                    fit::Invalid::TooMuch(_) => SpecPart::Whole,
-                    _ => place(error.place()),
+                let part = match error.place {
+                    fit::Place::Whole => SpecPart::Whole,
+                    part => place(part),
                 };
                 self.push(Mistake::at(part, error.to_string()));
             }

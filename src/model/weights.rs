@@ -139,8 +139,8 @@ fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> OrMistakes<()> {
         let positive = |w: &f64| *w > 0.0 && w.is_finite();
         if let Some(index) = weights.iter().position(|w| !positive(w)) {
             let value = weights[index];
-            let error = Invalid::AxisWeight { axis, index, value };
-            return wrong(error.place(), error.to_string());
+            let error = Invalid::axis_weight(axis, index, value);
+            return wrong(error.place, error.to_string());
         }
     }
     Ok(())

@@ -26,7 +26,7 @@
 
 use std::sync::Arc;
 
-use crate::fit::shares::Position;
+use crate::fit::quantiles::Position;
 
 /// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
 pub(in crate::fit) const LARGEST: f64 = 1e300;

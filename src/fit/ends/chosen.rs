@@ -1,12 +1,11 @@
 //! The ends of a direction, as they are asked for, made a part of it.
 
 use super::copies::Copies;
-use super::mistake::EndsMistake;
-use super::rules::{End, Ends};
+use super::rules::{End, Ends, natural_degree};
 use crate::fit::basis::knots::Knots;
 use crate::fit::choice::{BasisChoice, DirectionChoice};
 use crate::fit::direction::{CopyRule, Direction};
-use crate::fit::place::{Axis, Side};
+use crate::fit::invalid::{Axis, Invalid, Place, Side};
 
 /// The ends that were chosen of a direction, if they can be: those of an open B-spline with knots at
 /// the data and a control point for each data point.
@@ -17,7 +16,7 @@ use crate::fit::place::{Axis, Side};
 pub(in crate::fit) fn are_chosen(
     choice: &DirectionChoice,
     axis: Axis,
-) -> Result<Option<Ends>, EndsMistake> {
+) -> Result<Option<Ends>, Invalid> {
     let Some(ends) = &choice.ends else {
         return Ok(None);
     };
@@ -28,14 +27,14 @@ pub(in crate::fit) fn are_chosen(
     let found = match &choice.basis {
         _ if choice.closed => "this direction is closed",
         _ if choice.control_points.is_some() => {
-            "least squares has ends of its own; leave these out, name the ends of the method \"interpolated\" or \"free\", \
+            "least squares has ends of its own; leave these out, name the end_points of the method \"interpolated\" or \"free\", \
              and give derivatives there as constraints of the method, such as {\"at\": \"start\", \"tangent\": [1, 0, 0]}"
         }
         BasisChoice::Polynomial(_) => "polynomial bases have none",
         BasisChoice::BSpline { degree, knots } => match (knots, natural) {
             (_, Some(side)) if *degree != 3 => {
                 let degree = *degree;
-                return Err(EndsMistake::NaturalDegree { axis, side, degree });
+                return Err(natural_degree(axis, side, degree));
             }
             (Knots::Usual | Knots::Data, _) => return Ok(Some(ends.clone())),
             (Knots::Spread | Knots::PieglTiller, _) => "these knots are for least squares",
@@ -48,7 +47,7 @@ pub(in crate::fit) fn are_chosen(
             }
         },
     };
-    Err(EndsMistake::NoEnds { axis, found })
+    Err(Invalid::no_ends(axis, found))
 }
 
 impl Ends {
@@ -59,7 +58,7 @@ impl Ends {
         direction: Direction,
         axis: Axis,
         boundary: (usize, usize),
-    ) -> Result<Direction, EndsMistake> {
+    ) -> Result<Direction, Invalid> {
         let degree = direction.basis.degree();
         for side in [Side::Start, Side::End] {
             let copies = direction.copies(side);
@@ -85,11 +84,17 @@ impl Ends {
 
 /// The part of the next control point in a natural end, which lies between 0 and 1, so that the
 /// collocation matrix stays totally positive.
-fn natural(direction: &Direction, axis: Axis, side: Side) -> Result<f64, EndsMistake> {
+fn natural(direction: &Direction, axis: Axis, side: Side) -> Result<f64, Invalid> {
     let beta = Copies::natural(direction, side);
     if (0.0..=1.0).contains(&beta) {
         Ok(beta)
     } else {
-        Err(EndsMistake::NaturalWeights { axis, side })
+        Err(Invalid::at(
+            Place::End(axis, side),
+            format!(
+                "with these fixed weights the {side} has no natural form, as its control point would leave the segment between its neighbours: use estimated ends",
+                side = side.name()
+            ),
+        ))
     }
 }

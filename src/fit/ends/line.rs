@@ -9,8 +9,7 @@ use crate::fit::collocation::Collocation;
 use crate::fit::direction::Direction;
 use crate::fit::invalid::Side;
 use crate::fit::linear::LineMap as _;
-use crate::fit::points::{Grid, Points};
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Grid, Points, normalizing_scale};
 
 /// The points that are fitted, in the coordinates of the loop.
 #[derive(Clone, Copy, Debug)]

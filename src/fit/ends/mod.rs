@@ -20,7 +20,7 @@
 //! Estimated derivatives are those of the polynomial through the first points: as many as it takes
 //! for one degree more than derivatives are needed, three points for cubics (Bessel).
 //!
-//! - [`rules`]: what can be asked for, and [`mistake`]: why it is refused; `chosen`: what a direction makes of it;
+//! - [`rules`]: what can be asked for; `chosen`: what a direction makes of it;
 //! - `estimate`: derivatives from points; `copies`: control points from derivatives; `line`: both of
 //!   a line of points;
 //! - `offsets`: g of a curve and of a surface.
@@ -29,9 +29,10 @@ pub(super) mod chosen;
 mod copies;
 mod estimate;
 pub(super) mod line;
-pub mod mistake;
 pub(super) mod offsets;
 pub mod rules;
 
-pub use mistake::MOST_ESTIMATED;
 pub use rules::{End, Ends};
+
+/// The highest degree whose ends are estimated: polynomials through more points lose all digits.
+pub const MOST_ESTIMATED: usize = 31;

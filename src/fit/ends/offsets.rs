@@ -16,10 +16,9 @@
 use std::cell::OnceCell;
 
 use super::line::{Along, Constants, Fitted, Line, values_of};
-use super::mistake::EndsMistake;
 use super::rules::Ends;
 use crate::fit::direction::Direction;
-use crate::fit::place::Axis;
+use crate::fit::invalid::{Axis, Invalid, Place};
 use crate::fit::points::{Grid, Points};
 
 /// The constants of all copies.
@@ -50,7 +49,7 @@ impl Offsets {
         fitted: Fitted<'_>,
         u: (&Direction, Option<&Ends>),
         v: Option<(&Direction, Option<&Ends>)>,
-    ) -> Result<Option<Self>, EndsMistake> {
+    ) -> Result<Option<Self>, Invalid> {
         let along = Along::new(u.0, u.1);
         let across = v.map(|(direction, ends)| Along::new(direction, ends));
         let offsets = match &across {
@@ -60,7 +59,10 @@ impl Offsets {
         for (axis, strips) in [(Axis::U, &offsets.rows), (Axis::V, &offsets.columns)] {
             let finite = |strip: &Strip| strip.values.extents().iter().all(|it| it.is_finite);
             if !strips.iter().all(finite) {
-                return Err(EndsMistake::EndsTooLarge { axis });
+                return Err(Invalid::at(
+                    Place::Ends(axis),
+                    "the derivatives at the ends exceed the range of 64-bit numbers: scale the data down, or use repeated ends",
+                ));
             }
         }
         let some = !offsets.rows.is_empty() || !offsets.columns.is_empty();

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::mistake::{EndsMistake, MOST_ESTIMATED};
-use crate::fit::place::{Axis, Side};
+use super::MOST_ESTIMATED;
+use crate::fit::invalid::{Axis, Invalid, Place, Side};
 use crate::fit::points::Points;
 
 /// How a direction ends on both sides.
@@ -75,23 +75,22 @@ impl End {
         degree: usize,
         copies: usize,
         (boundary, dimension): (usize, usize),
-    ) -> Result<(), EndsMistake> {
+    ) -> Result<(), Invalid> {
         match self {
             Self::Repeated => Ok(()),
-            Self::Natural if degree != 3 => Err(EndsMistake::NaturalDegree { axis, side, degree }),
+            Self::Natural if degree != 3 => Err(natural_degree(axis, side, degree)),
             Self::Natural => Ok(()),
             // Whatever is not given is estimated.
-            _ if degree > MOST_ESTIMATED => {
-                Err(EndsMistake::EstimatedDegree { axis, side, degree })
-            }
+            _ if degree > MOST_ESTIMATED => Err(Invalid::at(
+                Place::End(axis, side),
+                format!(
+                    "derivatives are estimated up to degree {MOST_ESTIMATED}, and this B-spline has degree {degree}: use repeated ends"
+                ),
+            )),
             Self::Estimated => Ok(()),
-            Self::Derivatives(orders) if orders.len() > copies => Err(EndsMistake::EndOrders {
-                axis,
-                side,
-                given: orders.len(),
-                most: copies,
-                degree,
-            }),
+            Self::Derivatives(orders) if orders.len() > copies => {
+                Err(too_many_orders((axis, side), orders.len(), copies, degree))
+            }
             Self::Derivatives(orders) => {
                 let check = |(order, vectors)| {
                     check_vectors(vectors, (axis, side, order), boundary, dimension)
@@ -102,19 +101,16 @@ impl End {
                     .enumerate()
                     .try_for_each(check)
             }
-            Self::Tangent(_) if copies == 0 => Err(EndsMistake::EndOrders {
-                axis,
-                side,
-                given: 1,
-                most: 0,
-                degree,
-            }),
+            Self::Tangent(_) if copies == 0 => Err(too_many_orders((axis, side), 1, 0, degree)),
             Self::Tangent(vectors) => {
                 check_vectors(vectors, (axis, side, 0), boundary, dimension)?;
                 let is_zero = |index: &usize| vectors.point(*index).all(|x| x == 0.0);
                 match (0..vectors.len()).find(is_zero) {
                     None => Ok(()),
-                    Some(index) => Err(EndsMistake::ZeroTangent { axis, side, index }),
+                    Some(index) => Err(Invalid::at(
+                        Place::EndVector(axis, side, 0, index),
+                        "the zero vector has no direction, so that it is no tangent",
+                    )),
                 }
             }
         }
@@ -128,36 +124,49 @@ fn check_vectors(
     (axis, side, order): (Axis, Side, usize),
     boundary: usize,
     dimension: usize,
-) -> Result<(), EndsMistake> {
-    if vectors.len() != boundary {
-        return Err(EndsMistake::EndVectorCount {
-            axis,
-            side,
-            order,
-            given: vectors.len(),
-            expected: boundary,
-        });
+) -> Result<(), Invalid> {
+    let wrong = |detail: String| Err(Invalid::at(Place::EndOrder(axis, side, order), detail));
+    let given = vectors.len();
+    if given != boundary {
+        return wrong(format!(
+            "{given} vectors given; {boundary} are needed, one for each data point of this boundary"
+        ));
     }
-    if vectors.dimension() != dimension {
-        return Err(EndsMistake::EndVectorDimension {
-            axis,
-            side,
-            order,
-            given: vectors.dimension(),
-            expected: dimension,
-        });
+    let given = vectors.dimension();
+    if given != dimension {
+        return wrong(format!(
+            "this vector has {given} coordinates; the points have {dimension}"
+        ));
     }
     for (coordinate, lane) in vectors.lanes().iter().enumerate() {
         if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
-            return Err(EndsMistake::EndVectorNotFinite {
-                axis,
-                side,
-                order,
-                index,
-                coordinate,
-                value: lane[index],
-            });
+            return Err(Invalid::at(
+                Place::EndVector(axis, side, order, index),
+                format!(
+                    "coordinate {coordinate} is {value}, which is not a finite number",
+                    value = lane[index]
+                ),
+            ));
         }
     }
     Ok(())
+}
+
+/// Natural ends of another degree than 3.
+pub(super) fn natural_degree(axis: Axis, side: Side, degree: usize) -> Invalid {
+    let detail = format!("natural ends are those of cubic B-splines; this one has degree {degree}");
+    Invalid::at(Place::End(axis, side), detail)
+}
+
+/// More derivatives are given at an end than there are control points to choose.
+fn too_many_orders(
+    (axis, side): (Axis, Side),
+    given: usize,
+    most: usize,
+    degree: usize,
+) -> Invalid {
+    let name = side.name();
+    let detail =
+        format!("{given} derivatives given; degree {degree} has room for {most} at the {name}");
+    Invalid::at(Place::EndOrder(axis, side, most), detail)
 }

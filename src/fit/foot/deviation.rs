@@ -11,7 +11,7 @@ use super::{NoFootPoints, nearest};
 use crate::fit::nurbs::Nurbs;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
-use crate::fit::shares::Position;
+use crate::fit::quantiles::Position;
 
 /// The percentiles that are computed.
 pub const PERCENTILES: [usize; 4] = [50, 90, 95, 99];

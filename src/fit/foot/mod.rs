@@ -22,9 +22,8 @@ use thiserror::Error;
 
 use super::interrupt;
 use super::nurbs::{KnotVector, Nurbs};
-use super::points::Points;
+use super::points::{Points, normalizing_scale};
 use super::problem::Problem;
-use super::scaling::normalizing_scale;
 use cells::Cells;
 
 /// The highest degree of a surface with foot points: the time of a step grows with its square.

@@ -3,7 +3,7 @@
 use super::{Engine, Iteration};
 use crate::fit::method::Progress;
 use crate::fit::method::update::Update;
-use crate::fit::outcome::{Outcome, Reason};
+use crate::fit::termination::{Outcome, Reason};
 
 impl Iteration {
     /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left

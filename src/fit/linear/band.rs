@@ -15,7 +15,7 @@
 //! ```
 
 use super::banded::{Banded, Diagonal};
-use crate::fit::order;
+use crate::fit::monotonic;
 
 /// The place of each index in the folded order 0, n−1, 1, n−2, … of n rows and columns.
 pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
@@ -67,7 +67,11 @@ impl Band {
                 .map(|(i, j, value)| (fold(i), fold(j), value))
         };
         // The largest distance of an entry that is not zero from the diagonal, on either side.
-        let filled = || matrix.diagonals().filter(|it| !order::is_zero(it.values));
+        let filled = || {
+            matrix
+                .diagonals()
+                .filter(|it| !monotonic::is_zero(it.values))
+        };
         let reach = |sign: i64| match cyclic {
             true => entries()
                 .map(|(i, j, _)| sign * (j as i64 - i as i64))

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use super::banded::Banded;
 use super::dense::DenseLu;
 use super::map::LineMap;
-use crate::fit::order;
+use crate::fit::monotonic;
 
 /// The most lines that are solved for side by side.
 const LINES: usize = 4;
@@ -112,7 +112,7 @@ pub(super) fn decompose(given: Shifted<'_>) -> Option<Box<dyn Solver>> {
     let filled = given
         .matrix
         .diagonals()
-        .filter(|it| !order::is_zero(it.values));
+        .filter(|it| !monotonic::is_zero(it.values));
     let reach = filled.map(|it| it.offset.unsigned_abs()).max().unwrap_or(0);
     Some(match reach {
         0 | 1 => Box::new(Elimination::<1>::new(given)),

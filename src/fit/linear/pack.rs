@@ -13,8 +13,8 @@
 use std::ops::Range;
 
 use super::banded::{Banded, Stretch};
-use crate::fit::lane::Lane;
-use crate::fit::order;
+use crate::fit::aligned::Lane;
+use crate::fit::monotonic;
 
 /// If stretches have fewer rows than this on average, they are joined by zeros.
 const LONG: usize = 64;
@@ -81,7 +81,7 @@ fn parts(stretches: &[Stretch], rows: usize) -> impl Iterator<Item = (Stretch, R
 impl Run {
     /// The entries of a stretch between the zeros at both of its ends.
     fn new(stretch: Stretch, rows: Range<usize>, lanes: &[Lane]) -> Self {
-        let filled = |lane: &Lane| !order::is_zero(&lane[rows.clone()]);
+        let filled = |lane: &Lane| !monotonic::is_zero(&lane[rows.clone()]);
         let low = lanes.iter().position(filled).unwrap_or(0);
         let high = lanes.iter().rposition(filled).unwrap_or(0);
         Self {

@@ -19,15 +19,15 @@ use super::relaxation::Relaxation;
 use super::scheme::{Demand, Progress, Scheme};
 use super::update::{Change, State, Update};
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::divergence;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
-use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;
 use crate::fit::tensor::Tensor;
+use crate::fit::termination::{Outcome, Reason};
 use crate::fit::warning::Warning;
 
 /// The entry in the table of methods.

@@ -16,11 +16,10 @@ use super::scheme::{Demand, Scheme, Scope};
 use super::update::{Change, State, Update};
 use crate::fit::about::About;
 use crate::fit::equations::Equations;
-use crate::fit::invalid::{Invalid, Side};
-use crate::fit::outcome::Reason;
-use crate::fit::points::Points;
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::invalid::{Invalid, Place, Setting, Side};
+use crate::fit::points::{Points, normalizing_scale};
 use crate::fit::setup::Setup;
+use crate::fit::termination::Reason;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {
@@ -66,7 +65,12 @@ impl Scheme for Convex {
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let value = self.step_tolerance;
         if !(value > 0.0 && value < 1.0) {
-            return Err(Invalid::PartOfStep { value });
+            return Err(Invalid::at(
+                Place::Setting(Setting::StepTolerance),
+                format!(
+                    "step_tolerance is {value}; it is a part of a step, greater than 0 and less than 1"
+                ),
+            ));
         }
         let found = if scope.is_surface {
             "this is a surface"
@@ -77,10 +81,13 @@ impl Scheme for Convex {
         } else {
             return Ok(());
         };
-        Err(Invalid::NotPlanar {
-            method: ABOUT.name,
-            found,
-        })
+        Err(Invalid::at(
+            Place::Method,
+            format!(
+                "{method} fits only planar curves (two coordinates, not homogeneous): {found}",
+                method = ABOUT.name
+            ),
+        ))
     }
 
     /// The polygon before the step and the step; nothing is factorized.

@@ -26,9 +26,9 @@ use super::scheme::{Demand, Scheme, Scope};
 use super::stability;
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
-use crate::fit::invalid::{Axis, Invalid};
+use crate::fit::invalid::{Axis, Invalid, Place};
 use crate::fit::linear::DenseMap;
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
@@ -127,7 +127,10 @@ impl Scheme for Custom {
         if scope.is_surface {
             check_matrix(self.across(), scope.grid.columns, Axis::V)
         } else if self.v.is_some() {
-            Err(Invalid::TransformOfCurve)
+            Err(Invalid::at(
+                Place::Transform(Axis::V),
+                "a curve has one direction, and its transform one matrix",
+            ))
         } else {
             Ok(())
         }
@@ -141,7 +144,12 @@ impl Scheme for Custom {
         }
         let products = self.products(setup, &Tensor::new(setup));
         match stability::diverging_rate(&products) {
-            Some(rate) => Err(Invalid::TransformDiverges { rate }),
+            Some(rate) => Err(Invalid::at(
+                Place::Method,
+                format!(
+                    "the transform U diverges: with this basis and these parameters the spectral radius of I − U B is {rate:.3}, and it must be below 1"
+                ),
+            )),
             None => Ok(()),
         }
     }
@@ -211,32 +219,37 @@ fn check_matrix(rows: &[Vec<f64>], expected: usize, axis: Axis) -> Result<(), In
     let given = rows.len();
     if given > LARGEST {
         let limit = LARGEST;
-        return Err(Invalid::TransformTooLarge { axis, given, limit });
+        return Err(Invalid::at(
+            Place::Transform(axis),
+            format!("the transform has {given} rows; it is limited to {limit}"),
+        ));
     }
     if given != expected {
-        return Err(Invalid::TransformRows {
-            axis,
-            given,
-            expected,
-        });
+        return Err(Invalid::at(
+            Place::Transform(axis),
+            format!(
+                "the transform has {given} rows, but there are {expected} control points: it needs a row and a column for each"
+            ),
+        ));
     }
     for (row, entries) in rows.iter().enumerate() {
         let given = entries.len();
         if given != expected {
-            return Err(Invalid::TransformColumns {
-                axis,
-                row,
-                given,
-                expected,
-            });
+            return Err(Invalid::at(
+                Place::TransformRow(axis, row),
+                format!(
+                    "row {row} of the transform has {given} entries; it needs {expected}, one for each data point"
+                ),
+            ));
         }
         if let Some(column) = entries.iter().position(|x| !x.is_finite()) {
-            return Err(Invalid::TransformEntry {
-                axis,
-                row,
-                column,
-                value: entries[column],
-            });
+            return Err(Invalid::at(
+                Place::TransformEntry(axis, row, column),
+                format!(
+                    "entry {column} of row {row} is {value}, which is not a finite number",
+                    value = entries[column]
+                ),
+            ));
         }
     }
     Ok(())

@@ -13,11 +13,11 @@ use super::relaxation::Relaxation;
 use super::scheme::{Progress, Scheme};
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
-use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
+use crate::fit::termination::{Outcome, Reason};
 use crate::fit::transform::Transform;
 
 /// The entry in the table of methods.

@@ -7,8 +7,8 @@
 
 use super::update::{Change, State, Update};
 use crate::fit::equations::Equations;
-use crate::fit::outcome::Reason;
 use crate::fit::points::Points;
+use crate::fit::termination::Reason;
 use crate::fit::transform::Transform;
 
 /// The update with the transform of the equations.

@@ -22,9 +22,9 @@ use super::scheme::{Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
-use crate::fit::invalid::{Invalid, Setting};
+use crate::fit::invalid::{Invalid, Place, Setting};
 use crate::fit::norms::Norms;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;
@@ -70,7 +70,10 @@ impl Scheme for Local {
         self.omega.check()?;
         if self.sweeps.is_some() && !scope.is_surface {
             let setting = Setting::Sweeps;
-            return Err(Invalid::SweepsOfCurve { setting });
+            return Err(Invalid::at(
+                Place::Setting(setting),
+                "sweeps are for surfaces; a curve has no rows and no columns",
+            ));
         }
         match scope.selected {
             None => Ok(()),
@@ -143,19 +146,26 @@ fn adjusted(setup: &Setup) -> Vec<usize> {
 /// Refuses indices that there are not, or that are given twice; there must be one at least.
 fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
     if indices.is_empty() {
-        return Err(Invalid::NoIndices);
+        return Err(Invalid::at(
+            Place::Setting(Setting::Indices),
+            "there is no index to adjust",
+        ));
     }
     let mut seen = vec![false; count];
     for (index, &value) in indices.iter().enumerate() {
         match seen.get_mut(value) {
             None => {
-                return Err(Invalid::IndexOutside {
-                    index,
-                    value,
-                    count,
-                });
+                return Err(Invalid::at(
+                    Place::Index(index),
+                    format!("index {index} is {value}, but there are {count} points"),
+                ));
             }
-            Some(true) => return Err(Invalid::IndexRepeated { index }),
+            Some(true) => {
+                return Err(Invalid::at(
+                    Place::Index(index),
+                    format!("index {index} repeats an earlier one"),
+                ));
+            }
             Some(seen) => *seen = true,
         }
     }

@@ -59,7 +59,7 @@ pub(super) mod update;
 mod weighted;
 
 use super::about::About;
-use super::forecast::Forecast;
+use super::convergence::Forecast;
 use super::warning::Warning;
 
 pub use adaptive::Adaptive;
@@ -70,8 +70,8 @@ pub(super) use least_squares::automatic;
 pub(super) use least_squares::obeying::Obeying;
 pub(super) use least_squares::obeying_surface::ObeyingSurface;
 pub use least_squares::{
-    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, ConstraintsMistake, EndPoints, Fairness,
-    LeastSquares, LeastSquaresMistake, MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;

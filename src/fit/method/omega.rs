@@ -35,7 +35,7 @@ impl Omega {
     /// ω = 0 would stand still, and ω = 2 oscillate where 1 is an eigenvalue.
     pub(super) fn check(self) -> Result<(), Invalid> {
         match self {
-            Self::Given(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::Omega { value }),
+            Self::Given(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::omega(value)),
             _ => Ok(()),
         }
     }

@@ -15,16 +15,16 @@ use std::sync::Arc;
 use super::relaxation::Relaxation;
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
 use crate::fit::missing::Missing;
 use crate::fit::norms::FitError;
-use crate::fit::outcome::Outcome;
 use crate::fit::plain::Plain;
 use crate::fit::points::{Grid, Points};
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
+use crate::fit::termination::Outcome;
 use crate::fit::transform::Transform;
 use crate::fit::warning::Warning;
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::fit::invalid::{Invalid, Setting};
+use crate::fit::invalid::{Invalid, Place, Setting};
 
 /// One distance for all points, or one for each, in data units. Clones share them.
 ///
@@ -54,15 +54,21 @@ impl Threshold {
         };
         let (given, expected) = (each.len(), count);
         if given != expected {
-            return Err(Invalid::ThresholdCount { given, expected });
+            return Err(Invalid::at(
+                Place::Setting(Setting::Threshold),
+                format!("{given} thresholds for {expected} points"),
+            ));
         }
         let wrong = |value: &f64| !(*value > 0.0 && value.is_finite());
         match each.iter().position(wrong) {
             None => Ok(()),
-            Some(index) => Err(Invalid::Threshold {
-                index,
-                value: each[index],
-            }),
+            Some(index) => Err(Invalid::at(
+                Place::Threshold(index),
+                format!(
+                    "threshold {index} is {value}; thresholds are finite and greater than 0",
+                    value = each[index]
+                ),
+            )),
         }
     }
 }

@@ -7,8 +7,8 @@
 use std::fmt::Debug;
 
 use crate::fit::equations::Equations;
-use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
+use crate::fit::termination::{Outcome, Reason};
 
 /// What an update has changed.
 #[derive(Debug)]

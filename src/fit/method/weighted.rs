@@ -14,9 +14,9 @@ use super::relaxation::Relaxation;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::divergence;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
 use crate::fit::invalid::Invalid;
 use crate::fit::setup::Setup;
 use crate::fit::tensor::Tensor;
@@ -46,7 +46,7 @@ impl Scheme for Weighted {
     /// ω = 0 would stand still, and ω = 2 oscillate, as 1 is an eigenvalue of most matrices.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         match self.omega {
-            Some(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::Omega { value }),
+            Some(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::omega(value)),
             _ => Ok(()),
         }
     }

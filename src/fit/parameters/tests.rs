@@ -62,7 +62,7 @@ fn equal_neighbours_are_named() {
         false,
     )
     .unwrap_err();
-    assert!(matches!(error, Invalid::EqualPoints { index: 2, .. }));
+    assert_eq!(error.place, Place::Line(Axis::U, 2));
 }
 
 /// LWD04 (12)–(13).

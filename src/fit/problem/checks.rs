@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::Tolerance;
+use crate::fit::bounds::Extent;
 use crate::fit::choice::DirectionChoice;
-use crate::fit::extent::Extent;
-use crate::fit::invalid::{Invalid, ScatteredMistake};
+use crate::fit::invalid::{Invalid, Place};
 use crate::fit::method::Scope;
 use crate::fit::missing::Missing;
 use crate::fit::points::{Points, ROUNDING};
@@ -35,18 +35,21 @@ pub(super) fn check_points(request: &mut Request) -> Result<Option<Missing>, Inv
         } else {
             grid.columns
         };
-        return Err(Invalid::TooFewPoints { count });
+        return Err(Invalid::too_few_points(count));
     }
     let missing = Missing::new(&request.missing, grid.count());
     if let Some(missing) = &missing {
         if request.missing.len() == grid.count() {
-            return Err(Invalid::NoPoints);
+            return Err(Invalid::at(Place::Points, "no point is given"));
         }
         if let (false, Some(&index)) = (
             request.method.scheme().fits_holes(),
             request.missing.first(),
         ) {
-            return Err(Invalid::MissingPoint { index });
+            return Err(Invalid::at(
+                Place::Point(index),
+                "a point is missing; only least-squares fits of surfaces leave points out",
+            ));
         }
         missing.fill(Arc::make_mut(&mut request.points), grid);
     }
@@ -62,10 +65,18 @@ pub(super) fn check_scattered(request: &Request) -> Result<(), Invalid> {
     let mut choices = std::iter::once(&request.u).chain(&request.v);
     if !request.method.scheme().fits_scattered() || request.v.is_none() {
         let method = request.method.scheme().about().name;
-        return Err(ScatteredMistake::Method { method }.into());
+        return Err(Invalid::at(
+            Place::Method,
+            format!(
+                "scattered points have no order, and {method} needs one: only least_squares fits them, and only surfaces"
+            ),
+        ));
     }
     if request.weights != Weights::None || choices.any(weighted) {
-        return Err(ScatteredMistake::Weights.into());
+        return Err(Invalid::at(
+            Place::Weights,
+            "scattered points have no weights of a rational surface; data_weights of the method says how much each of them counts",
+        ));
     }
     Ok(())
 }
@@ -77,7 +88,12 @@ pub(super) fn check_start(setup: &Setup) -> Result<(), Invalid> {
     };
     let (given, expected) = (start.len(), setup.control_grid().count());
     if given != expected || start.dimension() != setup.data().dimension() {
-        return Err(Invalid::StartCount { given, expected });
+        return Err(Invalid::at(
+            Place::Method,
+            format!(
+                "the fit starts from {given} control points, but this one has {expected}, or in other coordinates"
+            ),
+        ));
     }
     Ok(())
 }
@@ -87,11 +103,13 @@ pub(super) fn check_finite(points: &Points, extents: &[Extent]) -> Result<(), In
     let lanes = points.lanes().iter().zip(extents);
     for (coordinate, (lane, _)) in lanes.enumerate().filter(|(_, (_, it))| !it.is_finite) {
         if let Some(index) = lane.iter().position(|x| !x.is_finite()) {
-            return Err(Invalid::NotFinite {
-                index,
-                coordinate,
-                value: lane[index],
-            });
+            return Err(Invalid::at(
+                Place::Point(index),
+                format!(
+                    "coordinate {coordinate} is {value}, which is not a finite number",
+                    value = lane[index]
+                ),
+            ));
         }
     }
     Ok(())
@@ -109,7 +127,13 @@ pub(super) fn resolve_tolerance(
         Tolerance::Relative(value) => (value, true),
     };
     if !(value.is_finite() && value >= 0.0) {
-        return Err(Invalid::Tolerance { value, relative });
+        let place = match relative {
+            true => Place::RelativeTolerance,
+            false => Place::Tolerance,
+        };
+        let detail =
+            format!("the tolerance is {value}; it must be a finite number, zero or greater");
+        return Err(Invalid::at(place, detail));
     }
     // Relative to points that are nearly equal, rounding of their coordinates would be too much.
     let rounding = magnitude * ROUNDING;
@@ -121,6 +145,11 @@ pub(super) fn resolve_tolerance(
     if tolerance.is_finite() {
         Ok(tolerance)
     } else {
-        Err(Invalid::ToleranceTooLarge { value, diagonal })
+        Err(Invalid::at(
+            Place::RelativeTolerance,
+            format!(
+                "the tolerance is {value} times {diagonal}, the diagonal of the bounding box, which exceeds the range of 64-bit numbers"
+            ),
+        ))
     }
 }

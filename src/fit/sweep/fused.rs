@@ -317,8 +317,8 @@ fn finish<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::aligned::Lane;
     use crate::fit::blocks::Squares;
-    use crate::fit::lane::Lane;
 
     /// The number of rows.
     const N: usize = 83;

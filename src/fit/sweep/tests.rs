@@ -5,11 +5,11 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::{LEVELS, Plan, Sweep};
+use crate::fit::aligned::Lane;
 use crate::fit::basis::knots::Knots;
 use crate::fit::blocks::BLOCK;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
 use crate::fit::iteration::{Iteration, Level};
-use crate::fit::lane::Lane;
 use crate::fit::method::{Method, Weighted};
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};

@@ -14,8 +14,7 @@ use std::sync::Arc;
 use super::gram::Gram;
 use super::line::KnotLine;
 use super::values::Values;
-use crate::fit::points::Points;
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Points, normalizing_scale};
 
 /// A minimum over some knots. What else it has to obey or to weigh, as constraints or fairness, is
 /// the business of an implementation: the schedule only compares distances.

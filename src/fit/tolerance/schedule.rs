@@ -21,8 +21,8 @@ use super::placement::place;
 use super::steps::Steps;
 use super::values::Values;
 use super::{Level, Options, Phase};
-use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
+use crate::fit::termination::Outcome;
 
 /// The most steps of conjugate gradients over the same knots.
 const STEPS: usize = 6;

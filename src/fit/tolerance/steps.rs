@@ -7,8 +7,7 @@
 use super::equations::fixed_ends;
 use super::line::KnotLine;
 use super::values::Values;
-use crate::fit::points::Points;
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Points, normalizing_scale};
 
 /// Conjugate gradients over some knots.
 #[derive(Clone, Debug)]

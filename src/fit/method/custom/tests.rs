@@ -6,7 +6,7 @@ use super::*;
 use crate::fit::basis::Polynomial;
 use crate::fit::basis::knots::Knots;
 use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::invalid::{Invalid, Place};
+use crate::fit::invalid::{Axis, Place};
 use crate::fit::iteration::Iteration;
 use crate::fit::linear::LineMap;
 use crate::fit::method::{Local, Method, Omega, Weighted};
@@ -216,7 +216,7 @@ fn one_matrix_serves_both_directions() {
         0.0,
     );
     let error = Problem::new(request(8, 7, cubic(), one)).unwrap_err();
-    assert_eq!(error.place(), Place::Transform(Axis::V));
+    assert_eq!(error.place, Place::Transform(Axis::V));
 }
 
 /// Every mistake names its place.
@@ -229,7 +229,7 @@ fn wrong_matrices_are_refused() {
         let method = Method::Custom(Custom::new(matrix, None));
         Problem::new(request(30, 1, cubic(), method))
             .unwrap_err()
-            .place()
+            .place
     };
     let u = Axis::U;
     assert_eq!(refuse(&|rows| rows.truncate(29)), Place::Transform(u));
@@ -240,16 +240,13 @@ fn wrong_matrices_are_refused() {
     }
     let second = Method::Custom(Custom::new(identity.clone(), Some(identity.clone())));
     let error = Problem::new(request(30, 1, cubic(), second)).unwrap_err();
-    assert_eq!(error, Invalid::TransformOfCurve);
+    assert_eq!(error.place, Place::Transform(Axis::V));
     let large = Method::Custom(Custom::new(vec![Vec::new(); LARGEST + 1], None));
     let error = Problem::new(request(LARGEST + 1, 1, cubic(), large)).unwrap_err();
-    assert!(matches!(
-        error,
-        Invalid::TransformTooLarge { given: 501, .. }
-    ));
+    assert!(error.to_string().contains("501 rows"), "{error}");
 }
 
-/// The rate that a curve, or a surface, is refused with.
+/// The rate that a curve, or a surface, is refused with, to the three decimals of the message.
 fn refused(matrices: &[DMatrix<f64>]) -> Option<f64> {
     let columns = matrices.get(1).map_or(1, |v| v.nrows());
     match Problem::new(request(
@@ -259,8 +256,11 @@ fn refused(matrices: &[DMatrix<f64>]) -> Option<f64> {
         custom(matrices),
     )) {
         Ok(_) => None,
-        Err(Invalid::TransformDiverges { rate }) => Some(rate),
-        Err(error) => panic!("{error}"),
+        Err(error) => {
+            let detail = error.to_string();
+            let (_, rest) = detail.split_once("spectral radius of I − U B is ").unwrap();
+            Some(rest.split(',').next().unwrap().parse().unwrap())
+        }
     }
 }
 
@@ -271,7 +271,7 @@ fn diverging_transforms_are_refused() {
         assert_eq!(refused(&scaled(grid, [1.99, 1.0])), None);
         for omega in [2.0, 2.1, 3.5] {
             let rate = refused(&scaled(grid, [omega, 1.0])).unwrap();
-            assert!((rate - (omega - 1.0)).abs() < 1e-9, "{omega}: {rate}");
+            assert!((rate - (omega - 1.0)).abs() < 1e-3, "{omega}: {rate}");
         }
         assert!(refused(&scaled(grid, [-0.01, 1.0])).unwrap() > 1.0);
         assert!(grid.1 == 1 || refused(&scaled(grid, [1.5, 1.4])).is_some());
@@ -295,8 +295,8 @@ fn rotations_are_told_from_spirals() {
         refused(&[(identity - &rotation * rate) * &inverse])
     };
     assert_eq!((with(0.5), with(0.999_999)), (None, None));
-    assert!((with(1.001).unwrap() - 1.001).abs() < 1e-9);
-    assert!((with(2.0).unwrap() - 2.0).abs() < 1e-9);
+    assert!((with(1.001).unwrap() - 1.001).abs() < 1e-3);
+    assert!((with(2.0).unwrap() - 2.0).abs() < 1e-3);
 }
 
 /// The transform of extended PIA: all eigenvalues of `U B` are one in a single Jordan block, and as

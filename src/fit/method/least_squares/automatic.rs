@@ -1,11 +1,10 @@
 //! As few control points as the tolerance needs: what can be chosen, and what does not go with it.
 
 use super::constraints::{At, Constraint};
-use super::mistake::LeastSquaresMistake as Mistake;
 use super::settings::{EndPoints, LeastSquares, Variant};
 use crate::fit::basis::knots::Knots;
 use crate::fit::choice::{BasisChoice, DirectionChoice};
-use crate::fit::invalid::{Axis, Invalid};
+use crate::fit::invalid::{Axis, Invalid, Place, Setting};
 use crate::fit::problem::Weights;
 use crate::fit::request::Request;
 
@@ -46,12 +45,18 @@ pub(in crate::fit) fn check_request(request: &Request) -> Result<(), Invalid> {
         return Ok(());
     };
     if settings.variant != Variant::ConjugateGradients {
-        return Err(Mistake::AutomaticVariant.into());
+        return Err(Invalid::at(
+            Place::Setting(Setting::Variant),
+            "with control_points \"auto\" the fit takes steps of conjugate gradients and minima in turn: variant is left out, or cg",
+        ));
     }
     let choices = || std::iter::once(&request.u).chain(&request.v);
     let fixed = |choice: &DirectionChoice| choice.weights.is_some();
     if request.weights != Weights::None || choices().any(fixed) {
-        return Err(Mistake::AutomaticRational.into());
+        return Err(Invalid::at(
+            Place::Weights,
+            "with control_points \"auto\" curves and surfaces have no weights",
+        ));
     }
     let free = |choice: &DirectionChoice| match &choice.basis {
         BasisChoice::BSpline { knots, .. } => matches!(knots, Knots::Usual | Knots::Spread),
@@ -59,17 +64,26 @@ pub(in crate::fit) fn check_request(request: &Request) -> Result<(), Invalid> {
     };
     let mut axes = choices().zip([Axis::U, Axis::V]);
     if let Some((_, axis)) = axes.find(|(choice, _)| !free(choice)) {
-        return Err(Mistake::AutomaticKnots { axis }.into());
+        return Err(Invalid::automatic_knots(axis));
     }
     if automatic.correct_parameters && (request.v.is_some() || !settings.is_plain()) {
-        return Err(Mistake::AutomaticCorrection.into());
+        return Err(Invalid::at(
+            Place::Setting(Setting::CorrectParameters),
+            "correct_parameters is for curves without constraints and fairness whose ends are interpolated",
+        ));
     }
     if let Some(&index) = request.missing.first() {
-        return Err(Mistake::AutomaticMissing { index }.into());
+        return Err(Invalid::at(
+            Place::Point(index),
+            "with control_points \"auto\" no point of a grid is missing: give those that are there as scattered points",
+        ));
     }
     let along = |constraint: &Constraint| matches!(constraint.at, At::Boundary(..));
     match settings.constraints.iter().position(along) {
-        Some(index) => Err(Mistake::AutomaticBoundary { index }.into()),
+        Some(index) => Err(Invalid::at(
+            Place::Constraint(index),
+            "with control_points \"auto\" the knots along a boundary change from level to level: one with given control points needs a number of them",
+        )),
         None => Ok(()),
     }
 }

@@ -22,9 +22,9 @@ use super::settings::LeastSquares;
 use super::solver::{Solver, cost};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
-use crate::fit::outcome::{Outcome, Reason};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
+use crate::fit::termination::{Outcome, Reason};
 
 /// A residual that shrinks by less than this part in one iteration has nearly stopped.
 const SLOW: f64 = 1e-6;

@@ -24,14 +24,13 @@
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
 //! - [`objective`]: what is made small, with [`fairness`]; [`end`]: how far it is above its minimum;
-//! - [`constraints`]: what every level obeys; [`mistake`]: what can be wrong besides.
+//! - [`constraints`]: what every level obeys.
 
 pub(in crate::fit) mod automatic;
 mod conjugate;
 pub(in crate::fit) mod constraints;
 mod end;
 mod fairness;
-pub(in crate::fit) mod mistake;
 pub(in crate::fit) mod obeying;
 pub(in crate::fit) mod obeying_surface;
 mod objective;
@@ -45,10 +44,10 @@ use std::sync::Arc;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::fit::about::About;
+use crate::fit::convergence::Forecast;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
-use crate::fit::forecast::Forecast;
-use crate::fit::invalid::{Axis, Invalid, ScatteredMistake, Setting};
+use crate::fit::invalid::{Axis, Invalid, Place, Setting};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::warning::Warning;
@@ -57,9 +56,8 @@ use fairness::Energy;
 use steps::Steps;
 
 pub use automatic::{AS_MANY_AS_DATA, Automatic};
-pub use constraints::mistake::{ConstraintsMistake, MOST_CONDITIONS};
+pub use constraints::MOST_CONDITIONS;
 pub use constraints::{At, Constraint, Wanted};
-pub use mistake::LeastSquaresMistake;
 pub use settings::{BY_KNOTS, EndPoints, Fairness, LeastSquares, Variant};
 
 /// The most control points for each data point of a direction of a fair fit.
@@ -85,7 +83,13 @@ impl LeastSquares {
         if (2..=most).contains(&free) {
             Ok(())
         } else {
-            Err(Invalid::ControlPointCount { axis, free, count })
+            Err(Invalid::at(
+                Place::ControlPoints(axis),
+                format!(
+                    "{free} control points for {count} data points: give at least 2 and at most {count}, or up to {twice} together with \"fairness\"",
+                    twice = 2 * count
+                ),
+            ))
         }
     }
 
@@ -95,11 +99,12 @@ impl LeastSquares {
         let (rows, columns) = (self.u, self.v);
         match rows.saturating_mul(columns) <= most {
             true => Ok(()),
-            false => Err(ScatteredMistake::Points {
-                count,
-                rows,
-                columns,
-            }
+            false => Err(Invalid::at(
+                Place::Points,
+                format!(
+                    "{rows} × {columns} control points need at least as many points, {count} given"
+                ),
+            )
             .into()),
         }
     }
@@ -152,17 +157,26 @@ impl Scheme for LeastSquares {
         let weighted = setup.is_homogeneous() || setup.directions().any(Direction::is_rational);
         if self.fairness().is_some() {
             if weighted {
-                return Err(LeastSquaresMistake::FairnessOfRational.into());
+                return Err(Invalid::at(
+                    Place::Setting(Setting::Fairness),
+                    "fairness is that of polynomial curves and surfaces: this one has weights",
+                ));
             }
             // Derivatives are those of B-splines.
             if setup.directions().any(|it| it.basis.knots().is_none()) {
-                return Err(LeastSquaresMistake::FairnessOfBasis.into());
+                return Err(Invalid::at(
+                    Place::Setting(Setting::Fairness),
+                    "fairness needs derivatives, which B-splines and Bernstein polynomials have here",
+                ));
             }
         }
         let direct = self.variant == Variant::Direct;
         let whole = solver::is_whole(setup, self.is_separable());
         if direct && whole && solver::cost(setup, self) > solver::MOST {
-            return Err(LeastSquaresMistake::NormalEquations.into());
+            return Err(Invalid::at(
+                Place::Method,
+                "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg",
+            ));
         }
         Ok(())
     }

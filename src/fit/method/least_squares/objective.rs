@@ -13,8 +13,7 @@ use super::fairness::Energy;
 use super::settings::{Fairness, LeastSquares, Variant};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
-use crate::fit::points::Points;
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Points, normalizing_scale};
 use crate::fit::setup::Setup;
 
 /// Column sums below this part of the largest belong to control points without data.

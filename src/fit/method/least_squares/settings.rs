@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::automatic::Automatic;
 use super::constraints::Constraint;
-use super::mistake::LeastSquaresMistake as Mistake;
 use crate::fit::choice::BasisChoice;
+use crate::fit::invalid::{Invalid, Place, Setting};
 
 /// The number of control points of a direction that its explicit knots imply.
 pub const BY_KNOTS: usize = usize::MAX - 1;
@@ -50,12 +50,15 @@ impl LeastSquares {
     pub(in crate::fit) fn with_counts<'a>(
         &self,
         bases: impl IntoIterator<Item = &'a BasisChoice>,
-    ) -> Result<Self, Mistake> {
+    ) -> Result<Self, Invalid> {
         let mut settings = self.clone();
         let counts = [&mut settings.u, &mut settings.v];
         for (count, basis) in counts.into_iter().zip(bases) {
             if *count == BY_KNOTS {
-                *count = basis.implied_control_points().ok_or(Mistake::Count)?;
+                *count = basis.implied_control_points().ok_or_else(|| Invalid::at(
+                    Place::Method,
+                    "least_squares needs control_points: their number, on surfaces also {\"u\": …, \"v\": …}, or \"auto\"; only explicit knots imply it",
+                ))?;
             }
         }
         if settings.v == BY_KNOTS {
@@ -75,22 +78,33 @@ impl LeastSquares {
 
     /// Weights of data are finite and not negative, one for each of so many points, and some of them are
     /// greater than zero.
-    pub(super) fn check_weights(&self, expected: usize) -> Result<(), Mistake> {
+    pub(super) fn check_weights(&self, expected: usize) -> Result<(), Invalid> {
         let Some(weights) = self.data_weights.as_deref() else {
             return Ok(());
         };
         let given = weights.len();
         if given != expected {
-            return Err(Mistake::DataWeightCount { given, expected });
+            return Err(Invalid::at(
+                Place::Setting(Setting::DataWeights),
+                format!("{given} weights of data for {expected} points"),
+            ));
         }
         let wrong = |weight: &f64| !(weight.is_finite() && *weight >= 0.0);
         if let Some(index) = weights.iter().position(wrong) {
             let value = weights[index];
-            return Err(Mistake::DataWeight { index, value });
+            return Err(Invalid::at(
+                Place::DataWeight(index),
+                format!(
+                    "data weight {index} is {value}; weights of data are finite and not negative"
+                ),
+            ));
         }
         match weights.iter().any(|weight| *weight > 0.0) {
             true => Ok(()),
-            false => Err(Mistake::NoDataWeight),
+            false => Err(Invalid::at(
+                Place::Setting(Setting::DataWeights),
+                "all weights of data are zero, so that no data point counts",
+            )),
         }
     }
 
@@ -161,14 +175,22 @@ pub enum Variant {
 
 impl Fairness {
     /// Refuses values and orders out of their range.
-    pub(super) fn check(self) -> Result<(), Mistake> {
+    pub(super) fn check(self) -> Result<(), Invalid> {
         let Self { value, order } = self;
         if !(value.is_finite() && value >= 0.0) {
-            return Err(Mistake::Fairness { value });
+            return Err(Invalid::at(
+                Place::Setting(Setting::Fairness),
+                format!("fairness is {value}; it is a finite number, zero or greater"),
+            ));
         }
         match order {
             2 | 3 => Ok(()),
-            _ => Err(Mistake::FairnessOrder { order }),
+            _ => Err(Invalid::at(
+                Place::Setting(Setting::FairnessOrder),
+                format!(
+                    "fairness is by the second or the third derivative, and order {order} is asked for"
+                ),
+            )),
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Level 0 of least-squares fits: samples of the data, or means of scattered points.
 
 use super::objective::NO_DATA;
+use crate::fit::aligned::Lane;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
-use crate::fit::lane::Lane;
 use crate::fit::missing::Missing;
 use crate::fit::points::Points;
+use crate::fit::quantiles::Position;
 use crate::fit::setup::Setup;
-use crate::fit::shares::Position;
 
 /// Level 0: data at equal distances of their indices, the first and the last point among them.
 pub(super) fn start(setup: &Setup) -> Points {

@@ -11,11 +11,10 @@ use super::settings::{LeastSquares, Variant};
 use super::solver::Solver;
 use crate::fit::equations::Equations;
 use crate::fit::method::update::{Change, State, Update};
-use crate::fit::outcome::Outcome;
 use crate::fit::plain::compute_residual;
-use crate::fit::points::Points;
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Points, normalizing_scale};
 use crate::fit::setup::Setup;
+use crate::fit::termination::Outcome;
 
 /// The update of all variants.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use super::super::line::KnotLine;
 use super::super::steps::Steps;
 use super::super::values::Values;
 use super::{GAIN, Phase, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
-use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
+use crate::fit::termination::Outcome;
 
 impl<M: Minimum> Schedule<M> {
     /// The first level.

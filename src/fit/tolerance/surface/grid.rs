@@ -16,8 +16,7 @@ use std::sync::Arc;
 
 use super::lines::{flipped, joined, lines_of, transposed};
 use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
-use crate::fit::points::{Grid, Points};
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Grid, Points, normalizing_scale};
 use crate::fit::tolerance::equations::{Distances, LeastSquares, Minimum};
 use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::values::Values;

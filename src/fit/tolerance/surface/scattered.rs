@@ -11,8 +11,7 @@ use std::sync::Arc;
 use super::gradients::{descend, diagonal, first_gain};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
-use crate::fit::points::Points;
-use crate::fit::scaling::normalizing_scale;
+use crate::fit::points::{Points, normalizing_scale};
 use crate::fit::tolerance::equations::Distances;
 use crate::fit::tolerance::line::KnotLine;
 

@@ -11,8 +11,8 @@ use std::sync::Arc;
 use super::equations::LeastSquares;
 use super::schedule::Schedule;
 use super::{Level, Options, Phase};
-use crate::fit::outcome::Outcome;
 use crate::fit::points::Points;
+use crate::fit::termination::Outcome;
 
 /// Points of a function of numbers from one end to the other.
 pub(super) fn sampled<const D: usize>(

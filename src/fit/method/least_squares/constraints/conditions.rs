@@ -1,9 +1,9 @@
 //! From constraints to linear conditions `C X = R` on the free control points.
 
-use super::mistake::{ConstraintsMistake as Mistake, MOST_CONDITIONS};
+use super::MOST_CONDITIONS;
 use super::{At, Constraint, Wanted};
 use crate::fit::direction::Direction;
-use crate::fit::invalid::{Axis, Side};
+use crate::fit::invalid::{Axis, Invalid, Place, Setting, Side};
 use crate::fit::method::least_squares::settings::{EndPoints, LeastSquares};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
@@ -20,8 +20,9 @@ pub(in super::super) struct Condition {
 }
 
 /// Something is asked for where it is not possible.
-fn unfit(index: usize, detail: &'static str) -> Mistake {
-    Mistake::Unfit { index, detail }
+pub(super) fn unfit(index: usize, detail: &str) -> Invalid {
+    let detail = format!("constraint {index} {detail}");
+    Invalid::at(Place::Constraint(index), detail)
 }
 
 /// The conditions of a fit: those of its constraints first, then end points to interpolate.
@@ -32,7 +33,7 @@ fn unfit(index: usize, detail: &'static str) -> Mistake {
 pub(super) fn conditions(
     setup: &Setup,
     settings: &LeastSquares,
-) -> Result<Vec<Condition>, Mistake> {
+) -> Result<Vec<Condition>, Invalid> {
     let mut conditions = Vec::new();
     for (index, constraint) in settings.constraints.iter().enumerate() {
         let maker = Maker { setup, index };
@@ -40,13 +41,19 @@ pub(super) fn conditions(
     }
     let corners = corners(setup);
     if settings.ends == EndPoints::Interpolated && corners.is_empty() {
-        return Err(Mistake::NoEnds);
+        return Err(Invalid::at(
+            Place::Setting(Setting::EndPoints),
+            "there are no ends to interpolate: closed directions have none, and neither have scattered points",
+        ));
     }
     if settings.ends != EndPoints::Free {
         conditions.extend(corners.into_iter().filter_map(|point| end(setup, point)));
     }
     match conditions.len() {
-        count if count > MOST_CONDITIONS => Err(Mistake::TooMany { count }),
+        count if count > MOST_CONDITIONS => Err(Invalid::at(
+            Place::Setting(Setting::Constraints),
+            format!("there are {count} conditions, at most {MOST_CONDITIONS} are accepted"),
+        )),
         _ => Ok(conditions),
     }
 }
@@ -116,7 +123,7 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    fn conditions(&self, constraint: &Constraint) -> Result<Vec<Condition>, Mistake> {
+    fn conditions(&self, constraint: &Constraint) -> Result<Vec<Condition>, Invalid> {
         match (constraint.at, &constraint.wanted) {
             (
                 At::Boundary(axis, side),
@@ -134,7 +141,7 @@ impl Maker<'_> {
     }
 
     /// A condition at a point.
-    fn condition(&self, at: At, wanted: &Wanted) -> Result<Condition, Mistake> {
+    fn condition(&self, at: At, wanted: &Wanted) -> Result<Condition, Invalid> {
         let (index, setup) = (self.index, self.setup);
         let (parameters, point) = self.place(at)?;
         let (orders, value) = match wanted {
@@ -173,7 +180,7 @@ impl Maker<'_> {
     }
 
     /// The parameters at which it holds, and the data point, if it is at one.
-    fn place(&self, at: At) -> Result<([f64; 2], Option<usize>), Mistake> {
+    fn place(&self, at: At) -> Result<([f64; 2], Option<usize>), Invalid> {
         let (index, setup) = (self.index, self.setup);
         let (is_surface, count) = (setup.v().is_some(), setup.grid().count());
         let point = match at {
@@ -186,11 +193,10 @@ impl Maker<'_> {
             At::Side(Side::Start) => 0,
             At::Side(Side::End) => count - 1,
             At::Index(point) if point >= count => {
-                return Err(Mistake::NoPoint {
+                return Err(unfit(
                     index,
-                    point,
-                    count,
-                });
+                    &format!("is at data point {point}, but there are {count} of them"),
+                ));
             }
             At::Index(point) => point,
             At::Parameter(_) if is_surface => {
@@ -210,7 +216,10 @@ impl Maker<'_> {
             .missing()
             .is_some_and(|missing| missing.contains(point))
         {
-            return Err(Mistake::Missing { index, point });
+            return Err(unfit(
+                index,
+                &format!("is at data point {point}, which is missing"),
+            ));
         }
         Ok((parameters(setup, point), Some(point)))
     }
@@ -223,19 +232,17 @@ impl Maker<'_> {
     }
 
     /// A parameter, if it lies in the domain.
-    fn inside(&self, axis: Axis, value: f64) -> Result<f64, Mistake> {
+    fn inside(&self, axis: Axis, value: f64) -> Result<f64, Invalid> {
         let domain = self.direction(axis).map(|it| it.basis.domain());
         let (low, high) = domain.unwrap_or((0.0, 0.0));
         if low <= value && value <= high {
             return Ok(value);
         }
-        Err(Mistake::Outside {
-            index: self.index,
-            axis,
-            value,
-            low,
-            high,
-        })
+        let name = axis.name();
+        Err(unfit(
+            self.index,
+            &format!("is at the parameter {value} of {name}, outside of {low} to {high}"),
+        ))
     }
 
     /// The value of a given point or derivative. In homogeneous coordinates a given point has the
@@ -245,7 +252,7 @@ impl Maker<'_> {
         orders: [usize; 2],
         vector: &[f64],
         point: Option<usize>,
-    ) -> Result<Vec<f64>, Mistake> {
+    ) -> Result<Vec<f64>, Invalid> {
         let mut value = self.checked(vector)?;
         if self.setup.is_homogeneous() {
             let weight = point.filter(|_| orders == [0, 0]);
@@ -263,24 +270,26 @@ impl Maker<'_> {
     }
 
     /// As many finite coordinates as the data have.
-    fn checked(&self, vector: &[f64]) -> Result<Vec<f64>, Mistake> {
+    fn checked(&self, vector: &[f64]) -> Result<Vec<f64>, Invalid> {
         let (index, given, expected) = (self.index, vector.len(), self.setup.dimension());
         if given != expected {
-            return Err(Mistake::Coordinates {
+            return Err(unfit(
                 index,
-                given,
-                expected,
-            });
+                &format!("has {given} coordinates, the data have {expected}"),
+            ));
         }
         match vector.iter().find(|x| !x.is_finite()) {
-            Some(&value) => Err(Mistake::NotFinite { index, value }),
+            Some(&value) => Err(unfit(
+                index,
+                &format!("has the coordinate {value}, which is not a finite number"),
+            )),
             None => Ok(vector.to_vec()),
         }
     }
 
     /// The derivative in a direction, as long as the polygon through the data over the range of the
     /// parameters.
-    fn tangent(&self, vector: &[f64]) -> Result<Vec<f64>, Mistake> {
+    fn tangent(&self, vector: &[f64]) -> Result<Vec<f64>, Invalid> {
         let vector = self.checked(vector)?;
         if self.setup.v().is_some() {
             return Err(unfit(
@@ -307,7 +316,7 @@ impl Maker<'_> {
         (axis, side): (Axis, Side),
         order: usize,
         control_points: &Points,
-    ) -> Result<Vec<Condition>, Mistake> {
+    ) -> Result<Vec<Condition>, Invalid> {
         let (index, setup) = (self.index, self.setup);
         let grid = setup.control_grid();
         let direction = self.direction(axis).filter(|_| setup.v().is_some());
@@ -329,11 +338,10 @@ impl Maker<'_> {
         };
         let complete = given == other.basis.functions() && (expected..given).all(repeats);
         if given != expected && !complete {
-            return Err(Mistake::Boundary {
+            return Err(unfit(
                 index,
-                given,
-                expected,
-            });
+                &format!("has {given} control points along a boundary of {expected}"),
+            ));
         }
         let (low, high) = direction.basis.domain();
         let t = match side {

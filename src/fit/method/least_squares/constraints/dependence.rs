@@ -5,9 +5,9 @@
 //! before it. A row without distance is a sum of others, and its value either is the same sum of
 //! theirs or not.
 
-use super::conditions::{Condition, conditions};
-use super::mistake::ConstraintsMistake as Mistake;
+use super::conditions::{Condition, conditions, unfit};
 use crate::fit::interrupt;
+use crate::fit::invalid::{Invalid, Place, Setting};
 use crate::fit::method::least_squares::settings::{EndPoints, LeastSquares};
 use crate::fit::setup::Setup;
 
@@ -30,7 +30,7 @@ const TAKES_PART: f64 = 1e-6;
 pub(in super::super) fn independent(
     setup: &Setup,
     settings: &LeastSquares,
-) -> Result<Vec<Condition>, Mistake> {
+) -> Result<Vec<Condition>, Invalid> {
     let mut basis = Orthogonal::default();
     let mut kept: Vec<Condition> = Vec::new();
     for mut condition in conditions(setup, settings)? {
@@ -43,16 +43,22 @@ pub(in super::super) fn independent(
         let agrees = agrees(&condition, &kept, &factors, setup);
         let others = || names(condition.constraint, &kept, &factors);
         match condition.constraint {
-            Some(index) if agrees => {
-                let others = others();
-                return Err(Mistake::Redundant { index, others });
-            }
             Some(index) => {
                 let others = others();
-                return Err(Mistake::Contradictory { index, others });
+                let detail = match agrees {
+                    true => format!("follows from {others} already: leave one of them out"),
+                    false => format!(
+                        "cannot be obeyed together with {others}: the control points there have too little freedom"
+                    ),
+                };
+                return Err(unfit(index, &detail));
             }
             None if !agrees && settings.ends == EndPoints::Interpolated => {
-                return Err(Mistake::EndsContradict { others: others() });
+                let others = others();
+                let detail = format!(
+                    "the data points at the ends cannot be interpolated together with {others}: name the end_points \"free\""
+                );
+                return Err(Invalid::at(Place::Setting(Setting::EndPoints), detail));
             }
             None => {}
         }

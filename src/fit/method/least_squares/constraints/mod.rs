@@ -12,11 +12,10 @@
 //!
 //! - [`conditions`]: from constraints to rows of C and R;
 //! - [`dependence`]: conditions that follow from others, or contradict them;
-//! - [`projection`]: the projection; [`mistake`]: what can be wrong.
+//! - [`projection`]: the projection.
 
 mod conditions;
 mod dependence;
-pub(in crate::fit) mod mistake;
 mod projection;
 
 use crate::fit::invalid::{Axis, Side};
@@ -25,6 +24,9 @@ use crate::fit::points::Points;
 pub(super) use conditions::Condition;
 pub(super) use dependence::independent;
 pub(super) use projection::Projection;
+
+/// The most conditions of a fit: a constraint along a boundary has one for each control point of it.
+pub const MOST_CONDITIONS: usize = 1000;
 
 /// A condition that every level obeys.
 #[derive(Clone, Debug, PartialEq)]

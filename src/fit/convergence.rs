@@ -1,9 +1,12 @@
-//! How errors fall, and when they will be within the tolerance.
+//! When a fit will end: what is known before its first step, and how its errors fall.
 //!
-//! Eigenvalues near zero make the error of the basis slow, but nobody waits for them if the data
-//! has little of their vectors: what counts is how the error falls now. The error e(k) of level k
-//! is a sum of parts `c_i (1 − λ_i)ᵏ`, of which those with large eigenvalues λ vanish first, so
-//! that its rate
+//! Methods say what they know by eigenvalues and rehearsals ([`Forecast`]); clients see it before they
+//! wait. That alone is far too pessimistic, as data has little of the slowest eigenvectors. So a
+//! millisecond or two are spent on the first levels: short fits end within it, and the decay of errors
+//! tells the end of others.
+//!
+//! The error e(k) of level k is a sum of parts `c_i (1 − λ_i)ᵏ`, of which those with large eigenvalues λ
+//! vanish first, so that its rate
 //!
 //! ```text
 //! g(k) = −d ln e / dk
@@ -14,6 +17,111 @@
 //! and the error a power of the level, `e ~ k^(−g k)`. It never falls below the rate of the least
 //! eigenvalue, where that is known. The level at which the error has fallen to the tolerance
 //! follows from the integral of g.
+
+use std::sync::Arc;
+
+use super::iteration::Iteration;
+use super::system::System;
+use super::termination::Outcome;
+
+/// What is known of the convergence before the first step. Rates are factors per level, without a
+/// unit; lengths are in the unit of the data.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Forecast {
+    /// The least eigenvalue of the collocation matrix.
+    pub lambda_min: Option<f64>,
+    /// The relaxation of weighted, local and adaptive PIA.
+    pub omega: Option<f64>,
+    /// By how much the error shrinks in each iteration, asymptotically. For adaptive fits, and
+    /// local ones of many points, an upper bound: principal submatrices have eigenvalues between
+    /// those of the matrix.
+    pub rate: Option<f64>,
+    /// Local: the least eigenvalue of the block of the matrix that belongs to the adjusted points.
+    pub block: Option<f64>,
+    /// The number of iterations after which the fit is exact, where there is one.
+    pub exact_after: Option<usize>,
+    /// Least squares: how many control points have no data in the support of their basis function.
+    pub without_data: usize,
+    /// Chebyshev: where the interval of its steps begins, if not at the least eigenvalue.
+    pub interval: Option<f64>,
+    /// Extended: about how large a distance rounding leaves after `exact_after` iterations, if that
+    /// is more than the tolerance.
+    pub rounding: Option<f64>,
+}
+
+impl Forecast {
+    /// How many iterations of a local fit reduce an error to the tolerance, both in data units, by
+    /// the least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up. The block
+    /// is small, so that its least eigenvalue soon dominates.
+    pub(super) fn iterations_of_block(&self, error: f64, tolerance: f64) -> Option<usize> {
+        let rate = self.rate.filter(|_| self.block.is_some())?;
+        let count = (tolerance / error).ln() / rate.ln();
+        (rate > 0.0 && rate < 1.0 && count.is_finite()).then_some(count.ceil() as usize)
+    }
+}
+
+/// Where a fit will end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Foreseen {
+    /// It was tried: at this level, but for rounding.
+    End(usize),
+    /// The beginning was tried: at about this level, as long as no more is known.
+    About {
+        /// The level at which it ends.
+        end: usize,
+        /// The level up to which that is the best that is known.
+        seen: usize,
+    },
+}
+
+/// The most multiplications of looking for the end of a fit: a millisecond or two.
+const LOOK: usize = 2_000_000;
+
+/// The fewest steps that say something.
+const LEAST_STEPS: usize = 8;
+
+impl Iteration {
+    /// Level 0 of a fit. Where the fit will end is found out before, once for all iterations of a
+    /// system.
+    pub fn start(system: Arc<System>) -> Self {
+        // Fits that choose their knots end where nobody knows before.
+        if !system.problem().is_automatic() {
+            system.foresee(end);
+        }
+        Self::start_unforeseen(system)
+    }
+}
+
+/// Where a fit will end: short fits are tried, of longer ones the beginning. `None` if that does
+/// not say it.
+fn end(system: &Arc<System>) -> Option<Foreseen> {
+    let problem = system.problem();
+    let method = problem.method().scheme();
+    let exact = system.forecast().exact_after;
+    if method.ends_when_exact() {
+        return exact.map(Foreseen::End);
+    }
+    // Of the other exact methods nothing better is known on the way.
+    let exact = exact.map(|end| Foreseen::About { end, seen: end });
+    let steps = LOOK / problem.step_cost().max(1);
+    // Errors do not fall to zero: fits without a tolerance go on as long as they may.
+    let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
+    if endless || steps < LEAST_STEPS {
+        return exact;
+    }
+    let mut iteration = Iteration::start_unforeseen(Arc::clone(system));
+    for _ in 0..steps {
+        match iteration.outcome() {
+            None => iteration.step(),
+            Some(Outcome::Exhausted) => break,
+            Some(Outcome::Overflow) => return None,
+            Some(_) => return Some(Foreseen::End(iteration.level().iteration)),
+        };
+    }
+    let seen = iteration.level().iteration;
+    let end = iteration.end_of_decay();
+    exact.or(end.map(|end| Foreseen::About { end, seen }))
+}
 
 /// The most errors that are remembered: of long fits every second, fourth … one.
 const MOST: usize = 256;
