@@ -8,12 +8,13 @@ use std::time::Duration;
 use bytesize::ByteSize;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use ipnet::IpNet;
 use jiff::SignedDuration;
 
 use crate::api::http::cors::Origin;
 use crate::command::arguments::FitArguments;
 use crate::server::listen::Listen;
-use crate::server::proxy::Network;
+use crate::server::proxy;
 
 use crate::fit::admission::Admission;
 use crate::model::job::Limits;
@@ -84,9 +85,10 @@ pub struct Config {
         long,
         env = "PIAD_TRUSTED_PROXY",
         value_delimiter = ',',
-        value_name = "NETWORK"
+        value_name = "NETWORK",
+        value_parser = proxy::network
     )]
-    pub trusted_proxy: Vec<Network>,
+    pub trusted_proxy: Vec<IpNet>,
 
     /// The path below which clients see the server, such as /fits: links begin with it, and requests may
     /// come with it or, from a proxy that takes it off, without it.

@@ -8,6 +8,7 @@ use std::task::Poll;
 use std::time::Instant;
 
 use axum::Router;
+use ipnet::IpNet;
 use parking_lot::Mutex;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, join};
 use tokio::net::{TcpListener, TcpStream};
@@ -20,7 +21,7 @@ use super::activity::Times;
 use super::connection::{self, Caller};
 use super::limits::{Admission, Connections};
 use super::log_throttle::LogThrottle;
-use super::proxy::{self, Network};
+use super::proxy;
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
 
@@ -45,7 +46,7 @@ pub(super) struct Doors {
     pub(super) times: Times,
     pub(super) connections: Connections,
     /// Proxies that tell the addresses of their clients.
-    pub(super) proxies: Vec<Network>,
+    pub(super) proxies: Vec<IpNet>,
     pub(super) counters: Counters,
     /// Becomes true when no more are taken in.
     pub(super) stopping: watch::Receiver<bool>,

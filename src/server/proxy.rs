@@ -6,12 +6,11 @@
 //!
 //! [PROXY protocol]: https://www.haproxy.org/download/3.0/doc/proxy-protocol.txt
 
-use std::fmt;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
-use std::str::FromStr;
 
 use axum::http::HeaderMap;
+use ipnet::IpNet;
 use tokio::io::{AsyncRead, AsyncReadExt};
 
 /// The first bytes of a header in version 1 and in version 2.
@@ -21,63 +20,24 @@ const VERSION_2: &[u8] = b"\r\n\r\n\0\r\nQUIT\n";
 /// The longest header in version 1, with its end of line.
 const LONGEST_LINE: usize = 107;
 
-/// The addresses of trusted proxies, such as 10.0.0.0/8.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Network {
-    address: IpAddr,
-    /// How many bits of the address are those of the network.
-    prefix: u8,
-}
-
-impl FromStr for Network {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let why = || "not a network such as 10.0.0.0/8, or an address".to_owned();
-        let (address, prefix) = match text.split_once('/') {
-            Some((address, prefix)) => (address, Some(prefix)),
-            None => (text, None),
-        };
-        let address: IpAddr = address.parse().map_err(|_| why())?;
-        let most = if address.is_ipv4() { 32 } else { 128 };
-        let prefix = prefix.map_or(Ok(most), |prefix| prefix.parse().map_err(|_| why()))?;
-        if prefix > most {
-            return Err(format!("such an address has {most} bits, not {prefix}"));
-        }
-        Ok(Self { address, prefix })
-    }
-}
-
-impl fmt::Display for Network {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.address, self.prefix)
-    }
-}
-
-impl Network {
-    /// Whether an address belongs to it.
-    fn contains(&self, address: IpAddr) -> bool {
-        // Bits from the first one on, in the highest places.
-        let bits = |address: IpAddr| match address {
-            IpAddr::V4(address) => u128::from(address.to_bits()) << 96,
-            IpAddr::V6(address) => address.to_bits(),
-        };
-        let differing = bits(self.address) ^ bits(address);
-        self.address.is_ipv4() == address.is_ipv4()
-            && differing.leading_zeros() >= u32::from(self.prefix)
-    }
+/// The addresses of trusted proxies: a network such as 10.0.0.0/8, or one address.
+pub fn network(text: &str) -> Result<IpNet, String> {
+    let network = text.parse();
+    network
+        .or_else(|_| text.parse().map(|address: IpAddr| address.into()))
+        .map_err(|_| "not a network such as 10.0.0.0/8, or an address".to_owned())
 }
 
 /// Whether the proxy at an address is trusted.
-pub(super) fn is_trusted(networks: &[Network], address: IpAddr) -> bool {
+pub(super) fn is_trusted(networks: &[IpNet], address: IpAddr) -> bool {
     let address = address.to_canonical();
-    networks.iter().any(|network| network.contains(address))
+    networks.iter().any(|network| network.contains(&address))
 }
 
 /// The address of the client of a request that came from a trusted proxy: the last one on its way that is
 /// no trusted proxy itself. `None` if the proxies do not tell it, or if the two headers tell different
 /// ones, of which the client may have made up one.
-pub(super) fn client(headers: &HeaderMap, networks: &[Network]) -> Option<IpAddr> {
+pub(super) fn client(headers: &HeaderMap, networks: &[IpNet]) -> Option<IpAddr> {
     let forwarded = way(headers, "forwarded", forwarded_for);
     let x_forwarded = way(headers, "x-forwarded-for", |hop| Some(hop));
     let last = |way: Vec<Option<IpAddr>>| {
@@ -221,8 +181,8 @@ async fn version_2(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginnin
 mod tests {
     use super::*;
 
-    fn networks(texts: &[&str]) -> Vec<Network> {
-        texts.iter().map(|text| text.parse().unwrap()).collect()
+    fn networks(texts: &[&str]) -> Vec<IpNet> {
+        texts.iter().map(|text| network(text).unwrap()).collect()
     }
 
     #[test]
@@ -243,7 +203,7 @@ mod tests {
             "a/8",
             "10.0.0.0/-1",
         ] {
-            assert!(text.parse::<Network>().is_err(), "{text}");
+            assert!(network(text).is_err(), "{text}");
         }
     }
 

@@ -739,7 +739,7 @@ async fn refusals_say_what_to_write_instead() {
         (
             least_squares,
             "/curve/ends",
-            "name the ends of the method \"interpolated\" or \"free\"",
+            "name the end_points of the method \"interpolated\" or \"free\"",
         ),
         (
             curve(json!({"ends": "natural", "degree": 2})),

@@ -85,8 +85,8 @@ impl Site {
 /// The file as an answer to a request with these headers, under this Content-Security-Policy.
 fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> Response {
     // What is hardly smaller is not worth unpacking.
-    let packed = asset.gzip.len() < asset.plain.len() / 10 * 9
-        && coding::choose(headers, &[Coding::Gzip]).is_some();
+    let packed =
+        asset.gzip.len() < asset.plain.len() / 10 * 9 && coding::accepts(headers, Coding::Gzip);
     let tag = match packed {
         true => format!("\"{}-gzip\"", asset.hash),
         false => format!("\"{}\"", asset.hash),

@@ -9,7 +9,7 @@
 //! - [`page`]: the page for people; [`assets`]: files for browsers that are part of the program;
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`body`]: a request body by its media type; [`body_limits`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
-//! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: how JSON ends; [`packing`]: what goes compressed; [`coding`]: how;
+//! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: how JSON ends; [`compression`]: what goes compressed; [`coding`]: how bodies are;
 //! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
 //!   [`request_id`]: what it is called; [`overload`]: what is answered on connections beyond the limits.
 
@@ -20,6 +20,7 @@ mod body;
 pub mod body_limits;
 pub mod capabilities;
 pub mod coding;
+mod compression;
 pub mod cors;
 mod create;
 pub mod events;
@@ -34,7 +35,6 @@ pub mod measure;
 pub mod negotiate;
 mod newline;
 mod overload;
-mod packing;
 mod page;
 pub mod path;
 mod points;

@@ -19,8 +19,8 @@ use tracing::{Span, error, info};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
-    base_path, capabilities, cors, create, events, fit, geometry, host, info as about, jobs,
-    measure, overload, packing, page as viewer, points, rates, render, request_id,
+    base_path, capabilities, compression, cors, create, events, fit, geometry, host, info as about,
+    jobs, measure, overload, page as viewer, points, rates, render, request_id,
 };
 use crate::api::app::App;
 use crate::api::grpc;
@@ -41,7 +41,7 @@ pub fn router(app: App, hosts: Hosts) -> Router {
             measure::measure,
         ))
         .option_layer(cors::layer(&app.config.cors_origin))
-        .layer(middleware::from_fn_with_state(app.clone(), packing::pack))
+        .layer(compression::layer())
         .layer(middleware::from_fn(render::render))
         .layer(middleware::from_fn(overload::hold_back))
         .layer(middleware::from_fn_with_state(hosts, host::check))

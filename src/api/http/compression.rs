@@ -1,0 +1,47 @@
+//! Answers are compressed for clients that ask for it (`Accept-Encoding`), with gzip or zstd.
+//!
+//! Numbers as text become less than half as long. Event streams stay as they are: their events would wait
+//! for each other in the compressor.
+
+use axum::http::{HeaderMap, Response, StatusCode, header};
+use http_body::Body;
+use tower_http::CompressionLevel;
+use tower_http::compression::CompressionLayer;
+use tower_http::compression::predicate::Predicate;
+
+/// Shorter answers fit into a packet as they are.
+const LEAST: u64 = 1024;
+
+/// Above the fastest level digits of numbers take much longer and become hardly shorter, and the
+/// compressor takes more memory.
+pub(super) fn layer() -> CompressionLayer<Worthwhile> {
+    CompressionLayer::new()
+        .quality(CompressionLevel::Fastest)
+        .compress_when(Worthwhile)
+}
+
+/// Whether an answer is long enough, and neither compressed yet, nor an event stream or one of gRPC,
+/// which compresses by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worthwhile;
+
+impl Predicate for Worthwhile {
+    fn should_compress<B: Body>(&self, response: &Response<B>) -> bool {
+        let headers: &HeaderMap = response.headers();
+        let text = |name| {
+            let value = headers.get(name);
+            value.and_then(|value| value.to_str().ok()).unwrap_or("")
+        };
+        let upper = response.body().size_hint().upper();
+        let short = upper.is_some_and(|length| length < LEAST);
+        let bodiless = [StatusCode::NO_CONTENT, StatusCode::NOT_MODIFIED];
+        let media_type = text(header::CONTENT_TYPE);
+        !short
+            && !bodiless.contains(&response.status())
+            // Files with a tag have their compressed forms.
+            && !headers.contains_key(header::ETAG)
+            && !text(header::CACHE_CONTROL).contains("no-transform")
+            && !media_type.is_empty()
+            && !media_type.starts_with("application/grpc")
+    }
+}
