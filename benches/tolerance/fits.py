@@ -85,8 +85,11 @@ def piad(base: str, geometry: dict, tolerance: float) -> Fit:
         there = BSpline(np.array(knots), net, degree)(parameters)
     else:
         spline = NdBSpline(tuple(np.array(knots[axis]) for axis in "uv"), net, tuple(degree[axis] for axis in "uv"))
-        there = spline(np.column_stack([parameters[axis] for axis in "uv"]))
-    measured, said = np.linalg.norm(there - points, axis=1).max(), end["error"]["max"]
+        u, v = (np.array(parameters[axis]) for axis in "uv")
+        if "points" in described:  # Those of the rows and of the columns of a grid.
+            u, v = np.meshgrid(u, v, indexing="ij")
+        there = spline(np.stack([u, v], axis=-1))
+    measured, said = np.linalg.norm(there - points, axis=-1).max(), end["error"]["max"]
     assert abs(measured - said) <= 1e-9 * said + 1e-12 * np.abs(points).max(), f"{measured}, and piad says {said}"
     ended = end["reason"] or end["state"]
     assert ended != "converged" or said <= tolerance, f"{said} is above {tolerance}"
