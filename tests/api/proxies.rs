@@ -1,5 +1,6 @@
 //! Clients behind proxies: limits for an address are those of the client if the proxy is trusted.
 
+use piad::server::proxy;
 use reqwest::RequestBuilder;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -10,10 +11,11 @@ use crate::support::{PATIENCE, Server};
 
 /// A server on which an address has one job, and which trusts these proxies.
 async fn server(proxies: &[&str]) -> Server {
-    let proxies = proxies.iter().map(|text| text.parse().unwrap()).collect();
+    let networks = proxies.iter().map(|text| proxy::network(text).unwrap());
+    let networks = networks.collect();
     Server::with(|config| {
         config.max_jobs_per_peer = Some(1);
-        config.trusted_proxy = proxies;
+        config.trusted_proxy = networks;
     })
     .await
 }
@@ -115,7 +117,7 @@ async fn a_trusted_proxy_tells_whose_a_connection_is() {
 /// Requests of a client are limited, too, where it has no connections of its own.
 #[tokio::test]
 async fn requests_of_a_client_behind_a_proxy_are_limited() {
-    let proxies = vec!["127.0.0.1".parse().unwrap()];
+    let proxies = vec![proxy::network("127.0.0.1").unwrap()];
     let server = Server::with(|config| {
         config.max_requests_per_peer = 2;
         config.max_connections_per_peer = Some(1);

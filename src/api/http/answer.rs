@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::body::Body;
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use futures_util::stream;
+use futures_util::{StreamExt, stream};
 
 use crate::api::stream::sending::{ENOUGH, Outgoing};
 use crate::job::Job;
@@ -23,7 +23,7 @@ pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> R
         let bytes = outgoing.next().await?;
         Some((bytes, outgoing))
     });
-    let mut response = whole(Body::from_stream(body), content_type);
+    let mut response = whole(Body::from_stream(body.fuse()), content_type);
     if let Some(length) = length {
         let length = HeaderValue::from(length);
         response

@@ -12,11 +12,14 @@ use tower_http::compression::predicate::Predicate;
 /// Shorter answers fit into a packet as they are.
 const LEAST: u64 = 1024;
 
-/// Above the fastest level digits of numbers take much longer and become hardly shorter, and the
-/// compressor takes more memory.
+/// Digits of numbers take much longer at higher levels and become hardly shorter. At the lowest one gzip
+/// makes binary numbers longer.
+const LEVEL: CompressionLevel = CompressionLevel::Precise(2);
+
+/// Compresses what is worthwhile.
 pub(super) fn layer() -> CompressionLayer<Worthwhile> {
     CompressionLayer::new()
-        .quality(CompressionLevel::Fastest)
+        .quality(LEVEL)
         .compress_when(Worthwhile)
 }
 

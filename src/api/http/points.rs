@@ -10,7 +10,7 @@ use axum::extract::{Request, State};
 use axum::http::Uri;
 use axum::response::Response;
 use bytes::Bytes;
-use futures_util::stream;
+use futures_util::{StreamExt, stream};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -81,7 +81,7 @@ fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
         let part = bytes.split_to(bytes.len().min(ENOUGH));
         (!part.is_empty()).then_some((Ok::<_, Infallible>(part), (bytes, room)))
     });
-    Body::from_stream(parts)
+    Body::from_stream(parts.fuse())
 }
 
 /// The points of a body.

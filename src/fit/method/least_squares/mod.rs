@@ -104,8 +104,7 @@ impl LeastSquares {
                 format!(
                     "{rows} × {columns} control points need at least as many points, {count} given"
                 ),
-            )
-            .into()),
+            )),
         }
     }
 
@@ -147,7 +146,7 @@ impl Scheme for LeastSquares {
         if let Some(fairness) = self.fairness {
             fairness.check()?;
         }
-        Ok(self.check_weights(scope.grid.count())?)
+        self.check_weights(scope.grid.count())
     }
 
     /// Conditions can be obeyed, and the normal equations solved if they have to be: those of a surface
