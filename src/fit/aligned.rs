@@ -77,6 +77,11 @@ impl Lane {
         self.numbers.push(value);
     }
 
+    /// Appends numbers.
+    pub fn extend_from_slice(&mut self, values: &[f64]) {
+        self.numbers.extend_from_slice(values);
+    }
+
     /// Keeps the first numbers, as many as `count`.
     pub fn truncate(&mut self, count: usize) {
         self.numbers.truncate(self.start + count);

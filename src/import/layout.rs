@@ -78,6 +78,30 @@ impl Layout {
         ))
     }
 
+    /// How many coordinates points have.
+    pub(super) fn dimension(&self) -> usize {
+        self.coordinates.len()
+    }
+
+    /// Reads the point of a line without blanks around it that has as many columns as the first one and
+    /// whose coordinates are plain numbers; `None` for all others, which [`point`](Self::point) looks at.
+    pub(super) fn plain_point(&self, line: &str, point: &mut [f64]) -> Option<()> {
+        let mut width = 0;
+        let mut field = |field: &str| {
+            let place = self.coordinates.iter().position(|column| *column == width);
+            if let Some(coordinate) = place.and_then(|place| point.get_mut(place)) {
+                *coordinate = Notation::plain_number(field.trim_ascii())?;
+            }
+            width += 1;
+            Some(())
+        };
+        match self.notation.separator {
+            None => line.split_ascii_whitespace().try_for_each(&mut field)?,
+            Some(separator) => line.split(separator).try_for_each(&mut field)?,
+        }
+        (width == self.width).then_some(())
+    }
+
     /// Whether a line above the points that is none can be a title. It is no point with a coordinate
     /// that is not understood: those begin with a number and have as many columns as the points.
     pub(super) fn is_title(&self, line: &str) -> bool {

@@ -5,7 +5,8 @@
 //!
 //! - `notation`: what separates columns, and decimals;
 //! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
-//! - `table`: lines become points, with titles above them and remarks below them;
+//! - `table`: lines become points, with titles above them and remarks below them; `plain`: those of
+//!   large files, by all threads;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closing`: an outline that comes back to its first point is closed;
@@ -16,6 +17,7 @@ mod closing;
 mod lattice;
 mod layout;
 mod notation;
+mod plain;
 mod table;
 
 use crate::fit::points::{Grid, Points};

@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Notation {
     /// What separates columns; blanks if there is nothing.
-    separator: Option<char>,
+    pub(super) separator: Option<char>,
     /// Decimals may follow a comma: it separates no columns, and no point was seen.
     comma: bool,
 }
@@ -54,6 +54,13 @@ impl Notation {
                 Box::new(line.split(separator).map(bare))
             }
         }
+    }
+
+    /// The number of a field in which there is nothing else than a finite number.
+    pub(super) fn plain_number(field: &str) -> Option<f64> {
+        let begins = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+        let number = field.starts_with(begins).then(|| field.parse().ok());
+        number.flatten().filter(|number: &f64| number.is_finite())
     }
 
     /// The number of a field; also with the exponents of Fortran (`1.5D+00`).

@@ -1,9 +1,11 @@
 //! Lines of numbers, with titles or names of columns above them, comments and blank lines between
 //! them, and remarks below them.
 
+use rayon::prelude::*;
+
 use super::layout::Layout;
 use super::notation::Notation;
-use super::{MOST_MISTAKES, Mistake, airfoil};
+use super::{MOST_MISTAKES, Mistake, airfoil, plain};
 use crate::fit::points::Points;
 use crate::model::short::quoted;
 
@@ -34,11 +36,20 @@ pub(super) fn read(text: &str, most: usize) -> Result<Table, Vec<Mistake>> {
     // Blanks at the ends of lines are taken away, among them that of `\r\n`. Old Macintosh files end
     // their lines with it alone.
     let end = if text.contains('\n') { '\n' } else { '\r' };
-    for (index, line) in text.split(end).enumerate() {
+    let mut rest = Some(text);
+    for number in 1.. {
+        let Some(text) = rest.filter(|text| !reader.takes_all(text, end, number)) else {
+            break;
+        };
+        let (line, below) = match text.split_once(end) {
+            Some((line, below)) => (line, Some(below)),
+            None => (text, None),
+        };
+        rest = below;
         let line = without_comment(line);
         if line.is_empty() {
             reader.pause();
-        } else if let Err(mistake) = reader.line(index + 1, line) {
+        } else if let Err(mistake) = reader.line(number, line) {
             reader.mistakes.push(mistake);
         }
         if reader.mistakes.len() >= MOST_MISTAKES || reader.is_full() {
@@ -105,6 +116,41 @@ impl Reader {
 
     fn is_full(&self) -> bool {
         self.lines.len() > self.most
+    }
+
+    /// Takes all lines of a text, of which the first has this number, if they are points like the first
+    /// one of the file.
+    fn takes_all(&mut self, text: &str, end: char, number: usize) -> bool {
+        let settled = self.lines.len() == 1 && !matches!(self.domain, Domain::Possible(_));
+        let (Some(layout), Some(points), true) = (&self.layout, &mut self.points, settled) else {
+            return false;
+        };
+        let Some(pieces) = plain::points(text, end, layout) else {
+            return false;
+        };
+        let count: usize = pieces.iter().map(|piece| piece.lines.len()).sum();
+        if self.lines.len() + count > self.most {
+            return false;
+        }
+        let mut first = u32::try_from(number).unwrap_or(u32::MAX);
+        for piece in &pieces {
+            for place in &piece.breaks {
+                let place = self.lines.len() + place;
+                if self.breaks.last() != Some(&place) {
+                    self.breaks.push(place);
+                }
+            }
+            let lines = piece.lines.iter().map(|line| first.saturating_add(*line));
+            self.lines.extend(lines);
+            first = first.saturating_add(piece.count);
+        }
+        let lanes = points.lanes_mut().par_iter_mut().enumerate();
+        lanes.for_each(|(c, lane)| {
+            for piece in &pieces {
+                lane.extend_from_slice(piece.lanes.get(c).map_or(&[], Vec::as_slice));
+            }
+        });
+        true
     }
 
     /// A blank line.

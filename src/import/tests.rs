@@ -281,3 +281,50 @@ fn files_of_mses_have_a_domain_and_one_element() {
     assert_eq!(mistakes("N+3\n3 -2 -2.5 3.5\n1 0.5\n0 0\n")[0].0, Some(3));
     assert_eq!(mistakes("-2.0 3.0 -2.5 3.5\n1 0.5\n0 0\n")[0].0, Some(2));
 }
+
+/// Large files are read by all threads, unless a line is more than a plain point: a pair of quotes on the
+/// last one makes no other difference.
+#[test]
+fn large_files_are_the_same_in_pieces() {
+    let hints = Hints {
+        most: 40_000,
+        ..HINTS
+    };
+    let file = |head: &str, separator: &str, end: &str, rows: usize, quoted: bool| {
+        let mut text = head.to_owned();
+        for i in 0..40_000 {
+            let t = f64::from(i) * 0.37;
+            let last = if quoted && i == 39_999 { "\"" } else { "" };
+            let (x, y, z) = (t.sin(), -t / 7.0, t.cos() * 1e-5);
+            text += &format!("{x}{separator}{y}{separator}{last}{z}{last}{end}");
+            if rows > 0 && i as usize % rows == rows - 1 {
+                text += end;
+            }
+        }
+        text
+    };
+    for (head, separator, end, rows) in [
+        ("", ",", "\n", 0),
+        ("z,y,x\r\n", ", ", "\r\n", 0),
+        ("a scan\n\n", "\t", "\n", 200),
+        ("", " ; ", "\r", 0),
+        ("", "  ", "\n", 333),
+    ] {
+        let [plain, quoted] = [false, true].map(|quoted| file(head, separator, end, rows, quoted));
+        let found = read(&plain, &hints).unwrap();
+        assert_eq!(found, read(&quoted, &hints).unwrap(), "{separator:?}");
+        assert_eq!((found.points.len(), found.lines.len()), (40_000, 40_000));
+        assert_eq!(found.grid.is_some(), rows == 200);
+    }
+    let text = file("", ",", "\n", 0, false);
+    let fewer = Hints {
+        most: 39_999,
+        ..hints
+    };
+    assert_eq!(read(&text, &fewer).unwrap_err()[0].line, Some(40_000));
+    let line = text.lines().nth(30_000).unwrap();
+    for wrong in ["1,nan,2", "1,2", "1,2,3,4", "1,1e999,2"] {
+        let mistakes = read(&text.replace(line, wrong), &hints).unwrap_err();
+        assert_eq!(mistakes[0].line, Some(30_001), "{wrong}");
+    }
+}

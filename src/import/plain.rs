@@ -1,0 +1,78 @@
+//! Lines that are points like those before them, and nothing else: most of every large file. They are
+//! read by all threads.
+
+use rayon::prelude::*;
+
+use super::layout::Layout;
+
+/// Texts shorter than this are not worth it.
+const LEAST: usize = 64 * 1024;
+
+/// How much of the text a thread reads at a time.
+const PIECE: usize = 256 * 1024;
+
+/// The points of some lines.
+#[derive(Debug, Default)]
+pub(super) struct Piece {
+    /// Their coordinates.
+    pub(super) lanes: Vec<Vec<f64>>,
+    /// The line of each point, from 0.
+    pub(super) lines: Vec<u32>,
+    /// The indices of points before which there were blank lines.
+    pub(super) breaks: Vec<usize>,
+    /// How many lines it has.
+    pub(super) count: u32,
+}
+
+/// The points of a text, piece by piece. `None` if it is short or a line is anything but a point in plain
+/// numbers, or blank.
+pub(super) fn points(text: &str, end: char, layout: &Layout) -> Option<Vec<Piece>> {
+    if text.len() < LEAST {
+        return None;
+    }
+    let pieces = pieces(text, end);
+    pieces
+        .into_par_iter()
+        .map(|piece| read(piece, end, layout))
+        .collect()
+}
+
+/// The text in pieces of whole lines, each without its last end of line.
+fn pieces(mut text: &str, end: char) -> Vec<&str> {
+    let mut pieces = Vec::with_capacity(text.len() / PIECE + 1);
+    let bytes_until_end = |text: &str| {
+        let rest = text.as_bytes().get(PIECE..)?;
+        let place = rest.iter().position(|byte| *byte == end as u8)?;
+        Some(PIECE + place)
+    };
+    while let Some((piece, rest)) = bytes_until_end(text).and_then(|at| text.split_at_checked(at)) {
+        pieces.push(piece);
+        text = rest.strip_prefix(end).unwrap_or(rest);
+    }
+    pieces.push(text);
+    pieces
+}
+
+fn read(text: &str, end: char, layout: &Layout) -> Option<Piece> {
+    let dimension = layout.dimension();
+    let mut piece = Piece {
+        lanes: vec![Vec::new(); dimension],
+        ..Piece::default()
+    };
+    let mut point = [0.0; 3];
+    let point = point.get_mut(..dimension)?;
+    for line in text.split(end) {
+        let line = line.trim_ascii();
+        if line.is_empty() {
+            piece.breaks.push(piece.lines.len());
+        } else {
+            layout.plain_point(line, point)?;
+            for (lane, x) in piece.lanes.iter_mut().zip(&*point) {
+                lane.push(*x);
+            }
+            piece.lines.push(piece.count);
+        }
+        piece.count += 1;
+    }
+    Some(piece)
+}
