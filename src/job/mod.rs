@@ -318,8 +318,7 @@ impl Job {
         }
         let run = Run::new(self.system().await?, Arc::clone(resources), permit, peer);
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
-        let revocable: Weak<Run> = Arc::downgrade(&run);
-        resources.replays.add(revocable);
+        resources.replays.add(Arc::downgrade(&run));
         self.runs.lock().push(Arc::downgrade(&run));
         Ok(attached)
     }

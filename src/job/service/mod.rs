@@ -79,7 +79,7 @@ pub struct Jobs {
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
     /// Drags that go on.
-    sessions: Arc<Sessions>,
+    sessions: Sessions,
 }
 
 impl Jobs {
@@ -97,7 +97,7 @@ impl Jobs {
             ended: Arc::default(),
             deletions: AtomicUsize::new(0),
             live: Mutex::default(),
-            sessions: Arc::default(),
+            sessions: Sessions::default(),
         }
     }
 
