@@ -3,9 +3,11 @@
 //! Methods say it, by eigenvalues and rehearsals; clients see it before they wait. Where nothing is
 //! said nothing is known: of long curves λ_min alone would take longer than many levels.
 
+use serde::{Deserialize, Serialize};
+
 /// What is known of the convergence before the first step. Rates are factors per level, without a
 /// unit; lengths are in the unit of the data.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
     /// The least eigenvalue of the collocation matrix.
     pub lambda_min: Option<f64>,

@@ -3,10 +3,12 @@
 //! It is small, and is told for every level, whether somebody looks at the control points or not.
 //! Errors are in data units; rates have no unit.
 
+use serde::{Deserialize, Serialize};
+
 use super::norms::FitError;
 
 /// A level of the iteration: how far the curve of these control points is from the data.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// The number of updates so far.
     pub iteration: usize,

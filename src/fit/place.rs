@@ -2,8 +2,10 @@
 //!
 //! Places are typed: the languages in which problems are written say where each of them stands.
 
+use serde::{Deserialize, Serialize};
+
 /// A direction of the parameter domain. Curves have only [`Axis::U`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Axis {
     /// The direction of a curve; the rows of a surface.
     U,
