@@ -24,7 +24,7 @@ use crate::fit::system::System;
 use crate::job::outline::{Label, Outline};
 use crate::job::result::LastGeometry;
 use crate::job::state::{Levels, State, Status};
-use crate::job::store::embedded::fuzzing as store;
+use crate::job::store::fuzzing as store;
 use crate::job::store::{Record, StoreError};
 use crate::model::edit::{EditSpec, ParentFit};
 use crate::model::job::{JobSpec, ValidJob};
@@ -212,22 +212,19 @@ fn record_of(outline: Outline, iteration: Option<&Iteration>) -> Record {
         forecast: iteration.system().forecast(),
     });
     let (created, begun) = (outline.created, iteration.is_some());
-    Record {
-        outline,
-        status: Status {
-            state: if begun {
-                State::Cancelled
-            } else {
-                State::Queued
-            },
-            levels,
-            started: begun.then_some(created),
-            finished: begun.then_some(created),
-            ..Status::QUEUED
-        },
-        crashes: 0,
-        on_probation: false,
-    }
+    let state = if begun {
+        State::Cancelled
+    } else {
+        State::Queued
+    };
+    let status = Status {
+        state,
+        levels,
+        started: begun.then_some(created),
+        finished: begun.then_some(created),
+        ..Status::QUEUED
+    };
+    Record::new(outline, status)
 }
 
 /// The first levels of a small problem.

@@ -10,6 +10,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use aligned_vec::{AVec, CACHELINE_ALIGN};
 use rayon::prelude::*;
+use serde::de::{Deserialize, Deserializer, Error};
+use serde::ser::{Serialize, Serializer};
 
 /// Lanes of at least so many numbers start at different places of a memory page.
 const LONG: usize = 1024;
@@ -142,6 +144,32 @@ impl FromIterator<f64> for Lane {
         let mut lane = Self::with_room(values.size_hint().0);
         values.for_each(|value| lane.push(value));
         lane
+    }
+}
+
+/// Written as its bytes, little-endian, which binary formats copy as they are.
+impl Serialize for Lane {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = vec![0; size_of_val(&self[..])];
+        let (places, _) = bytes.as_chunks_mut();
+        for (place, x) in places.iter_mut().zip(self) {
+            *place = x.to_le_bytes();
+        }
+        serializer.serialize_bytes(&bytes)
+    }
+}
+
+impl<'de> Deserialize<'de> for Lane {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (numbers, rest) = <&[u8]>::deserialize(deserializer)?.as_chunks();
+        if !rest.is_empty() {
+            return Err(D::Error::custom("a number is cut off"));
+        }
+        let mut lane = Self::zeros(numbers.len());
+        for (x, bytes) in lane.iter_mut().zip(numbers) {
+            *x = f64::from_le_bytes(*bytes);
+        }
+        Ok(lane)
     }
 }
 

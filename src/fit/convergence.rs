@@ -20,13 +20,15 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::iteration::Iteration;
 use super::system::System;
 use super::termination::Outcome;
 
 /// What is known of the convergence before the first step. Rates are factors per level, without a
 /// unit; lengths are in the unit of the data.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Forecast {
     /// The least eigenvalue of the collocation matrix.
     pub lambda_min: Option<f64>,

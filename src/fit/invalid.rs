@@ -1,5 +1,6 @@
 //! What is wrong with a fitting problem, and in which part of it.
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Why a problem is refused. The text names the index, the value and the rule.
@@ -150,7 +151,7 @@ impl Invalid {
 }
 
 /// A direction of the parameter domain. Curves have only [`Axis::U`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Axis {
     /// The direction of a curve; the rows of a surface.
     U,

@@ -21,6 +21,8 @@ mod ending;
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::automatic::Automatic;
 use super::convergence::{Decay, Foreseen};
 use super::geometry::Geometry;
@@ -35,7 +37,7 @@ use super::system::System;
 pub use super::termination::Outcome;
 
 /// A level of the iteration: how far the curve of these control points is from the data.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// The number of updates so far.
     pub iteration: usize,

@@ -15,6 +15,8 @@
 //! residual is told apart. A point at which the weight of the curve is not positive is at an
 //! infinite distance.
 
+use serde::{Deserialize, Serialize};
+
 use super::aligned::Lane;
 use super::blocks::{BLOCK, Block, Blocks};
 use super::points::{self, Points, normalizing_scale};
@@ -22,7 +24,7 @@ use super::setup::Setup;
 use super::tolerance::equations::Distances;
 
 /// Distances of the curve from the data, in data units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitError {
     /// The largest distance: the fitting error of the papers and of the stop rule.
     pub max: f64,

@@ -7,6 +7,8 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::aligned::{self, Lane};
 use super::bounds::Extent;
@@ -29,7 +31,8 @@ const PARALLEL: usize = 100_000;
 /// assert_eq!(points.lane(0), [0.0, 3.0]);
 /// assert_eq!(points.distance(0, 1), 5.0);
 /// ```
-#[derive(Debug, PartialEq)]
+#[derive(Debug, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Points {
     lanes: Vec<Lane>,
 }
@@ -204,6 +207,19 @@ impl Clone for Points {
     }
 }
 
+impl<'de> Deserialize<'de> for Points {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let points = Self {
+            lanes: Vec::deserialize(deserializer)?,
+        };
+        let count = points.len();
+        if count == 0 || points.lanes.iter().any(|lane| lane.len() != count) {
+            return Err(D::Error::custom("coordinates are missing"));
+        }
+        Ok(points)
+    }
+}
+
 /// Sums of squares within this range have neither overflown nor lost digits to underflow.
 const SAFE: Range<f64> = 1e-240..1e240;
 
@@ -257,7 +273,7 @@ fn norm(coordinates: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The arrangement of points: a curve has one column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grid {
     /// Number of points in the u direction.
     pub rows: usize,

@@ -4,6 +4,8 @@
 //! asked for. Exhausted and stalled ones have a curve that is further from the data than was asked
 //! for, and can be gone on with by another method. After an overflow there is no curve.
 
+use serde::{Deserialize, Serialize};
+
 /// Why an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -20,7 +22,7 @@ pub enum Outcome {
 }
 
 /// Why a fit goes no further although its tolerance is not reached.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reason {
     /// Least squares: no step makes the sum of squares smaller.
     Minimum,

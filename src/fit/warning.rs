@@ -5,6 +5,8 @@
 //! (eigenvalues, rehearsals); that is asked of the method,
 //! [`Method::warnings`](super::method::Method::warnings).
 
+use serde::{Deserialize, Serialize};
+
 use super::basis::knots::Knots;
 use super::choice::{BasisChoice, DirectionChoice};
 use super::convergence::Forecast;
@@ -14,7 +16,7 @@ use super::invalid::{Axis, Place};
 use super::points::Points;
 
 /// What is doubtful about a fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Warning {
     /// Knots at the data and repeated ends: the degree is no less than the number of points, so that
     /// most control points are copies of end points.

@@ -1,8 +1,7 @@
 //! A fit as a thing that lives: with an id, a state, readers, and an end.
 //!
 //! - [`outline`]: a job without its points;
-//! - [`state`]: the state machine of a job; [`codes`]: states in messages; [`levels`]: how
-//!   far it has come;
+//! - [`state`]: the state machine of a job, and how far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
 //! - [`encoding_cache`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
@@ -22,13 +21,11 @@
 //! are no longer in memory are computed again, by a run that starts over.
 
 mod checkpoints;
-pub(crate) mod codes;
 pub(crate) mod content;
 pub mod counters;
 pub(crate) mod cursor;
 pub(crate) mod encoding_cache;
 pub(crate) mod frame;
-pub(crate) mod levels;
 pub(crate) mod memory;
 pub(crate) mod outline;
 pub(crate) mod peer;
@@ -76,15 +73,6 @@ const HELD: usize = 256 * 1024;
 /// The system of a job, if a stream holds it until it ends.
 pub type Held = Option<Arc<SharedSystem>>;
 
-/// Whom a job belongs to.
-#[derive(Clone, Copy, Debug)]
-struct Owner {
-    /// For whom it is computed.
-    peer: Option<Peer>,
-    /// Whether the store keeps it, or only a stream.
-    keeps: bool,
-}
-
 /// A job: a problem and what has become of it. Its points are in memory only while it runs or is read.
 pub struct Job {
     outline: Outline,
@@ -92,10 +80,9 @@ pub struct Job {
     crashes: u32,
     /// For whom it is computed; of no one after a restart.
     peer: Option<Peer>,
-    /// Whether there is anything of it once nobody reads it.
-    kept: bool,
     status: watch::Sender<Status>,
-    store: Arc<dyn Store>,
+    /// Where it is kept. Of an ephemeral edit there is nothing once nobody reads it.
+    store: Option<Arc<Store>>,
     system: Mutex<Weak<SharedSystem>>,
     result: OnceLock<Option<LastGeometry>>,
     cancel_requested: AtomicBool,
@@ -109,13 +96,17 @@ pub struct Job {
 }
 
 impl Job {
-    /// A job as the store knows it.
-    fn new(record: Record, store: Arc<dyn Store>, owner: Owner, resources: Arc<Resources>) -> Self {
+    /// A job as the store knows it, which is computed for this peer.
+    fn new(
+        record: Record,
+        store: Option<Arc<Store>>,
+        peer: Option<Peer>,
+        resources: Arc<Resources>,
+    ) -> Self {
         Self {
             outline: record.outline,
             crashes: record.crashes,
-            peer: owner.peer,
-            kept: owner.keeps,
+            peer,
             status: watch::Sender::new(record.status),
             store,
             system: Mutex::default(),
@@ -141,7 +132,12 @@ impl Job {
 
     /// Whether it is in the store. An ephemeral edit is nowhere but in its stream.
     pub fn is_kept(&self) -> bool {
-        self.kept
+        self.store.is_some()
+    }
+
+    /// The store, as long as the job is there.
+    fn store(&self) -> Result<&Store, StoreError> {
+        self.store.as_deref().ok_or(StoreError::Gone(self.id()))
     }
 
     /// The fitting problem, read from the store if it is not in memory.
@@ -155,7 +151,7 @@ impl Job {
             return Ok(system);
         }
         // No lock is held across this await: a reader that is not polled would keep it.
-        let problem = self.store.problem(self.id()).await?;
+        let problem = self.store()?.problem(self.id()).await?;
         let problem = problem.ok_or(StoreError::Gone(self.id()))?;
         let mut shared = self.system.lock();
         if let Some(system) = shared.upgrade() {
@@ -212,8 +208,9 @@ impl Job {
         if let Some(result) = self.result.get() {
             return Ok(result.clone());
         }
-        let result = self.store.result(self.id()).await?;
-        if result.is_none() && self.store.get(self.id()).await?.is_none() {
+        let store = self.store()?;
+        let result = store.result(self.id()).await?;
+        if result.is_none() && store.get(self.id()).await?.is_none() {
             return Err(StoreError::Gone(self.id()));
         }
         // Another reader may have been quicker.
@@ -318,8 +315,7 @@ impl Job {
         }
         let run = Run::new(self.system().await?, Arc::clone(resources), permit, peer);
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
-        let revocable: Weak<Run> = Arc::downgrade(&run);
-        resources.replays.add(revocable);
+        resources.replays.add(Arc::downgrade(&run));
         self.runs.lock().push(Arc::downgrade(&run));
         Ok(attached)
     }

@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::fit::warning::Warning;
-use crate::job::levels::Levels;
+use crate::job::state::Levels;
 use crate::model::stream::StreamSpec;
 
 /// A job without its points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     /// The id; ids grow with time.
     pub id: Uuid,
@@ -25,6 +26,7 @@ pub struct Outline {
     pub surface: bool,
     /// The arrangement of the data points.
     pub grid: Grid,
+    #[serde(with = "super::store::record::method")]
     pub method: Method,
     /// Local fits: how many control points may move.
     pub adjusted: Option<usize>,
@@ -43,7 +45,7 @@ pub struct Outline {
 }
 
 /// What a client says about a job besides the problem.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Label {
     /// The client's name for the job.
     pub name: Option<String>,
@@ -54,7 +56,7 @@ pub struct Label {
 }
 
 /// The level of another job from whose control points a job has started.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Parent {
     /// The other job.
     pub id: Uuid,

@@ -100,29 +100,24 @@ impl Recent {
         let mut kept = self.kept.lock();
         kept.bytes += entry.bytes;
         kept.jobs.push_back(entry);
-        let mut dropped = Vec::new();
-        while kept.bytes > self.limit
-            && let Some(entry) = kept.jobs.pop_front()
-        {
-            kept.bytes -= entry.bytes;
-            dropped.push(entry);
-        }
-        // Freeing large arrays takes a while, so the lock is released first.
         drop(kept);
-        drop(dropped);
         self.make_room();
     }
 
-    /// Drops the oldest jobs while the cache is full.
+    /// Drops the oldest jobs while there are too many, or the cache is full.
     fn make_room(&self) {
-        while self.cache.is_full() {
+        loop {
             let mut kept = self.kept.lock();
-            let Some(entry) = kept.jobs.pop_front() else {
+            if kept.bytes <= self.limit && !self.cache.is_full() {
+                return;
+            }
+            let Some(oldest) = kept.jobs.pop_front() else {
                 return;
             };
-            kept.bytes -= entry.bytes;
+            kept.bytes -= oldest.bytes;
+            // Freeing large arrays takes a while, so the lock is released first.
             drop(kept);
-            drop(entry);
+            drop(oldest);
         }
     }
 

@@ -1,7 +1,6 @@
 //! Replays recompute iterations for readers that fell behind. All replays share one memory budget; when it
 //! is exhausted, the oldest idle replay ends, and its readers queue for memory again.
 
-use std::fmt::Debug;
 use std::sync::Weak;
 use std::time::Duration;
 
@@ -10,6 +9,7 @@ use tokio::time::timeout;
 
 use super::memory::{Permit, Share};
 use super::peer::Peer;
+use super::run::Run;
 
 /// A run from which nobody has read for this long gives its memory to those who wait.
 const IDLE: Duration = Duration::from_millis(500);
@@ -21,19 +21,9 @@ const FAIR: Duration = Duration::from_secs(20);
 /// How often those who wait look for a run that can give way.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// A run that can be ended when others need its memory.
-pub(super) trait Revocable: Debug + Send + Sync {
-    /// Whether it may be ended: nobody has read from it for the time `idle`, or it has served its
-    /// readers for the time `fair`.
-    fn is_revocable(&self, idle: Duration, fair: Duration) -> bool;
-
-    /// Ends it and drops its frames: its readers go on with another run.
-    fn revoke(&self);
-}
-
 /// The replays that hold memory of this budget.
 #[derive(Debug, Default)]
-pub struct Replays(Mutex<Vec<Weak<dyn Revocable>>>);
+pub struct Replays(Mutex<Vec<Weak<Run>>>);
 
 impl Replays {
     /// Waits for memory, and ends a run that may be ended to get it.
@@ -53,7 +43,7 @@ impl Replays {
     }
 
     /// Registers a run that has got its memory here.
-    pub(super) fn add(&self, run: Weak<dyn Revocable>) {
+    pub(super) fn add(&self, run: Weak<Run>) {
         let mut runs = self.0.lock();
         runs.retain(|run| run.strong_count() > 0);
         runs.push(run);

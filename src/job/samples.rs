@@ -53,10 +53,5 @@ pub(crate) fn problem() -> Problem {
 
 /// A job with this problem, which was just accepted.
 pub(crate) fn queued() -> Record {
-    Record {
-        outline: Outline::new(Label::default(), &problem()),
-        status: Status::QUEUED,
-        crashes: 0,
-        on_probation: false,
-    }
+    Record::new(Outline::new(Label::default(), &problem()), Status::QUEUED)
 }

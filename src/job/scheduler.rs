@@ -101,10 +101,9 @@ pub(super) trait Work: Send + Sync {
 pub struct Broken;
 
 /// The compute pool. Its threads end when it is closed, or dropped.
-#[derive(Debug)]
 pub struct Scheduler(Arc<Queues>);
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Queues {
     quick: Queue,
     heavy: Queue,
@@ -139,19 +138,16 @@ struct Queue {
 
 #[derive(Default)]
 struct QueueState {
-    waiting: Turns<Waiting>,
+    waiting: Turns<Task>,
     closed: bool,
 }
 
-/// Work that waits, and on the long lane its number of multiplications.
-struct Waiting {
-    multiplications: usize,
-    task: Task,
-}
-
-/// Work, and for whom it is done.
+/// Work that waits.
 struct Task {
+    /// For whom it is done.
     peer: Option<Peer>,
+    /// The multiplications of work on the long lane.
+    multiplications: usize,
     work: Arc<dyn Work>,
 }
 
@@ -166,7 +162,7 @@ impl QueueState {
                 true => pieces.min_by_key(|(_, it)| it.multiplications)?.0,
                 false => 0,
             };
-            Some(waiting.remove(place)?.task)
+            waiting.remove(place)
         })
     }
 }
@@ -188,7 +184,7 @@ impl Scheduler {
 
     /// Queues work that is done for a peer.
     pub(super) fn submit(&self, lane: WorkLane, peer: Option<Peer>, work: Arc<dyn Work>) {
-        self.0.push(lane, Task { peer, work });
+        self.0.push(lane, peer, work);
     }
 
     /// Computes a value for the current peer in the pool, off the threads that serve the network. It is
@@ -215,9 +211,7 @@ impl Scheduler {
         self.submit(lane, Peer::current(), Arc::new(call));
         receiver.await.map_err(|_| Broken)
     }
-}
 
-impl Scheduler {
     /// Ends the threads after their current slices. Work that is waiting, or comes later, is dropped.
     pub fn close(&self) {
         for (lane, _) in LANES {
@@ -233,10 +227,10 @@ impl Drop for Scheduler {
 }
 
 impl Queue {
-    fn push(&self, waiting: Waiting) {
+    fn push(&self, task: Task) {
         let mut state = self.state.lock();
         if !state.closed {
-            state.waiting.push(waiting.task.peer, waiting);
+            state.waiting.push(task.peer, task);
             self.filled.notify_one();
         }
     }
@@ -270,14 +264,15 @@ impl Queue {
 }
 
 impl Queues {
-    fn push(&self, lane: WorkLane, task: Task) {
+    fn push(&self, lane: WorkLane, peer: Option<Peer>, work: Arc<dyn Work>) {
         let multiplications = match lane {
             WorkLane::Long(multiplications) => multiplications,
             _ => 0,
         };
-        self.of(lane).push(Waiting {
+        self.of(lane).push(Task {
+            peer,
             multiplications,
-            task,
+            work,
         });
     }
 
@@ -285,7 +280,7 @@ impl Queues {
         while let Some(task) = self.of(lane).pop(lane) {
             let deadline = Instant::now() + SLICE;
             match catch_unwind(AssertUnwindSafe(|| task.work.slice(deadline))) {
-                Ok(Turn::Again(lane)) => self.push(lane, task),
+                Ok(Turn::Again(lane)) => self.push(lane, task.peer, task.work),
                 Ok(Turn::Done) => {}
                 Err(panic) => {
                     if !panic.is::<Interrupted>() {
@@ -298,16 +293,9 @@ impl Queues {
     }
 }
 
-impl std::fmt::Debug for Queue {
+impl std::fmt::Debug for Scheduler {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let waiting = self
-            .state
-            .lock()
-            .waiting
-            .iter()
-            .map(|(_, it)| it.len())
-            .sum::<usize>();
-        f.debug_struct("Queue").field("waiting", &waiting).finish()
+        f.debug_struct("Scheduler").finish_non_exhaustive()
     }
 }
 

@@ -4,13 +4,15 @@ use std::fmt;
 use std::str::FromStr;
 
 use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
 
-pub use super::levels::Levels;
 use super::outline::Outline;
+use crate::fit::iteration::Level;
+use crate::fit::system::Forecast;
 pub use crate::fit::termination::Reason;
 
 /// Where a job is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum State {
     /// Accepted, and waiting for memory.
     Queued,
@@ -80,7 +82,7 @@ impl FromStr for State {
 }
 
 /// Why a job failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Failure {
     /// The distances left the range of 64-bit floating-point numbers.
     Overflow,
@@ -90,8 +92,19 @@ pub enum Failure {
     Crashes,
 }
 
+/// The first and the last level that a job has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Levels {
+    /// Level 0.
+    pub first: Level,
+    /// The last level so far.
+    pub last: Level,
+    /// What is known about the convergence.
+    pub forecast: Forecast,
+}
+
 /// The state of a job and its progress.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     pub state: State,
     /// The levels reached, if any.

@@ -3,6 +3,8 @@
 //! Places are parts of the model. The language in which a request was written says where they stand
 //! there: JSON by a pointer, a protobuf message by the path of a field.
 
+use std::fmt;
+
 use super::stream::Choice;
 use crate::fit::invalid as fit;
 
@@ -131,6 +133,14 @@ impl Mistakes {
     /// The value if there are no mistakes.
     pub fn or<T>(self, value: T) -> OrMistakes<T> {
         if self.none() { Ok(value) } else { Err(self) }
+    }
+}
+
+/// The details, in a line.
+impl fmt::Display for Mistakes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let details: Vec<&str> = self.0.iter().map(|it| it.detail.as_str()).collect();
+        f.write_str(&details.join("; "))
     }
 }
 

@@ -43,8 +43,7 @@ use crate::job::resources::Resources;
 use crate::job::scheduler::Scheduler;
 use crate::job::service::{JobLimits, Jobs};
 use crate::job::slots::Quota;
-use crate::job::store::embedded::{EmbeddedStore, OpenError};
-use crate::job::store::{Retention, Store};
+use crate::job::store::{OpenError, Retention, Store};
 use accept::Doors;
 use activity::Times;
 use limits::{ConnectionLimits, Connections};
@@ -134,12 +133,12 @@ fn times(config: &Config) -> Times {
     }
 }
 
-async fn open(config: &Config, counters: &Counters) -> io::Result<Arc<dyn Store>> {
+async fn open(config: &Config, counters: &Counters) -> io::Result<Arc<Store>> {
     let begin = Instant::now();
     let store = loop {
         let store = match &config.data_dir {
-            DataDir::Memory => EmbeddedStore::in_memory(counters.clone()),
-            DataDir::Directory(directory) => EmbeddedStore::open(directory, counters.clone()),
+            DataDir::Memory => Store::in_memory(counters.clone()),
+            DataDir::Directory(directory) => Store::open(directory, counters.clone()),
         };
         match store {
             Err(reason @ OpenError::InUse(_)) if begin.elapsed() < HANDOVER => {

@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use jiff::{SignedDuration, Timestamp};
 use piad::job::counters::Counters;
-use piad::job::store::embedded::EmbeddedStore;
 use piad::job::store::{IdempotencyKey, Record, Store};
 use serde_json::json;
 use uuid::Uuid;
@@ -15,7 +14,7 @@ use crate::program::Program;
 use crate::support::problem;
 
 /// Keeps a copy of an ended job as if the clock had shown this time then; gives its path.
-async fn keep_copy(store: &EmbeddedStore, id: Uuid, at: Timestamp, key: &str) -> String {
+async fn keep_copy(store: &Store, id: Uuid, at: Timestamp, key: &str) -> String {
     let original = store.get(id).await.unwrap().unwrap();
     let input = store.problem(id).await.unwrap().unwrap();
     let result = store.result(id).await.unwrap();
@@ -43,7 +42,7 @@ async fn what_was_dated_by_a_clock_that_was_ahead_is_young() {
     program.signal("-TERM");
     program.wait();
 
-    let store = Arc::new(EmbeddedStore::open(data.path(), Counters::default()).unwrap());
+    let store = Arc::new(Store::open(data.path(), Counters::default()).unwrap());
     let id = job["id"].as_str().unwrap().parse().unwrap();
     let (now, days) = (Timestamp::now(), SignedDuration::from_hours(8 * 24));
     let ahead = keep_copy(&store, id, now + days, "ahead").await;

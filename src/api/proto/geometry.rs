@@ -16,7 +16,6 @@ use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::fit::samples::Samples;
 use crate::job::Job;
-use crate::job::codes;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
@@ -92,7 +91,7 @@ pub fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content 
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
         kind: names::kind(outline).into(),
-        state: codes::state(status.state).into(),
+        state: names::state(status.state).into(),
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
         rational: names::rational(problem).into(),

@@ -4,9 +4,8 @@ use crate::fit::basis::Basis;
 use crate::fit::direction::Direction;
 use crate::fit::problem as fit;
 use crate::fit::warning::Warning;
-use crate::job::codes;
 use crate::job::outline::Outline;
-use crate::job::state::State;
+use crate::job::state::{Reason, State};
 use crate::model::mistakes::Mistake;
 use crate::proto::messages as pb;
 use crate::proto::values::known;
@@ -14,7 +13,32 @@ use crate::proto::values::known;
 /// Which jobs to list.
 pub fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
     let wanted: pb::JobState = known(value, "state")?;
-    Ok(codes::state_of(wanted))
+    Ok(State::ALL.into_iter().find(|it| state(*it) == wanted))
+}
+
+/// The state of a job.
+pub fn state(state: State) -> pb::JobState {
+    match state {
+        State::Queued => pb::JobState::Queued,
+        State::Running => pb::JobState::Running,
+        State::Converged => pb::JobState::Converged,
+        State::Exhausted => pb::JobState::Exhausted,
+        State::Stalled => pb::JobState::Stalled,
+        State::Failed => pb::JobState::Failed,
+        State::Cancelled => pb::JobState::Cancelled,
+    }
+}
+
+/// Why a job has ended, where the state does not say it.
+pub fn reason(reason: Option<Reason>) -> pb::EndReason {
+    match reason {
+        None => pb::EndReason::Unspecified,
+        Some(Reason::Minimum) => pb::EndReason::Minimum,
+        Some(Reason::Convexity) => pb::EndReason::Convexity,
+        Some(Reason::Nilpotent) => pb::EndReason::Nilpotent,
+        Some(Reason::Rounding) => pb::EndReason::Rounding,
+        Some(Reason::Diverging) => pb::EndReason::Diverging,
+    }
 }
 
 /// What is doubtful.

@@ -21,7 +21,6 @@ use crate::fit::rates::BasisRate;
 use crate::fit::system::Forecast;
 use crate::fit::warning::Warning;
 use crate::job::Job;
-use crate::job::codes;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
@@ -44,8 +43,8 @@ pub fn job(job: &Job) -> pb::Job {
         id: outline.id.to_string(),
         name: label.name.clone(),
         kind: names::kind(outline).into(),
-        state: codes::state(status.state).into(),
-        reason: codes::reason(status.reason).into(),
+        state: names::state(status.state).into(),
+        reason: names::reason(status.reason).into(),
         rows: count(outline.grid.rows),
         columns: count(outline.grid.columns),
         method: Some(method::message(&outline.method, outline.surface, forecast)),
@@ -265,8 +264,8 @@ pub fn end(job: &Job, status: &Status) -> Content {
     let level = status.levels.map(|levels| levels.last);
     let times = status.started.zip(status.finished);
     let message = pb::JobEnd {
-        state: codes::state(status.state).into(),
-        reason: codes::reason(status.reason).into(),
+        state: names::state(status.state).into(),
+        reason: names::reason(status.reason).into(),
         iterations: level.map_or(0, |level| level.iteration as u64),
         error: level.map(|level| distances(&level.error, &job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),

@@ -28,7 +28,6 @@ use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use crate::job::reader_budget::ReaderBudget;
-use crate::job::replay::Revocable;
 use crate::job::resources::Resources;
 use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
@@ -132,6 +131,26 @@ impl Run {
             }
             changed.await;
         }
+    }
+
+    /// Whether it may be ended for others that need its memory: nobody has read from it for the time `idle`,
+    /// or it has served its readers for the time `fair`.
+    pub(super) fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
+        let state = self.state.lock();
+        let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
+        is_idle || (state.delivered && state.begun.elapsed() >= fair)
+    }
+
+    /// Ends it and drops its frames: its readers go on with another run.
+    pub(super) fn revoke(&self) {
+        let mut state = self.state.lock();
+        state.end(Ending::Revoked);
+        state.ring.clear();
+        let system = state.system.take();
+        let shared = state.shared.take();
+        drop(state);
+        drop((system, shared));
+        self.changed.notify_waiters();
     }
 
     /// Lets the run advance to `level`.
@@ -282,25 +301,6 @@ fn last_frame(iteration: &Iteration) -> Arc<Frame> {
     let points = iteration.shared_control_points();
     let problem = Arc::clone(iteration.problem());
     Arc::new(Frame::last(iteration.level(), problem, points))
-}
-
-impl Revocable for Run {
-    fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
-        let state = self.state.lock();
-        let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
-        is_idle || (state.delivered && state.begun.elapsed() >= fair)
-    }
-
-    fn revoke(&self) {
-        let mut state = self.state.lock();
-        state.end(Ending::Revoked);
-        state.ring.clear();
-        let system = state.system.take();
-        let shared = state.shared.take();
-        drop(state);
-        drop((system, shared));
-        self.changed.notify_waiters();
-    }
 }
 
 impl Work for Run {

@@ -66,15 +66,11 @@ impl Jobs {
         let outline = Outline::new(label, &problem);
         let slot = self.slots.take(peer)?;
         let memory = self.share(&outline).take_at_once(peer, outline.memory);
-        let record = Record {
-            outline,
-            status: match memory {
-                Some(_) => Status::running(),
-                None => Status::QUEUED,
-            },
-            crashes: 0,
-            on_probation: false,
+        let status = match memory {
+            Some(_) => Status::running(),
+            None => Status::QUEUED,
         };
+        let record = Record::new(outline, status);
         // In memory before it is in the store, so that whoever finds it there finds this one.
         let job = self.bring_to_life(record.clone(), peer);
         let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());

@@ -7,6 +7,7 @@ use super::refused::Refused;
 use super::sessions::SessionTurn;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
+use crate::job::Job;
 use crate::job::memory::Permit;
 use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
@@ -14,9 +15,7 @@ use crate::job::run::SharedSystem;
 use crate::job::run::attached::Attached;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::Status;
-use crate::job::store::nowhere::Nowhere;
 use crate::job::store::{Record, StoreError};
-use crate::job::{Job, Owner};
 
 /// A fit for one answer. Whoever drops it has to ask the job to end.
 pub struct Ephemeral {
@@ -70,16 +69,9 @@ impl Jobs {
             () = replaced(&mut turn) => None,
             room = share.take(peer, outline.memory) => room,
         };
-        let record = Record {
-            outline,
-            status: Status::running(),
-            crashes: 0,
-            on_probation: false,
-        };
+        let record = Record::new(outline, Status::running());
         let resources = Arc::clone(&self.resources);
-        let owner = Owner { peer, keeps: false };
-        let nowhere = Arc::new(Nowhere::default());
-        let job = Arc::new(Job::new(record, nowhere, owner, resources));
+        let job = Arc::new(Job::new(record, None, peer, resources));
         if room.is_none() {
             job.request_cancel();
         }

@@ -70,8 +70,9 @@ impl Jobs {
             (Ending::Broken, None)
         });
         if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
-            let queued = job.store.requeue(job.id()).await;
-            if let Err(error) = queued {
+            if let Some(store) = &job.store
+                && let Err(error) = store.requeue(job.id()).await
+            {
                 warn!(job = %job.id(), %error, "a job could not be put back into the queue");
             }
             return drop(slot);
@@ -90,9 +91,12 @@ impl Jobs {
             ..job.status()
         };
         let result = last.map(|frame| LastGeometry::of(&frame));
-        let finish = || {
-            let (status, result) = (status.clone(), result.clone());
-            job.store.finish(job.id(), status, result)
+        let finish = async || match &job.store {
+            Some(store) => {
+                let (status, result) = (status.clone(), result.clone());
+                store.finish(job.id(), status, result).await
+            }
+            None => Ok(()),
         };
         let mut finished = finish().await;
         if job.is_kept() {
@@ -137,7 +141,7 @@ impl Jobs {
         let status = Status::running();
         // After a crash the store must tell which jobs were running.
         let on_probation = probation.is_some();
-        let started = job.store.start(job.id(), status.clone(), on_probation);
+        let started = job.store()?.start(job.id(), status.clone(), on_probation);
         started.await?;
         let problem = job.problem().await?;
         let system = SharedSystem::new(problem, None);
@@ -178,7 +182,9 @@ async fn complete_on_probation(
         return end;
     }
     let status = job.status.borrow().clone();
-    if let Err(error) = job.store.start(job.id(), status, false).await {
+    if let Some(store) = &job.store
+        && let Err(error) = store.start(job.id(), status, false).await
+    {
         warn!(job = %job.id(), %error, "the end of a probation could not be stored");
     }
     drop(probation);

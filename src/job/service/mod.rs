@@ -20,6 +20,7 @@ use tokio::time::sleep;
 use tracing::{error, info};
 use uuid::Uuid;
 
+use super::Job;
 use super::memory::Share;
 use super::outline::Outline;
 use super::peer::Peer;
@@ -28,7 +29,6 @@ use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
 use super::slots::{Quota, Slots};
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
-use super::{Job, Owner};
 use crate::fit::admission::Admission;
 use sessions::Sessions;
 
@@ -62,7 +62,7 @@ pub struct JobLimits {
 
 /// The jobs of a server.
 pub struct Jobs {
-    store: Arc<dyn Store>,
+    store: Arc<Store>,
     resources: Arc<Resources>,
     limits: JobLimits,
     /// For the one job that is on probation after a crash.
@@ -79,12 +79,12 @@ pub struct Jobs {
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
     /// Drags that go on.
-    sessions: Arc<Sessions>,
+    sessions: Sessions,
 }
 
 impl Jobs {
     /// The jobs of a store.
-    pub fn new(store: Arc<dyn Store>, resources: Arc<Resources>, limits: JobLimits) -> Self {
+    pub fn new(store: Arc<Store>, resources: Arc<Resources>, limits: JobLimits) -> Self {
         let cache = Arc::clone(&resources.memory.cache);
         Self {
             store,
@@ -97,7 +97,7 @@ impl Jobs {
             ended: Arc::default(),
             deletions: AtomicUsize::new(0),
             live: Mutex::default(),
-            sessions: Arc::default(),
+            sessions: Sessions::default(),
         }
     }
 
@@ -268,9 +268,8 @@ impl Jobs {
     }
 
     fn job(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
-        let (store, resources) = (Arc::clone(&self.store), Arc::clone(&self.resources));
-        let owner = Owner { peer, keeps: true };
-        Arc::new(Job::new(record, store, owner, resources))
+        let store = Some(Arc::clone(&self.store));
+        Arc::new(Job::new(record, store, peer, Arc::clone(&self.resources)))
     }
 
     /// The share of the memory that a job is run in.

@@ -1,33 +1,53 @@
-//! Where jobs are kept: their problems, states and final control points. Frames are not kept.
+//! Where jobs are kept: their problems, states and final control points, in one file of the embedded ACID
+//! database redb, or in memory. Frames are not kept.
 //!
-//! - [`embedded`]: in a file, or in memory;
-//! - [`crash_recovery`]: what becomes of jobs that were running in a crash;
-//! - `nowhere`: for ephemeral edits, of which nothing is kept;
-//! - `ended`: which jobs that have ended to forget.
-//!
-//! What every store promises is described at [`Store`], and tested for each store by the same tests.
+//! - [`tables`]: the tables of the file, and the version of their content; [`record`]: what stands in them;
+//! - [`database`]: the open file, and what is read from it; [`opening`]: opens the file, or says what is
+//!   wrong with it; [`error`]: errors and panics of the database;
+//! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
+//!   and back; [`transaction`]: what changes do to the tables; [`recovery`]: the first transaction after a
+//!   start;
+//! - [`crash_recovery`]: what becomes of jobs that were running in a crash; [`ended`]: which jobs that have
+//!   ended to forget.
 
+mod change;
 pub mod crash_recovery;
-pub mod embedded;
-pub(crate) mod ended;
-pub(crate) mod nowhere;
+mod database;
+mod ended;
+mod error;
+#[cfg(any(test, fuzzing))]
+pub(crate) mod fuzzing;
+mod opening;
+pub(super) mod record;
+mod recovery;
+mod tables;
+mod transaction;
+mod writer;
 
 use std::collections::HashSet;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use async_trait::async_trait;
 use futures_util::future::BoxFuture;
 use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use uuid::Uuid;
 
+use super::counters::Counters;
 use super::outline::Outline;
 use super::peer::Peer;
+use super::result::LastGeometry;
 use super::scheduler::Broken;
 use super::state::{State, Status};
 use crate::fit::problem::Problem;
-use crate::job::result::LastGeometry;
+use database::JobDatabase;
+pub use opening::OpenError;
+use writer::Writer;
+
+/// The name of the file in the data directory.
+const FILE: &str = "piad.redb";
 
 /// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
 /// frees some: where the disk is nearly full, many jobs could not be forgotten together.
@@ -37,7 +57,7 @@ pub const FORGOTTEN_AT_ONCE: usize = 100;
 pub const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// A job as it is kept, without its points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// What it is.
     pub outline: Outline,
@@ -47,6 +67,18 @@ pub struct Record {
     pub crashes: u32,
     /// It was running in a crash, and runs again for a moment before the next such job.
     pub on_probation: bool,
+}
+
+impl Record {
+    /// The record of a job that was just accepted.
+    pub fn new(outline: Outline, status: Status) -> Self {
+        Self {
+            outline,
+            status,
+            crashes: 0,
+            on_probation: false,
+        }
+    }
 }
 
 /// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
@@ -72,7 +104,7 @@ impl IdempotencyKey {
 }
 
 /// What is remembered of an idempotency key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IdempotencyEntry {
     /// The job that was made.
     pub id: Uuid,
@@ -133,7 +165,7 @@ pub type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 
 /// Keeps jobs.
 ///
-/// What a store promises:
+/// It promises:
 ///
 /// - **Order.** Changes take effect in the order in which the methods are called, whether or not anybody
 ///   waits for their acknowledgements.
@@ -147,51 +179,140 @@ pub type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 ///   changes that were called before it and are not acknowledged yet. What a read has given stays valid when
 ///   the job is deleted.
 /// - **A job that is gone stays gone.** Changes of a job that is not there succeed, and do nothing.
-#[async_trait]
-pub trait Store: Send + Sync {
+pub struct Store {
+    database: Arc<JobDatabase>,
+    writer: Writer,
+}
+
+impl Store {
+    /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
+    /// go back to the queue, or fail if that has happened too often.
+    pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::open(directory, FILE)?);
+        let writer = Writer::start(Arc::clone(&database), counters);
+        let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
+        Ok(Self { database, writer })
+    }
+
+    /// Makes a store in memory, which ends with the process.
+    pub fn in_memory(counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::in_memory()?);
+        let writer = Writer::start(Arc::clone(&database), counters);
+        let writer = writer.map_err(OpenError::Recovery)?;
+        Ok(Self { database, writer })
+    }
+
     /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
-    fn insert(
+    pub fn insert(
         &self,
         record: Record,
         problem: Arc<Problem>,
         key: Option<IdempotencyKey>,
-    ) -> Acknowledgement<Option<IdempotencyEntry>>;
+    ) -> Acknowledgement<Option<IdempotencyEntry>> {
+        let points = problem.grid().count();
+        self.writer.write(points, move |transaction| {
+            transaction.insert(&record, &problem, key.as_ref())
+        })
+    }
 
     /// Keeps that a job runs now, and whether it is on probation.
-    fn start(&self, id: Uuid, status: Status, on_probation: bool) -> Acknowledgement<()>;
+    pub fn start(&self, id: Uuid, status: Status, on_probation: bool) -> Acknowledgement<()> {
+        self.writer.write(0, move |transaction| {
+            transaction.update(id, |record| {
+                record.status = status.clone();
+                record.on_probation = on_probation;
+            })
+        })
+    }
 
     /// Puts a job back into the queue at an orderly end of the process, and clears its count of crashes.
-    fn requeue(&self, id: Uuid) -> Acknowledgement<()>;
+    pub fn requeue(&self, id: Uuid) -> Acknowledgement<()> {
+        self.writer.write(0, move |transaction| {
+            transaction.update(id, |record| {
+                record.status = Status::QUEUED;
+                (record.crashes, record.on_probation) = (0, false);
+            })
+        })
+    }
 
     /// Keeps the final state and control points of a job.
-    fn finish(&self, id: Uuid, status: Status, result: Option<LastGeometry>)
-    -> Acknowledgement<()>;
+    pub fn finish(
+        &self,
+        id: Uuid,
+        status: Status,
+        result: Option<LastGeometry>,
+    ) -> Acknowledgement<()> {
+        let points = result.as_ref().map_or(0, |it| it.control_points.len());
+        self.writer.write(points, move |transaction| {
+            transaction.finish(id, &status, result.as_ref())
+        })
+    }
 
     /// Forgets a job and its key; says whether there was one.
-    fn remove(&self, id: Uuid) -> Acknowledgement<bool>;
+    pub fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
+        self.writer
+            .write(0, move |transaction| transaction.remove(id))
+    }
 
     /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
     /// and keys that have expired. Jobs in `spared` stay, beyond the retention. Gives the ids of those that
     /// were forgotten.
-    fn retain(&self, retention: Retention, spared: HashSet<Uuid>) -> Acknowledgement<Vec<Uuid>>;
+    pub fn retain(
+        &self,
+        retention: Retention,
+        spared: HashSet<Uuid>,
+    ) -> Acknowledgement<Vec<Uuid>> {
+        self.writer
+            .write(0, move |transaction| transaction.retain(retention, &spared))
+    }
 
     /// The job of this id.
-    async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError>;
+    pub async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+        self.read(move |database| database.record(id)).await
+    }
 
     /// The problem of the job of this id.
-    async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError>;
+    pub async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
+        self.read(move |database| database.problem(id)).await
+    }
 
     /// The geometry of the last level of a job that has ended.
-    async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError>;
+    pub async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
+        self.read(move |database| database.result(id)).await
+    }
 
     /// Jobs, the newest first.
-    async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError>;
+    pub async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
+        // An empty change is acknowledged after the changes before it.
+        self.writer.write(0, |_| Ok(())).await?;
+        self.read(move |database| database.list(selection)).await
+    }
 
     /// Jobs that have not ended, the oldest first.
-    async fn unfinished(&self) -> Result<Vec<Record>, StoreError>;
+    pub async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
+        self.read(JobDatabase::unfinished).await
+    }
 
     /// What is remembered of an idempotency key.
-    async fn idempotency_entry(&self, key: &str) -> Result<Option<IdempotencyEntry>, StoreError>;
+    pub async fn idempotency_entry(
+        &self,
+        key: &str,
+    ) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let key = key.to_owned();
+        self.read(move |database| database.idempotency_entry(&key))
+            .await
+    }
+
+    /// Reads off the threads that serve the network.
+    async fn read<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&JobDatabase) -> Result<T, StoreError> + Send + 'static,
+    ) -> Result<T, StoreError> {
+        let database = Arc::clone(&self.database);
+        let read = tokio::task::spawn_blocking(move || database.read(read));
+        read.await
+            .unwrap_or_else(|error| Err(StoreError::Failed(error.to_string())))
+    }
 }
 
 /// Whether it was longer ago than this. A time in the future is not: a clock that was ahead must not make

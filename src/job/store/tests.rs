@@ -1,4 +1,4 @@
-//! What every store promises. Each case runs against each store.
+//! What the store promises, in a file and in memory.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -11,6 +11,7 @@ use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Record, Retention, Selection, Sto
 use crate::fit::bases::Bases;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::job::counters::Counters;
 use crate::job::result::LastGeometry;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
@@ -18,28 +19,22 @@ use crate::job::state::{State, Status};
 mod kinds;
 mod obeying;
 
-/// Runs each case against each store.
+/// Runs each case against a store in a file, and against one in memory.
 macro_rules! for_each_store {
     ($($case:ident),+ $(,)?) => {
         mod in_a_file {
-            use crate::job::counters::Counters;
-            use crate::job::store::embedded::EmbeddedStore;
-
             $(#[tokio::test]
             async fn $case() {
                 let directory = tempfile::tempdir().unwrap();
-                let store = EmbeddedStore::open(directory.path(), Counters::default());
+                let store = super::Store::open(directory.path(), super::Counters::default());
                 super::$case(&store.unwrap()).await;
             })+
         }
 
         mod in_memory {
-            use crate::job::counters::Counters;
-            use crate::job::store::embedded::EmbeddedStore;
-
             $(#[tokio::test]
             async fn $case() {
-                let store = EmbeddedStore::in_memory(Counters::default());
+                let store = super::Store::in_memory(super::Counters::default());
                 super::$case(&store.unwrap()).await;
             })+
         }
@@ -79,19 +74,19 @@ const ALL: Selection = Selection {
 };
 
 /// Inserts a new job.
-async fn insert(store: &impl Store) -> Record {
+async fn insert(store: &Store) -> Record {
     let record = queued();
     insert_record(store, &record).await;
     record
 }
 
-async fn insert_record(store: &impl Store, record: &Record) {
+async fn insert_record(store: &Store, record: &Record) {
     let inserted = store.insert(record.clone(), Arc::new(problem()), None);
     assert_eq!(inserted.await.unwrap(), None);
 }
 
 /// Inserts a job with a key; gives the id of the job that was made for the key before.
-async fn insert_with_key(store: &impl Store, record: &Record, name: &str) -> Option<Uuid> {
+async fn insert_with_key(store: &Store, record: &Record, name: &str) -> Option<Uuid> {
     let inserted = store.insert(record.clone(), Arc::new(problem()), Some(key(name)));
     inserted.await.unwrap().map(|entry| entry.id)
 }
@@ -119,7 +114,7 @@ fn control_points() -> Arc<Points> {
 }
 
 /// Inserts a job that has ended so many seconds ago.
-async fn ended(store: &impl Store, seconds_ago: i64) -> Uuid {
+async fn ended(store: &Store, seconds_ago: i64) -> Uuid {
     let id = insert(store).await.outline.id;
     let finished = store.finish(id, converged(seconds_ago), Some(control_points().into()));
     finished.await.unwrap();
@@ -127,12 +122,12 @@ async fn ended(store: &impl Store, seconds_ago: i64) -> Uuid {
 }
 
 /// The ids of all jobs, the oldest first.
-async fn ids(store: &impl Store) -> Vec<Uuid> {
+async fn ids(store: &Store) -> Vec<Uuid> {
     let records = store.list(ALL).await.unwrap();
     records.iter().rev().map(|it| it.outline.id).collect()
 }
 
-async fn a_job_is_kept_as_it_was_inserted(store: &impl Store) {
+async fn a_job_is_kept_as_it_was_inserted(store: &Store) {
     let record = insert(store).await;
     let id = record.outline.id;
     assert_eq!(store.get(id).await.unwrap(), Some(record));
@@ -147,7 +142,7 @@ async fn a_job_is_kept_as_it_was_inserted(store: &impl Store) {
     assert!(store.result(unknown).await.unwrap().is_none());
 }
 
-async fn every_kind_of_problem_is_kept_to_the_bit(store: &impl Store) {
+async fn every_kind_of_problem_is_kept_to_the_bit(store: &Store) {
     let problems = kinds::problems().into_iter().map(Arc::new);
     let jobs = problems.map(|problem| (kinds::record(&problem), problem));
     let jobs: Vec<(Record, Arc<Problem>)> = jobs.collect();
@@ -168,7 +163,7 @@ async fn every_kind_of_problem_is_kept_to_the_bit(store: &impl Store) {
 }
 
 /// Knots that a fit has chosen are kept with its control points.
-async fn chosen_knots_are_kept(store: &impl Store) {
+async fn chosen_knots_are_kept(store: &Store) {
     let id = insert(store).await.outline.id;
     let bases = Bases {
         breaks: vec![
@@ -188,7 +183,7 @@ async fn chosen_knots_are_kept(store: &impl Store) {
     assert_eq!(kept.bases.as_deref(), Some(&bases));
 }
 
-async fn writes_take_effect_in_the_order_of_their_calls(store: &impl Store) {
+async fn writes_take_effect_in_the_order_of_their_calls(store: &Store) {
     let record = queued();
     let id = record.outline.id;
     let inserted = store.insert(record, Arc::new(problem()), None);
@@ -207,7 +202,7 @@ async fn writes_take_effect_in_the_order_of_their_calls(store: &impl Store) {
     not_awaited.await.unwrap();
 }
 
-async fn a_job_that_has_ended_has_its_state_and_result(store: &impl Store) {
+async fn a_job_that_has_ended_has_its_state_and_result(store: &Store) {
     let record = insert(store).await;
     let (id, end) = (record.outline.id, converged(0));
     let finished = store.finish(id, end.clone(), Some(control_points().into()));
@@ -219,7 +214,7 @@ async fn a_job_that_has_ended_has_its_state_and_result(store: &impl Store) {
     assert_eq!(result.control_points.lanes(), control_points().lanes());
 }
 
-async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
+async fn a_job_that_is_gone_stays_gone(store: &Store) {
     let id = insert(store).await.outline.id;
     assert!(store.remove(id).await.unwrap());
     assert!(!store.remove(id).await.unwrap());
@@ -233,7 +228,7 @@ async fn a_job_that_is_gone_stays_gone(store: &impl Store) {
     assert!(ids(store).await.is_empty());
 }
 
-async fn a_probation_ends_or_its_job_is_requeued(store: &impl Store) {
+async fn a_probation_ends_or_its_job_is_requeued(store: &Store) {
     let mut record = queued();
     record.crashes = 2;
     insert_record(store, &record).await;
@@ -251,7 +246,7 @@ async fn a_probation_ends_or_its_job_is_requeued(store: &impl Store) {
     assert_eq!(seen().await, (State::Queued, false, 0));
 }
 
-async fn a_key_makes_one_job(store: &impl Store) {
+async fn a_key_makes_one_job(store: &Store) {
     let (first, second) = (queued(), queued());
     let id = first.outline.id;
     assert_eq!(insert_with_key(store, &first, "key").await, None);
@@ -267,7 +262,7 @@ async fn a_key_makes_one_job(store: &impl Store) {
     assert_eq!(insert_with_key(store, &second, "key").await, None);
 }
 
-async fn a_key_that_is_sent_many_times_at_once_makes_one_job(store: &impl Store) {
+async fn a_key_that_is_sent_many_times_at_once_makes_one_job(store: &Store) {
     let records: Vec<Record> = std::iter::repeat_with(queued).take(20).collect();
     let inserted = records
         .iter()
@@ -279,7 +274,7 @@ async fn a_key_that_is_sent_many_times_at_once_makes_one_job(store: &impl Store)
     assert_eq!(ids(store).await, [first]);
 }
 
-async fn a_key_is_forgotten_after_a_day(store: &impl Store) {
+async fn a_key_is_forgotten_after_a_day(store: &Store) {
     let (mut old, mut ahead) = (queued(), queued());
     old.outline.created -= SignedDuration::from_hours(25);
     ahead.outline.created += SignedDuration::from_hours(25);
@@ -298,7 +293,7 @@ async fn a_key_is_forgotten_after_a_day(store: &impl Store) {
     assert_eq!(entry.id, new.outline.id);
 }
 
-async fn lists_begin_with_the_newest_job(store: &impl Store) {
+async fn lists_begin_with_the_newest_job(store: &Store) {
     let mut jobs = Vec::new();
     for index in 0..6 {
         jobs.push(match index % 2 {
@@ -325,7 +320,7 @@ async fn lists_begin_with_the_newest_job(store: &impl Store) {
     assert!(list(Some(State::Failed), None, 10).await.is_empty());
 }
 
-async fn unfinished_jobs_begin_with_the_oldest(store: &impl Store) {
+async fn unfinished_jobs_begin_with_the_oldest(store: &Store) {
     let first = insert(store).await;
     ended(store, 0).await;
     let second = insert(store).await;
@@ -336,7 +331,7 @@ async fn unfinished_jobs_begin_with_the_oldest(store: &impl Store) {
     assert_eq!(store.unfinished().await.unwrap(), [first, running]);
 }
 
-async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &impl Store) {
+async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &Store) {
     let unfinished = insert(store).await.outline.id;
     let last = ended(store, 10).await;
     let first = ended(store, 30).await;
@@ -361,7 +356,7 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &impl Store)
     assert_eq!(ids(store).await, [unfinished]);
 }
 
-async fn jobs_are_forgotten_for_their_bytes_and_their_age(store: &impl Store) {
+async fn jobs_are_forgotten_for_their_bytes_and_their_age(store: &Store) {
     let old = ended(store, 100).await;
     let young = ended(store, 10).await;
     let retain = async |retention| store.retain(retention, HashSet::new()).await.unwrap();
@@ -382,7 +377,7 @@ async fn jobs_are_forgotten_for_their_bytes_and_their_age(store: &impl Store) {
     assert_eq!(ids(store).await, [ahead]);
 }
 
-async fn many_jobs_are_forgotten_in_several_goes(store: &impl Store) {
+async fn many_jobs_are_forgotten_in_several_goes(store: &Store) {
     for _ in 0..FORGOTTEN_AT_ONCE + 1 {
         ended(store, 10).await;
     }

@@ -11,7 +11,7 @@ use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
 use tracing::warn;
 
-use super::super::StoreError;
+use super::StoreError;
 use super::error::catch_panic;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 

@@ -1,17 +1,17 @@
 //! Errors of the database and of what stands in it.
 
+use std::fmt::Display;
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use redb::{StorageError, TableError};
 
-use super::super::StoreError;
-use crate::model::mistakes::Mistakes;
+use super::StoreError;
 
 /// Does work in which the database may panic, as it does where pages of the file are damaged. A panic
 /// becomes an error: only what needs the page fails, and the thread goes on (`tests/api/damage.rs`).
 pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> {
-    let damaged = |_| damaged("pages of the database do not fit together");
+    let damaged = |_| damaged("a record", "pages of the database do not fit together");
     catch_unwind(AssertUnwindSafe(work)).map_err(damaged)
 }
 
@@ -21,15 +21,8 @@ pub(super) fn closed() -> StoreError {
 }
 
 /// What was read makes no sense.
-pub(super) fn damaged(reason: impl ToString) -> StoreError {
-    StoreError::Failed(format!("a record cannot be read: {}", reason.to_string()))
-}
-
-/// What was read is a message that was never accepted.
-pub(super) fn mistaken(mistakes: impl Into<Mistakes>) -> StoreError {
-    let mistakes = mistakes.into().into_iter();
-    let details: Vec<String> = mistakes.map(|mistake| mistake.detail).collect();
-    damaged(details.join("; "))
+pub(super) fn damaged(what: impl Display, reason: impl Display) -> StoreError {
+    StoreError::Failed(format!("{what} cannot be read: {reason}"))
 }
 
 impl From<redb::Error> for StoreError {

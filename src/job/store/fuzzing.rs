@@ -1,56 +1,53 @@
 //! Records of the store, as the fuzz targets read and write them: from bytes that may be anything.
 
-use prost::Message;
+use uuid::Uuid;
 
-use super::super::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
-use super::error::damaged;
-use super::header::Header;
-use super::idempotency::EntryMessage;
-use super::input::Input;
-use super::result;
+use super::record::{self, Header};
+use super::{IdempotencyEntry, Record, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 
 /// A problem as it is kept.
 pub(crate) fn kept(problem: &Problem) -> Vec<u8> {
-    Input::new(problem).encode_to_vec()
+    record::input(problem).unwrap_or_default()
 }
 
 /// The problem that is kept in these bytes.
 pub(crate) fn problem(bytes: &[u8]) -> Result<Problem, StoreError> {
-    Problem::new(Input::read(bytes)?).map_err(damaged)
+    record::problem(Uuid::nil(), bytes)
 }
 
 /// A job without its points as it is kept.
 pub(crate) fn kept_record(record: &Record) -> Vec<u8> {
-    Header::new(record, 0, None).encode_to_vec()
+    let header = Header {
+        record: record.clone(),
+        bytes: 0,
+        key: None,
+    };
+    record::write(&header).unwrap_or_default()
 }
 
 /// The job that is kept in these bytes.
 pub(crate) fn record(bytes: &[u8]) -> Result<Record, StoreError> {
-    Header::read(bytes)?.into_record()
+    Ok(record::header(Uuid::nil(), bytes)?.record)
 }
 
 /// The last level of a job as it is kept.
 pub(crate) fn kept_result(result: &LastGeometry) -> Vec<u8> {
-    result::kept(result)
+    record::geometry(result).unwrap_or_default()
 }
 
 /// The last level that is kept in these bytes.
 pub(crate) fn result(bytes: &[u8]) -> Result<LastGeometry, StoreError> {
-    result::read(bytes)
+    record::result(Uuid::nil(), bytes)
 }
 
 /// The entry of an idempotency key as it is kept.
 pub(crate) fn kept_entry(entry: &IdempotencyEntry) -> Vec<u8> {
-    let key = IdempotencyKey {
-        name: String::new(),
-        digest: entry.digest,
-    };
-    EntryMessage::new(&key, entry.id, entry.created).encode_to_vec()
+    record::write(entry).unwrap_or_default()
 }
 
 /// The entry that is kept in these bytes.
 pub(crate) fn entry(bytes: &[u8]) -> Result<IdempotencyEntry, StoreError> {
-    EntryMessage::read(bytes)
+    record::entry(bytes)
 }

@@ -1,18 +1,15 @@
 //! A write transaction: what each change does to the tables.
 
+use std::collections::HashSet;
+
 use jiff::Timestamp;
-use prost::Message;
 use redb::{ReadableTable, Table, WriteTransaction};
 use uuid::Uuid;
 
-use super::super::ended::Ended;
-use super::super::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
-use super::change::{Change, Outcome};
-use super::header::Header;
-use super::idempotency::EntryMessage;
-use super::input::Input;
-use super::result;
+use super::ended::Ended;
+use super::record::{self, Header};
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS, SLACK};
+use super::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
@@ -29,8 +26,10 @@ pub(super) struct Transaction<'a> {
     results: Table<'a, u128, &'static [u8]>,
     keys: Table<'a, &'static str, &'static [u8]>,
     slack: Table<'a, u64, &'static [u8]>,
+    /// The jobs that had ended before the transaction.
+    ended: &'a Ended,
     /// To be done to [`Ended`] once the transaction is committed.
-    pub(super) ended: Vec<EndedChange>,
+    pub(super) changes: Vec<EndedChange>,
 }
 
 /// A change of [`Ended`].
@@ -40,49 +39,18 @@ pub(super) enum EndedChange {
 }
 
 impl<'a> Transaction<'a> {
-    pub(super) fn open(transaction: &'a WriteTransaction) -> Result<Self, StoreError> {
+    pub(super) fn open(
+        transaction: &'a WriteTransaction,
+        ended: &'a Ended,
+    ) -> Result<Self, StoreError> {
         Ok(Self {
             headers: transaction.open_table(HEADERS)?,
             inputs: transaction.open_table(INPUTS)?,
             results: transaction.open_table(RESULTS)?,
             keys: transaction.open_table(KEYS)?,
             slack: transaction.open_table(SLACK)?,
-            ended: Vec::new(),
-        })
-    }
-
-    /// Does a change. `ended` are the jobs that had ended before the transaction.
-    pub(super) fn apply(&mut self, change: &Change, ended: &Ended) -> Result<Outcome, StoreError> {
-        Ok(match change {
-            Change::Insert {
-                record,
-                problem,
-                key,
-            } => {
-                let existing = self.insert(record, problem, key.as_ref())?;
-                existing.map_or(Outcome::Done, Outcome::Existing)
-            }
-            Change::Start {
-                id,
-                status,
-                on_probation,
-            } => self.update(*id, |header| {
-                header.set_status(status);
-                header.on_probation = *on_probation;
-            })?,
-            Change::Requeue { id } => self.update(*id, |header| {
-                header.set_status(&Status::QUEUED);
-                (header.crashes, header.on_probation) = (0, false);
-            })?,
-            Change::Finish { id, status, result } => {
-                self.finish(*id, status, result.as_ref())?;
-                Outcome::Done
-            }
-            Change::Remove { id } => Outcome::Removed(self.remove(*id)?),
-            Change::Retain { retention, spared } => {
-                Outcome::Forgotten(self.retain(ended.surplus(*retention, spared))?)
-            }
-            Change::Nothing => Outcome::Done,
+            ended,
+            changes: Vec::new(),
         })
     }
 
@@ -99,7 +67,8 @@ impl<'a> Transaction<'a> {
         Ok(())
     }
 
-    fn insert(
+    /// Writes a new job, unless there is an entry for the same key.
+    pub(super) fn insert(
         &mut self,
         record: &Record,
         problem: &Problem,
@@ -112,51 +81,41 @@ impl<'a> Transaction<'a> {
             {
                 return Ok(Some(entry));
             }
-            let entry = EntryMessage::new(key, id, record.outline.created).encode_to_vec();
+            let entry = record::write(&IdempotencyEntry {
+                id,
+                digest: key.digest,
+                created: record.outline.created,
+            })?;
             self.keys.insert(key.name.as_str(), entry.as_slice())?;
         }
-        let input = Input::new(problem).encode_to_vec();
-        let header = Header::new(record, input.len() as u64, key.map(|key| key.name.clone()));
+        let input = record::input(problem)?;
         self.inputs.insert(id.as_u128(), input.as_slice())?;
+        let header = Header {
+            record: record.clone(),
+            bytes: input.len() as u64,
+            key: key.map(|key| key.name.clone()),
+        };
         self.put(id, &header)?;
         Ok(None)
     }
 
-    /// The entry of a key, which may have expired.
-    fn entry(&self, key: &str) -> Result<Option<IdempotencyEntry>, StoreError> {
-        let bytes = self.keys.get(key)?;
-        bytes
-            .map(|bytes| EntryMessage::read(bytes.value()))
-            .transpose()
-    }
-
-    /// Writes a header.
-    pub(super) fn put(&mut self, id: Uuid, header: &Header) -> Result<(), StoreError> {
-        let bytes = header.encode_to_vec();
-        self.headers.insert(id.as_u128(), bytes.as_slice())?;
-        Ok(())
-    }
-
-    fn header(&self, id: Uuid) -> Result<Option<Header>, StoreError> {
-        let bytes = self.headers.get(id.as_u128())?;
-        let header = bytes.map(|bytes| Header::read(bytes.value()));
-        header.transpose()
-    }
-
-    /// Changes a header. A job that is gone stays gone.
-    fn update(
+    /// Changes the record of a job. A job that is gone stays gone.
+    pub(super) fn update(
         &mut self,
         id: Uuid,
-        change: impl FnOnce(&mut Header),
-    ) -> Result<Outcome, StoreError> {
-        if let Some(mut header) = self.header(id)? {
-            change(&mut header);
-            self.put(id, &header)?;
+        change: impl FnOnce(&mut Record),
+    ) -> Result<(), StoreError> {
+        match self.header(id)? {
+            Some(mut header) => {
+                change(&mut header.record);
+                self.put(id, &header)
+            }
+            None => Ok(()),
         }
-        Ok(Outcome::Done)
     }
 
-    fn finish(
+    /// Writes the end of a job.
+    pub(super) fn finish(
         &mut self,
         id: Uuid,
         status: &Status,
@@ -165,22 +124,17 @@ impl<'a> Transaction<'a> {
         let Some(mut header) = self.header(id)? else {
             return Ok(());
         };
-        header.set_status(status);
+        header.record.status = status.clone();
         if let Some(result) = result {
-            let bytes = result::kept(result);
+            let bytes = record::geometry(result)?;
             header.bytes += bytes.len() as u64;
             self.results.insert(id.as_u128(), bytes.as_slice())?;
         }
-        self.put(id, &header)?;
-        if let Some(at) = status.finished {
-            let bytes = header.bytes;
-            self.ended.push(EndedChange::Add { at, id, bytes });
-        }
-        Ok(())
+        self.put(id, &header)
     }
 
     /// Forgets a job; says whether there was one.
-    fn remove(&mut self, id: Uuid) -> Result<bool, StoreError> {
+    pub(super) fn remove(&mut self, id: Uuid) -> Result<bool, StoreError> {
         let Some(header) = self.header(id)? else {
             return Ok(false);
         };
@@ -193,15 +147,20 @@ impl<'a> Transaction<'a> {
         {
             self.keys.remove(key.as_str())?;
         }
-        if let Some(at) = header.into_record()?.status.finished {
-            self.ended.push(EndedChange::Remove { at, id });
+        if let Some(at) = header.record.status.finished {
+            self.changes.push(EndedChange::Remove { at, id });
         }
         Ok(true)
     }
 
-    /// Forgets keys that have expired, and these jobs.
-    fn retain(&mut self, surplus: Vec<Uuid>) -> Result<Vec<Uuid>, StoreError> {
+    /// Forgets keys that have expired, and jobs that are beyond the retention; gives the ids of these.
+    pub(super) fn retain(
+        &mut self,
+        retention: Retention,
+        spared: &HashSet<Uuid>,
+    ) -> Result<Vec<Uuid>, StoreError> {
         self.forget_keys()?;
+        let surplus = self.ended.surplus(retention, spared);
         for &id in &surplus {
             self.remove(id)?;
         }
@@ -212,7 +171,7 @@ impl<'a> Transaction<'a> {
         let mut expired = Vec::new();
         for item in self.keys.iter()? {
             let (key, bytes) = item?;
-            if EntryMessage::read(bytes.value())?.has_expired() {
+            if record::entry(bytes.value())?.has_expired() {
                 expired.push(key.value().to_owned());
             }
         }
@@ -220,5 +179,28 @@ impl<'a> Transaction<'a> {
             self.keys.remove(key.as_str())?;
         }
         Ok(())
+    }
+
+    /// The entry of a key, which may have expired.
+    fn entry(&self, key: &str) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let bytes = self.keys.get(key)?;
+        bytes.map(|bytes| record::entry(bytes.value())).transpose()
+    }
+
+    /// Writes a header.
+    pub(super) fn put(&mut self, id: Uuid, header: &Header) -> Result<(), StoreError> {
+        let bytes = record::write(header)?;
+        self.headers.insert(id.as_u128(), bytes.as_slice())?;
+        if let Some(at) = header.record.status.finished {
+            let bytes = header.bytes;
+            self.changes.push(EndedChange::Add { at, id, bytes });
+        }
+        Ok(())
+    }
+
+    fn header(&self, id: Uuid) -> Result<Option<Header>, StoreError> {
+        let bytes = self.headers.get(id.as_u128())?;
+        let header = bytes.map(|bytes| record::header(id, bytes.value()));
+        header.transpose()
     }
 }

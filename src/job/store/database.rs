@@ -10,14 +10,10 @@ use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
 use tracing::error;
 use uuid::Uuid;
 
-use super::super::{IdempotencyEntry, Record, Selection, StoreError};
-use super::error::{catch_panic, closed, damaged};
-use super::header::Header;
-use super::idempotency::EntryMessage;
-use super::input::Input;
+use super::error::{catch_panic, closed};
 use super::opening::{self, OpenError};
-use super::result;
 use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
+use super::{IdempotencyEntry, Record, Selection, StoreError, record};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 
@@ -99,20 +95,17 @@ impl JobDatabase {
 
     /// A job without its points.
     pub(super) fn record(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
-        self.get(HEADERS, id, |bytes| Header::read(bytes)?.into_record())
+        self.get(HEADERS, id, |bytes| Ok(record::header(id, bytes)?.record))
     }
 
     /// The problem of a job.
     pub(super) fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
-        self.get(INPUTS, id, |bytes| {
-            let request = Input::read(bytes)?;
-            Problem::new(request).map(Arc::new).map_err(damaged)
-        })
+        self.get(INPUTS, id, |bytes| record::problem(id, bytes).map(Arc::new))
     }
 
     /// The geometry of the last level of a job.
     pub(super) fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
-        self.get(RESULTS, id, result::read)
+        self.get(RESULTS, id, |bytes| record::result(id, bytes))
     }
 
     /// Jobs, the newest first.
@@ -124,7 +117,8 @@ impl JobDatabase {
             if records.len() == selection.limit {
                 break;
             }
-            let record = Header::read(entry?.1.value())?.into_record()?;
+            let (id, bytes) = entry?;
+            let record = record::header(Uuid::from_u128(id.value()), bytes.value())?.record;
             let state = record.status.state;
             if selection.state.is_none_or(|wanted| wanted == state) {
                 records.push(record);
@@ -137,7 +131,8 @@ impl JobDatabase {
     pub(super) fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
         let mut records = Vec::new();
         for entry in self.table(HEADERS)?.iter()? {
-            let record = Header::read(entry?.1.value())?.into_record()?;
+            let (id, bytes) = entry?;
+            let record = record::header(Uuid::from_u128(id.value()), bytes.value())?.record;
             if !record.status.state.is_final() {
                 records.push(record);
             }
@@ -152,7 +147,7 @@ impl JobDatabase {
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
         let keys = self.table(KEYS)?;
         let bytes = keys.get(key)?;
-        let entry = bytes.map(|bytes| EntryMessage::read(bytes.value()));
+        let entry = bytes.map(|bytes| record::entry(bytes.value()));
         Ok(entry.transpose()?.filter(|entry| !entry.has_expired()))
     }
 

@@ -1,0 +1,50 @@
+//! A change of the store on its way to the thread that writes, and back to whoever waits for it.
+
+use tokio::sync::oneshot;
+
+use super::StoreError;
+use super::transaction::Transaction;
+use super::writer::closed;
+
+/// A change, whatever its outcome is.
+pub(super) trait Change: Send {
+    /// How many points it writes. Without any it needs no more than a few pages of the file, and must be
+    /// possible when the disk is full.
+    fn points(&self) -> usize;
+
+    /// Does it; again if the transaction was not committed.
+    fn apply(&mut self, transaction: &mut Transaction<'_>) -> Result<(), StoreError>;
+
+    /// Tells its outcome, once it is committed, or why it is not.
+    fn answer(self: Box<Self>, committed: Result<(), StoreError>);
+}
+
+/// A change by a function.
+pub(super) struct Pending<T, F> {
+    pub(super) points: usize,
+    pub(super) function: F,
+    /// What came of it in the transaction.
+    pub(super) outcome: Option<T>,
+    pub(super) reply: oneshot::Sender<Result<T, StoreError>>,
+}
+
+impl<T, F> Change for Pending<T, F>
+where
+    T: Send,
+    F: Fn(&mut Transaction<'_>) -> Result<T, StoreError> + Send,
+{
+    fn points(&self) -> usize {
+        self.points
+    }
+
+    fn apply(&mut self, transaction: &mut Transaction<'_>) -> Result<(), StoreError> {
+        self.outcome = Some((self.function)(transaction)?);
+        Ok(())
+    }
+
+    fn answer(self: Box<Self>, committed: Result<(), StoreError>) {
+        let Self { outcome, reply, .. } = *self;
+        // Nobody may wait for it any more.
+        let _ = reply.send(committed.and_then(|()| outcome.ok_or_else(closed)));
+    }
+}
