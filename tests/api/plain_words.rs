@@ -84,8 +84,7 @@ async fn complaint(response: Response, body: Option<&Value>) -> Option<String> {
     if let Some(long) = details.clone().find(|text| text.chars().count() > LONGEST) {
         return Some(format!("long: {long}"));
     }
-    // Zeros between characters look like UTF-16.
-    if !matches!(status, 400 | 415 | 422) {
+    if !matches!(status, 400 | 422) {
         return Some(format!("{problem:#}"));
     }
     let body = body.filter(|_| status == 422)?;
