@@ -331,11 +331,11 @@ async fn wrong_queries_and_headers() {
         ),
         (
             format!("{path}/result"),
-            vec!["format", "view", "samples", "encoding", "digits", "?"],
+            vec!["view", "samples", "encoding", "digits", "?"],
         ),
         (
             format!("{path}/iterations/last"),
-            vec!["format", "view", "samples", "encoding", "digits", "?"],
+            vec!["view", "samples", "encoding", "digits", "?"],
         ),
     ];
     for (resource, parameters) in resources {

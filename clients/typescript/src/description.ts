@@ -461,7 +461,7 @@ export interface paths {
         };
         /**
          * Show an iteration
-         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With `?format=` or an Accept header also as a file.
+         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With the name of a format after the path, such as `/step`, or an Accept header also as a file.
          */
         get: operations["getIteration"];
         put?: never;
@@ -481,7 +481,7 @@ export interface paths {
         };
         /**
          * Show the result
-         * @description The final curve or surface, with all digits. With `?format=` or an Accept header also as a file. Other views of it are those of the iteration `last`.
+         * @description The final curve or surface, with all digits. With the name of a format after the path, such as `/step`, or an Accept header also as a file. Other views of it are those of the iteration `last`.
          */
         get: operations["getResult"];
         put?: never;
