@@ -158,7 +158,7 @@ fn clamped(
             check_enough(degree, free, axis)?;
             Arc::new(knots::averaged(&t, degree))
         }
-        Knots::Spread | Knots::PieglTiller => return Err(Invalid::SpreadKnots { axis }),
+        Knots::Spread => return Err(Invalid::SpreadKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
             given_knots::check_schoenberg_whitney(&knots, degree, &t, axis)?;
@@ -169,8 +169,8 @@ fn clamped(
     Ok(Direction::open(basis, t, free, front_copies))
 }
 
-/// An open B-spline with fewer control points than data points: its knots are spread, unless the
-/// earlier rule is named or they are given. All parameters must lie within the knots.
+/// An open B-spline with fewer control points than data points: its knots are spread, unless
+/// they are given. All parameters must lie within the knots.
 fn least_squares(
     degree: usize,
     choice: Knots,
@@ -185,7 +185,6 @@ fn least_squares(
     let spread = matches!(choice, Knots::Usual | Knots::Spread);
     let knots = match choice {
         Knots::Usual | Knots::Spread => Arc::new(knots::spread(&t, degree, free)),
-        Knots::PieglTiller => Arc::new(knots::piegl_tiller(&t, degree, free)),
         Knots::Data | Knots::Averaged => return Err(Invalid::LeastSquaresKnots { axis }),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;

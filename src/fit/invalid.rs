@@ -303,13 +303,11 @@ pub enum Invalid {
     KnotRange { axis: Axis },
     /// Knots at the data or averaged ones are asked for in a least-squares fit.
     #[error(
-        "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"piegl_tiller\", or give numbers"
+        "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\", or give numbers"
     )]
     LeastSquaresKnots { axis: Axis },
     /// Knots of least-squares fits are asked for in a fit of another kind.
-    #[error(
-        "\"spread\" and \"piegl_tiller\" place knots for fewer control points than data: they are for least squares"
-    )]
+    #[error("\"spread\" places knots for fewer control points than data: it is for least squares")]
     SpreadKnots { axis: Axis },
     /// A least-squares fit has no more control points than the degree.
     #[error("{free} control points are too few for degree {degree}, which needs {needed}", needed = degree + 1)]

@@ -203,9 +203,7 @@ fn knots_of(
             Err(ScatteredMistake::Few { axis, free, count }.into())
         }
         Knots::Usual | Knots::Spread => Ok(Arc::new(knots::spread(sorted, degree, free))),
-        Knots::Data | Knots::Averaged | Knots::PieglTiller => {
-            Err(ScatteredMistake::Knots { axis }.into())
-        }
+        Knots::Data | Knots::Averaged => Err(ScatteredMistake::Knots { axis }.into()),
         Knots::Explicit(knots) => {
             given_knots::check(knots, degree, free, axis)?;
             let (low, high) = (knots[0], knots[knots.len() - 1]);

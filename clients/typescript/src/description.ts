@@ -741,7 +741,7 @@ export interface components {
          */
         BasisKind: "bspline" | "bernstein" | "said_ball" | "wang_ball";
         /**
-         * @description Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data ("spread"), or place them as earlier programs did ("piegl_tiller").
+         * @description Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data ("spread").
          * @example data
          * @example [
          *       0,
@@ -754,7 +754,7 @@ export interface components {
          *       1
          *     ]
          */
-        KnotChoice: ("data" | "averaged" | "spread" | "piegl_tiller") | number[];
+        KnotChoice: ("data" | "averaged" | "spread") | number[];
         /**
          * @description How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first. Default: `"chord_length"`.
          * @example centripetal
