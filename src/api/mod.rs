@@ -10,8 +10,7 @@
 //! - [`app`]: what the doors share; [`language`]: the languages of requests and answers;
 //! - [`order`]: new jobs and edits; [`jobs`]: finding, listing, cancelling and deleting them;
 //!   [`levels`]: inputs, iterations and results; [`rates`]: comparisons of bases;
-//! - [`problem`]: errors (RFC 9457); [`text`]: whether bytes are UTF-8;
-//!   [`whole`]: whole numbers in texts;
+//! - [`problem`]: errors (RFC 9457); [`whole`]: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call.
 
 pub(crate) mod app;
@@ -29,5 +28,4 @@ mod problem;
 mod proto;
 mod rates;
 pub(crate) mod stream;
-mod text;
 mod whole;

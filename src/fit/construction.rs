@@ -161,10 +161,10 @@ fn clamped(
             check_enough(degree, free, axis)?;
             Arc::new(knots::averaged(&t, degree))
         }
-        Knots::Spread | Knots::PieglTiller => {
+        Knots::Spread => {
             return Err(Invalid::at(
                 Place::Knots(axis),
-                "\"spread\" and \"piegl_tiller\" place knots for fewer control points than data: they are for least squares",
+                "\"spread\" places knots for fewer control points than data: it is for least squares",
             ));
         }
         Knots::Explicit(knots) => {
@@ -177,8 +177,8 @@ fn clamped(
     Ok(Direction::open(basis, t, free, front_copies))
 }
 
-/// An open B-spline with fewer control points than data points: its knots are spread, unless the
-/// earlier rule is named or they are given. All parameters must lie within the knots.
+/// An open B-spline with fewer control points than data points: its knots are spread, unless
+/// they are given. All parameters must lie within the knots.
 fn least_squares(
     degree: usize,
     choice: Knots,
@@ -193,7 +193,6 @@ fn least_squares(
     let spread = matches!(choice, Knots::Usual | Knots::Spread);
     let knots = match choice {
         Knots::Usual | Knots::Spread => Arc::new(knots::spread(&t, degree, free)),
-        Knots::PieglTiller => Arc::new(knots::piegl_tiller(&t, degree, free)),
         Knots::Data | Knots::Averaged => return Err(least_squares_knots(axis)),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
@@ -310,7 +309,7 @@ pub(super) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<()
 
 /// Knots at the data or averaged ones are asked for in a least-squares fit.
 fn least_squares_knots(axis: Axis) -> Invalid {
-    let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"piegl_tiller\", or give numbers";
+    let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\", or give numbers";
     Invalid::at(Place::Knots(axis), detail)
 }
 

@@ -46,7 +46,6 @@ fn basis_spec(basis: pb::Basis, field: &str) -> Result<BasisSpec, Mistake> {
         pb::KnotRule::Data => Chosen::Rule(Knots::Data, "data"),
         pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged, "averaged"),
         pb::KnotRule::Spread => Chosen::Rule(Knots::Spread, "spread"),
-        pb::KnotRule::PieglTiller => Chosen::Rule(Knots::PieglTiller, "piegl_tiller"),
     };
     Ok(BasisSpec {
         kind,
@@ -116,7 +115,6 @@ pub fn message(choice: &BasisChoice) -> pb::Basis {
         Knots::Data => (pb::KnotRule::Data, Vec::new()),
         Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
         Knots::Spread => (pb::KnotRule::Spread, Vec::new()),
-        Knots::PieglTiller => (pb::KnotRule::PieglTiller, Vec::new()),
         Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
     };
     pb::Basis {

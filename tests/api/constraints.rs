@@ -80,8 +80,10 @@ async fn published(variant: &str, iterations: usize) -> Story {
         {"at": "end", "tangent": [-(4f64.sin()), 2.0 * 8f64.cos(), 1.0]},
         {"index": 150},
     ]);
+    let points = wave(300);
+    let knots = data::piegl_tiller(&data::chord_lengths(&points), 3, 25);
     let job = json!({
-        "curve": {"points": wave(300), "basis": {"kind": "bspline", "degree": 3, "knots": "piegl_tiller"}},
+        "curve": {"points": points, "basis": {"kind": "bspline", "degree": 3, "knots": knots}},
         "method": {"kind": "least_squares", "control_points": 25, "variant": variant, "constraints": constraints},
         "stop": {"tolerance": 0, "max_iterations": iterations},
     });

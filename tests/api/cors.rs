@@ -114,7 +114,7 @@ async fn pages_may_read_every_header_of_answers() {
     let resumed = server.get(&path("/events")).header("last-event-id", "3");
     for request in [
         resumed,
-        server.get(&path("/result?format=step")),
+        server.get(&path("/result/step")),
         server.post("/v1/jobs").json(&json!({})),
         server.post(&path("/cancel")),
         server.post(&path("")),

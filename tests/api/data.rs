@@ -56,3 +56,32 @@ pub fn small_job() -> Value {
 pub fn endless_job() -> Value {
     json!({"curve": {"points": wave(100)}, "stop": {"tolerance": 0, "max_iterations": 1_000_000_000}})
 }
+
+/// Parameters of points by chord length.
+pub fn chord_lengths<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
+    let distance = |pair: &[[f64; D]]| {
+        let squares = pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let sum = |sum: &mut f64, pair: &[[f64; D]]| {
+        *sum += distance(pair);
+        Some(*sum)
+    };
+    let lengths = points.windows(2).scan(0.0, sum);
+    std::iter::once(0.0).chain(lengths).collect()
+}
+
+/// Clamped knots for fewer control points than parameters (Piegl & Tiller (9.68)–(9.69)).
+pub fn piegl_tiller(t: &[f64], degree: usize, control_points: usize) -> Vec<f64> {
+    let spans = control_points - degree;
+    let d = t.len() as f64 / spans as f64;
+    let interior = (1..spans).map(|j| {
+        let x = j as f64 * d;
+        let i = x as usize;
+        let alpha = x - i as f64;
+        (1.0 - alpha) * t[i - 1] + alpha * t[i]
+    });
+    let end = |t| std::iter::repeat_n(t, degree + 1);
+    let (first, last) = (t[0], t[t.len() - 1]);
+    end(first).chain(interior).chain(end(last)).collect()
+}

@@ -69,7 +69,7 @@ async fn whatever_meets_a_deletion_is_answered_as_before_or_after_it() {
         let requests: Vec<RequestBuilder> = vec![
             get(""),
             get("/result"),
-            get("/result?format=csv"),
+            get("/result/csv"),
             get("/input"),
             get("/iterations/3"),
             get("/iterations/last"),

@@ -12,10 +12,10 @@ fn path(job: &Value) -> &str {
 }
 
 async fn fetch(server: &Server, path: &str, format: Format) -> Vec<u8> {
-    let by_parameter = server.get(&format!("{path}?format={}", format.extension()));
+    let by_path = server.get(&format!("{path}/{}", format.extension()));
     let by_header = server.get(path).header("accept", format.media_type());
     let mut files = Vec::new();
-    for request in [by_parameter, by_header] {
+    for request in [by_path, by_header] {
         let response = request.send().await.unwrap();
         assert_eq!(response.status(), 200, "{path} {format}");
         assert_eq!(response.headers()["content-type"], format.media_type());
@@ -101,7 +101,7 @@ async fn samples_are_as_many_as_asked_for() {
         .fit(&json!({"surface": {"points": data::peaks(9)}}))
         .await;
     for (job, samples, lines) in [(&curve, "17", 17), (&surface, "4x5", 20)] {
-        let csv = format!("{}/result?format=csv&samples={samples}", path(job));
+        let csv = format!("{}/result/csv?samples={samples}", path(job));
         let csv = server.get(&csv).send().await.unwrap().text().await.unwrap();
         assert_eq!(csv.lines().count(), lines + 1, "a line for the names");
         let wanted = format!("{}/result?view=samples&samples={samples}", path(job));
@@ -156,7 +156,7 @@ async fn drawings_have_as_many_samples_as_asked_for() {
         (&surface, "150x80", 149 * 79),
     ] {
         for part in ["result", "iterations/1"] {
-            let svg = format!("{}/{part}?format=svg&samples={samples}", path(job));
+            let svg = format!("{}/{part}/svg?samples={samples}", path(job));
             let text = server.get(&svg).send().await.unwrap().text().await.unwrap();
             let drawn = if job["kind"] == "curve" {
                 pieces(&text)
@@ -194,23 +194,23 @@ async fn drawings_show_data_points_where_there_is_room() {
         let job = server.fit(&job).await;
         for (choice, expected) in [
             ("", auto),
-            ("&dots=auto", auto),
-            ("&dots=on", count),
-            ("&dots=off", 0),
+            ("?dots=auto", auto),
+            ("?dots=on", count),
+            ("?dots=off", 0),
         ] {
-            let url = format!("{}/result?format=svg{choice}", path(&job));
+            let url = format!("{}/result/svg{choice}", path(&job));
             let svg = server.get(&url).send().await.unwrap().text().await.unwrap();
             assert_eq!(dots(&svg), expected, "{count}{choice}");
             assert_eq!(svg.contains(">data points</text>"), expected > 0);
         }
         for (query, parameter) in [
-            ("format=svg&dots=yes", "dots"),
-            ("format=svg&dots=", "dots"),
-            ("format=step&dots=on", "dots"),
-            ("dots=on", "dots"),
-            ("format=svg&samples=1001x1000", "samples"),
+            ("/svg?dots=yes", "dots"),
+            ("/svg?dots=", "dots"),
+            ("/step?dots=on", "dots"),
+            ("?dots=on", "dots"),
+            ("/svg?samples=1001x1000", "samples"),
         ] {
-            let url = format!("{}/result?{query}", path(&job));
+            let url = format!("{}/result{query}", path(&job));
             let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
             assert_eq!(status, 400, "{query}");
             assert_eq!(problem["errors"][0]["parameter"], parameter, "{query}");
@@ -246,7 +246,7 @@ async fn drawings_show_how_far_the_data_are() {
         let job = server.fit(&job).await;
         let result = server.json(&format!("{}/result", path(&job))).await;
         let error = result["error"]["max"].as_f64().unwrap();
-        let url = format!("{}/result?format=svg", path(&job));
+        let url = format!("{}/result/svg", path(&job));
         let svg = server.get(&url).send().await.unwrap().text().await.unwrap();
         if error == 0.0 {
             assert!(!svg.contains("class=\"legend\""));
@@ -284,12 +284,12 @@ async fn meshes_have_as_many_samples_as_asked_for() {
     let helix = server
         .fit(&json!({"curve": {"points": data::helix()}}))
         .await;
-    let get = async |job: &Value, query: &str| {
-        let url = format!("{}/result?{query}", path(job));
+    let get = async |job: &Value, file: &str| {
+        let url = format!("{}/result/{file}", path(job));
         server.get(&url).send().await.unwrap()
     };
     for (samples, rows, columns) in [("2x2", 2, 2), ("4x7", 4, 7), ("256x2", 256, 2)] {
-        let stl = get(&peaks, &format!("format=stl&samples={samples}"))
+        let stl = get(&peaks, &format!("stl?samples={samples}"))
             .await
             .bytes()
             .await
@@ -297,7 +297,7 @@ async fn meshes_have_as_many_samples_as_asked_for() {
         let count = u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize;
         assert_eq!(count, 2 * (rows - 1) * (columns - 1), "{samples}");
         assert_eq!(stl.len(), 84 + 50 * count);
-        let dxf = get(&peaks, &format!("format=dxf&samples={samples}"))
+        let dxf = get(&peaks, &format!("dxf?samples={samples}"))
             .await
             .text()
             .await
@@ -308,15 +308,15 @@ async fn meshes_have_as_many_samples_as_asked_for() {
             "{samples}"
         );
     }
-    for (job, query, vertices, spatial) in [
-        (&line, "format=dxf&samples=2", 2, false),
-        (&helix, "format=dxf&samples=1500", 1500, true),
+    for (job, file, vertices, spatial) in [
+        (&line, "dxf?samples=2", 2, false),
+        (&helix, "dxf?samples=1500", 1500, true),
     ] {
-        let dxf = get(job, query).await.text().await.unwrap();
+        let dxf = get(job, file).await.text().await.unwrap();
         assert_eq!(dxf.matches("\nVERTEX\n").count(), vertices);
         assert_eq!(dxf.contains("\n 70\n8\n"), spatial);
     }
-    let (status, problem) = problem(get(&peaks, "format=dxf&samples=257x3").await).await;
+    let (status, problem) = problem(get(&peaks, "dxf?samples=257x3").await).await;
     assert_eq!(status, 409);
     assert!(
         problem["detail"].as_str().unwrap().contains("at most 256"),
@@ -333,13 +333,13 @@ async fn units_are_declared() {
         json!({"surface": {"points": data::peaks(9)}}),
     ] {
         let job = server.fit(&job).await;
-        let file = async |query: &str| {
-            let url = format!("{}/result?{query}", path(&job));
+        let file = async |name: &str| {
+            let url = format!("{}/result/{name}", path(&job));
             server.get(&url).send().await.unwrap().text().await.unwrap()
         };
-        let millimetres = file("format=step").await;
+        let millimetres = file("step").await;
         assert!(millimetres.contains("#10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));"));
-        assert_eq!(file("format=step&units=mm").await, millimetres);
+        assert_eq!(file("step?units=mm").await, millimetres);
         let points = |text: &str| text.split_once("#22=").unwrap().1.to_owned();
         for (unit, declared) in [
             ("m", "#10=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));"),
@@ -348,27 +348,27 @@ async fn units_are_declared() {
                 "#10=(CONVERSION_BASED_UNIT('INCH',#20)LENGTH_UNIT()NAMED_UNIT(#21));",
             ),
         ] {
-            let step = file(&format!("format=step&units={unit}")).await;
+            let step = file(&format!("step?units={unit}")).await;
             assert!(step.contains(declared), "{unit}");
             assert_eq!(points(&step), points(&millimetres), "{unit}");
         }
         for (unit, declared) in [("mm", ",2,2HMM,"), ("m", ",6,1HM,"), ("in", ",1,2HIN,")] {
-            let iges = file(&format!("format=iges&units={unit}")).await;
+            let iges = file(&format!("iges?units={unit}")).await;
             let global = iges.lines().filter(|line| &line[72..73] == "G");
             let global: String = global.map(|line| line[..72].trim_end()).collect();
             assert!(global.contains(declared), "{global}");
         }
         for query in [
-            "format=step&units=cm",
-            "format=obj&units=mm",
-            "format=gltf&units=m",
-            "format=svg&units=in",
-            "format=csv&units=mm",
-            "format=stl&units=mm",
-            "format=dxf&units=mm",
-            "units=mm",
+            "/step?units=cm",
+            "/obj?units=mm",
+            "/gltf?units=m",
+            "/svg?units=in",
+            "/csv?units=mm",
+            "/stl?units=mm",
+            "/dxf?units=mm",
+            "?units=mm",
         ] {
-            let url = format!("{}/result?{query}", path(&job));
+            let url = format!("{}/result{query}", path(&job));
             let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
             assert_eq!(status, 400, "{query}");
             assert_eq!(problem["errors"][0]["parameter"], "units", "{query}");
@@ -383,7 +383,7 @@ async fn drawings_have_the_history_of_the_error() {
     let job = server
         .fit(&json!({"curve": {"points": data::lemniscate()}}))
         .await;
-    let svg = format!("{}/result?format=svg", path(&job));
+    let svg = format!("{}/result/svg", path(&job));
     let text = server.get(&svg).send().await.unwrap().text().await.unwrap();
     assert!(text.contains("iteration"), "{text}");
     assert_eq!(text.matches("<svg").count(), text.matches("</svg>").count());
@@ -406,7 +406,7 @@ async fn what_cannot_be_written_is_said() {
         (&steep, "stl", "a curve has none"),
         (&values, "dxf", "one coordinate"),
     ] {
-        let url = format!("{}/result?format={format}", path(job));
+        let url = format!("{}/result/{format}", path(job));
         let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
         assert_eq!(
             (status, problem["type"].as_str()),
@@ -420,15 +420,14 @@ async fn what_cannot_be_written_is_said() {
     fetch(&server, &format!("{}/result", path(&steep)), Format::Obj).await;
 
     for (query, parameter) in [
-        ("format=dwg", "format"),
-        ("format=STEP", "format"),
-        ("format=svg&view=errors", "view"),
-        ("format=csv&encoding=base64", "encoding"),
-        ("format=csv&digits=auto", "digits"),
-        ("format=csv&samples=1", "samples"),
-        ("format=csv&samples=3x3", "samples"),
+        ("?format=step", "format"),
+        ("/svg?view=errors", "view"),
+        ("/csv?encoding=base64", "encoding"),
+        ("/csv?digits=auto", "digits"),
+        ("/csv?samples=1", "samples"),
+        ("/csv?samples=3x3", "samples"),
     ] {
-        let url = format!("{}/result?{query}", path(&steep));
+        let url = format!("{}/result{query}", path(&steep));
         let (status, problem) = problem(server.get(&url).send().await.unwrap()).await;
         assert_eq!(status, 400, "{query}");
         assert_eq!(problem["errors"][0]["parameter"], parameter, "{query}");
@@ -480,7 +479,7 @@ async fn downloads_are_named_after_the_job() {
             let exact = exact.trim_end_matches(&format!(".{ending}")).to_owned();
             let ascii = ascii.trim_end_matches(&format!(".{ending}")).to_owned();
             for (part, number) in [("result", ""), ("iterations/3", "-3")] {
-                let found = disposition(format!("{}/{part}?format={ending}", path(&job))).await;
+                let found = disposition(format!("{}/{part}/{ending}", path(&job))).await;
                 let expected = format!(
                     "inline; filename=\"{ascii}{number}.{ending}\"; filename*=UTF-8''{exact}{number}.{ending}"
                 );
@@ -492,7 +491,6 @@ async fn downloads_are_named_after_the_job() {
     let job = named(Some("Flügel")).await;
     for (part, file) in [
         ("result", "Fl%C3%BCgel.json"),
-        ("result?format=protobuf", "Fl%C3%BCgel.binpb"),
         ("iterations/3?encoding=base64", "Fl%C3%BCgel-3.json"),
         ("input", "Fl%C3%BCgel-input.json"),
     ] {
@@ -504,7 +502,7 @@ async fn downloads_are_named_after_the_job() {
     }
     for name in [None, Some("…/…"), Some(".."), Some("")] {
         let job = named(name).await;
-        let found = disposition(format!("{}/result?format=step", path(&job))).await;
+        let found = disposition(format!("{}/result/step", path(&job))).await;
         let file = match name {
             Some("…/…") => "___".to_owned(),
             _ => format!("piad-{}", job["id"].as_str().unwrap()),

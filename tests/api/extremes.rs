@@ -264,7 +264,7 @@ fn check_gltf(bytes: &[u8]) {
 async fn check_files(server: &Server, path: &str, job: &Value) {
     for format in ["step", "iges", "obj", "svg", "csv", "dxf", "gltf"] {
         let answer = server
-            .get(&format!("{path}/result?format={format}"))
+            .get(&format!("{path}/result/{format}"))
             .send()
             .await
             .unwrap();

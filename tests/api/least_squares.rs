@@ -54,7 +54,7 @@ async fn the_minimum_is_that_of_scipy() {
             .stream(&json!({
                 "curve": {
                     "points": points, "parameters": t,
-                    "basis": {"kind": "bspline", "knots": "piegl_tiller"},
+                    "basis": {"kind": "bspline", "knots": data::piegl_tiller(&t, 3, 10)},
                 },
                 "method": {"kind": "least_squares", "control_points": 10, "variant": variant, "end_points": "free"},
                 "stop": {"tolerance": 1e-9, "max_iterations": 10_000},
@@ -97,10 +97,11 @@ async fn the_published_curve_takes_two_iterations() {
         })
         .map(|(a, r)| [r * a.cos(), r * a.sin()])
         .collect();
+    let knots = data::piegl_tiller(&data::chord_lengths(&points), 3, 3001);
     for variant in ["diagonal", "cg"] {
         let job = server
             .fit(&json!({
-                "curve": {"points": points, "basis": {"kind": "bspline", "knots": "piegl_tiller"}},
+                "curve": {"points": points, "basis": {"kind": "bspline", "knots": knots}},
                 "method": {"kind": "least_squares", "control_points": 3001, "variant": variant},
                 "stop": {"tolerance": 0, "max_iterations": 2},
             }))

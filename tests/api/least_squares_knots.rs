@@ -184,9 +184,9 @@ async fn closed_curves_are_reversed_around_their_first_point() {
     }
 }
 
-/// What is usual is named, and so is the rule from before, which edits keep.
+/// What is usual has a name, which edits keep.
 #[tokio::test]
-async fn rules_have_names() {
+async fn the_rule_has_a_name() {
     let server = Server::start().await;
     let asked = |basis: Value| {
         json!({
@@ -203,70 +203,51 @@ async fn rules_have_names() {
     let capabilities = server.json("/v1/capabilities").await;
     let methods = capabilities["methods"].as_array().unwrap();
     let announced = methods.iter().find(|it| it["kind"] == "least_squares");
-    let names = ["spread", "piegl_tiller"];
-    assert_eq!(
-        announced.unwrap()["knots"],
-        json!([names[0], names[1], "explicit"])
-    );
-    let (mut knots, mut parameters) = (Vec::new(), Vec::new());
-    for name in names {
-        let basis = json!({"kind": "bspline", "knots": name});
-        let parent = server.stream(&asked(basis)).await;
-        assert_eq!(rule(&parent.job).await, name);
-        let change = json!({"points": [{"index": 3, "point": [0, 1, 2]}]});
+    assert_eq!(announced.unwrap()["knots"], json!(["spread", "explicit"]));
+    let basis = json!({"kind": "bspline", "knots": "spread"});
+    let parent = server.stream(&asked(basis)).await;
+    assert_eq!(rule(&parent.job).await, "spread");
+    for change in [
+        json!({"points": [{"index": 3, "point": [0, 1, 2]}]}),
+        json!({"method": method("direct", json!(12))}),
+    ] {
         let edits = server.post(&format!("{}/edits", base(&parent.job)));
         let edit = edits.json(&change).send().await.unwrap();
         assert!(edit.status().is_success());
         let edit: Value = edit.json().await.unwrap();
-        assert_eq!(rule(&edit).await, name);
-        let method = json!({"method": method("direct", json!(12))});
-        let edits = server.post(&format!("{}/edits", base(&parent.job)));
-        let edit = edits.json(&method).send().await.unwrap();
-        assert!(edit.status().is_success());
-        let edit: Value = edit.json().await.unwrap();
-        assert_eq!(rule(&edit).await, name);
-        knots.push(parent.job["knots"].clone());
-        parameters = numbers(&parent.job["parameters"]);
+        assert_eq!(rule(&edit).await, "spread");
     }
-    assert_ne!(knots[0], knots[1]);
-    // (9.68)–(9.69) of 30 parameters and 9 spans: d = 10/3, whose first multiple is α = 1/3 of the
-    // way from parameter 2 to parameter 3; equal shares end at 29/9 = 3 + 2/9.
-    let expected = [
-        7.0 / 9.0 * parameters[3] + 2.0 / 9.0 * parameters[4],
-        2.0 / 3.0 * parameters[2] + 1.0 / 3.0 * parameters[3],
-    ];
-    for (knots, expected) in knots.iter().zip(expected) {
-        assert!((numbers(knots)[4] - expected).abs() < 1e-14);
-    }
+    // Equal shares of 30 parameters in 9 spans: the first one ends at 29/9 = 3 + 2/9.
+    let (knots, t) = (&parent.job["knots"], numbers(&parent.job["parameters"]));
+    let expected = 7.0 / 9.0 * t[3] + 2.0 / 9.0 * t[4];
+    assert!((numbers(knots)[4] - expected).abs() < 1e-14);
 }
 
 #[tokio::test]
-async fn rules_are_for_open_least_squares() {
+async fn spread_knots_are_for_open_least_squares() {
     let server = Server::start().await;
-    for rule in ["spread", "piegl_tiller"] {
-        let basis = json!({"kind": "bspline", "knots": rule});
-        let pointer = "/curve/basis/knots";
-        let global = json!({"curve": {"points": curve(20), "basis": basis}});
-        server
-            .assert_refused(&global, pointer, "for least squares")
-            .await;
-        let ended = json!({"curve": {"points": curve(20), "basis": basis, "ends": "natural"}});
-        server
-            .assert_refused(&ended, "/curve/ends", "for least squares")
-            .await;
-        let closed = json!({
-            "curve": {"points": curve(20), "basis": basis, "closed": true},
-            "method": method("direct", json!(8)),
-        });
-        server
-            .assert_refused(&closed, pointer, "for open ones")
-            .await;
-        let polynomial = json!({
-            "curve": {"points": curve(20), "basis": {"kind": "bernstein", "knots": rule}},
-            "method": method("direct", json!(8)),
-        });
-        server
-            .assert_refused(&polynomial, pointer, "no knots to choose")
-            .await;
-    }
+    let basis = json!({"kind": "bspline", "knots": "spread"});
+    let pointer = "/curve/basis/knots";
+    let global = json!({"curve": {"points": curve(20), "basis": basis}});
+    server
+        .assert_refused(&global, pointer, "for least squares")
+        .await;
+    let ended = json!({"curve": {"points": curve(20), "basis": basis, "ends": "natural"}});
+    server
+        .assert_refused(&ended, "/curve/ends", "for least squares")
+        .await;
+    let closed = json!({
+        "curve": {"points": curve(20), "basis": basis, "closed": true},
+        "method": method("direct", json!(8)),
+    });
+    server
+        .assert_refused(&closed, pointer, "for open ones")
+        .await;
+    let polynomial = json!({
+        "curve": {"points": curve(20), "basis": {"kind": "bernstein", "knots": "spread"}},
+        "method": method("direct", json!(8)),
+    });
+    server
+        .assert_refused(&polynomial, pointer, "no knots to choose")
+        .await;
 }

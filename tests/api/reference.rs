@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use crate::data;
 use crate::support::Server;
 
 /// Each case is a job and the largest distance at its first levels. Both programs round, and λ_min
@@ -42,15 +43,15 @@ async fn errors_equal_those_of_numpy() {
     assert!(worst.len() >= 40, "methods and bases: {worst:?}");
 }
 
-/// Names the knots of B-splines that are not chosen.
-fn name_knots(basis: &mut Value, rule: &str) {
+/// Has the knots of B-splines that are not chosen at the data.
+fn name_knots(basis: &mut Value) {
     match basis {
         Value::Object(fields) if fields.contains_key("u") => {
             let each = fields.values_mut();
-            each.for_each(|basis| name_knots(basis, rule));
+            each.for_each(name_knots);
         }
         Value::Object(fields) if fields["kind"] == "bspline" => {
-            fields.entry("knots").or_insert(json!(rule));
+            fields.entry("knots").or_insert(json!("data"));
         }
         _ => {}
     }
@@ -69,12 +70,16 @@ fn with_repeated_ends(job: &Value) -> Value {
     let shape = &mut job[kind];
     if least_squares {
         if shape["closed"] != true {
-            name_knots(&mut shape["basis"], "piegl_tiller");
+            let number = |value: &Value| value.as_u64().unwrap() as usize;
+            let t: Vec<f64> = serde_json::from_value(shape["parameters"].clone()).unwrap();
+            let degree = number(&shape["basis"]["degree"]);
+            let count = number(&job["method"]["control_points"]);
+            job[kind]["basis"]["knots"] = json!(data::piegl_tiller(&t, degree, count));
         }
         job["method"]["end_points"] = json!("free");
         return job;
     }
-    name_knots(&mut shape["basis"], "data");
+    name_knots(&mut shape["basis"]);
     let has_ends = |axis: &str| {
         let of = |field: &str| shape[field].get(axis).unwrap_or(&shape[field]).clone();
         of("basis")["knots"] == "data" && of("closed") != true

@@ -451,7 +451,7 @@ async fn views_and_files_show_scattered_fits() {
             .await;
     }
     for format in ["step", "iges", "obj", "glb", "stl", "dxf", "svg", "csv"] {
-        let path = format!("{this}/result?format={format}");
+        let path = format!("{this}/result/{format}");
         let response = server.get(&path).send().await.unwrap();
         assert_eq!(response.status(), 200, "{format}");
         let bytes = response.bytes().await.unwrap();

@@ -71,7 +71,7 @@ CHECKS = {
         return {status: response.status, after: response.headers.get("Piad-Resumed-After")};
     """,
     "a file with its name": """
-        const response = await fetch(BASE + job.links.result + "?format=step");
+        const response = await fetch(BASE + job.links.result + "/step");
         return {status: response.status, named: response.headers.get("Content-Disposition").includes(".step")};
     """,
     "a problem with its reason": """

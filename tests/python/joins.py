@@ -82,7 +82,7 @@ def main() -> int:
         for degree in ({"u": 3, "v": 3}, {"u": 2, "v": 4}, {"u": 5, "v": 3}):
             resource = fit(base, job(patch(-3, 0, 41, 60), degree, [], "direct"))
             links = resource["links"]
-            first = surface(base, f"{links['result']}?format=step", folder)
+            first = surface(base, f"{links['result']}/step", folder)
             constraints = boundary(json.loads(fetch(f"{base}{links['result']}")), degree["u"])
             for variant in ("diagonal", "cg", "direct"):
                 resource = fit(base, job(patch(0, 3, 37, 53), degree, constraints, variant))
@@ -94,7 +94,7 @@ def main() -> int:
                         wrong.append(f"{degree}, {variant}, iteration {k}: {distance:.1e} apart, angle {angle:.1e}")
             # What this is for: without constraints there is a gap.
             resource = fit(base, job(patch(0, 3, 37, 53), degree, [], "direct"))
-            distance, angle = seam(first, surface(base, f"{resource['links']['result']}?format=step", folder))
+            distance, angle = seam(first, surface(base, f"{resource['links']['result']}/step", folder))
             if min(distance, angle) < 1e-4:
                 wrong.append(f"{degree}: patches join by themselves, {distance:.1e} apart, angle {angle:.1e}")
     print("\n".join(wrong) or f"ok: {seams} seams are smooth to {MOST} in OpenCASCADE")

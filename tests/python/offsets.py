@@ -69,7 +69,7 @@ def shape(base: str, job: dict, folder: str):
     assert resource["state"] == "converged", resource
     path = os.path.join(folder, "fit.step")
     with open(path, "wb") as file:
-        file.write(fetch(f"{base}{resource['links']['result']}?format=step"))
+        file.write(fetch(f"{base}{resource['links']['result']}/step"))
     return cad.CadFile(path)
 
 

@@ -56,7 +56,7 @@ def write_all(base: str, folder: str) -> None:
         result = base + resource["links"]["result"]
         files = {"job.json": job, "result.json": fetch(result)}
         formats = {format: ending for format, ending in FORMATS.items() if format != "stl" or resource["kind"] == "surface"}
-        files |= {ending: fetch(f"{result}?format={format}") for format, ending in formats.items()}
+        files |= {ending: fetch(f"{result}/{format}") for format, ending in formats.items()}
         for ending, content in files.items():
             with open(os.path.join(folder, f"{name}.{ending}"), "wb") as file:
                 file.write(content)

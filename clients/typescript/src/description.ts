@@ -461,7 +461,7 @@ export interface paths {
         };
         /**
          * Show an iteration
-         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With `?format=` or an Accept header also as a file.
+         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With the name of a format after the path, such as `/step`, or an Accept header also as a file.
          */
         get: operations["getIteration"];
         put?: never;
@@ -481,7 +481,7 @@ export interface paths {
         };
         /**
          * Show the result
-         * @description The final curve or surface, with all digits. With `?format=` or an Accept header also as a file. Other views of it are those of the iteration `last`.
+         * @description The final curve or surface, with all digits. With the name of a format after the path, such as `/step`, or an Accept header also as a file. Other views of it are those of the iteration `last`.
          */
         get: operations["getResult"];
         put?: never;
@@ -741,7 +741,7 @@ export interface components {
          */
         BasisKind: "bspline" | "bernstein" | "said_ball" | "wang_ball";
         /**
-         * @description Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data ("spread"), or place them as earlier programs did ("piegl_tiller").
+         * @description Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data ("spread").
          * @example data
          * @example [
          *       0,
@@ -754,7 +754,7 @@ export interface components {
          *       1
          *     ]
          */
-        KnotChoice: ("data" | "averaged" | "spread" | "piegl_tiller") | number[];
+        KnotChoice: ("data" | "averaged" | "spread") | number[];
         /**
          * @description How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first. Default: `"chord_length"`.
          * @example centripetal

@@ -129,7 +129,7 @@ impl MethodCapability {
             kind,
             settings: settings(kind),
             knots: match kind {
-                "least_squares" => &["spread", "piegl_tiller", "explicit"],
+                "least_squares" => &["spread", "explicit"],
                 _ => &[],
             },
             surface: kind != "convex",

@@ -12,7 +12,7 @@ use crate::api::language::{JSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::export::MOST_MEASURED;
 use crate::export::csv::Table;
-use crate::export::{ExportError, Fitted, Format, Options, UnknownFormat, write};
+use crate::export::{ExportError, Fitted, Format, Options, write};
 use crate::fit::iteration::Iteration;
 use crate::fit::points::Grid;
 use crate::fit::problem as fit;
@@ -44,30 +44,14 @@ pub(super) enum Representation {
     File(Format),
 }
 
-/// The representation that the query names, or else the Accept header; JSON if neither does.
-pub(super) fn representation(
-    headers: &HeaderMap,
-    format: Option<&str>,
-) -> Result<Representation, Problem> {
-    match format {
-        Some("json") => Ok(Representation::Json),
-        Some("protobuf") => Ok(Representation::Protobuf),
-        Some(name) => name
-            .parse()
-            .map(Representation::File)
-            .map_err(|error: UnknownFormat| {
-                Problem::at_parameter("format", format!("{error}, and json and protobuf"))
-            }),
-        None => {
-            let files =
-                Format::ALL.map(|format| (format.media_type(), Representation::File(format)));
-            let levels = [
-                (JSON, Representation::Json),
-                (PROTOBUF, Representation::Protobuf),
-            ];
-            negotiate::choose(headers, &[levels.as_slice(), files.as_slice()].concat())
-        }
-    }
+/// The representation that the Accept header likes best; JSON without one.
+pub(super) fn representation(headers: &HeaderMap) -> Result<Representation, Problem> {
+    let files = Format::ALL.map(|format| (format.media_type(), Representation::File(format)));
+    let levels = [
+        (JSON, Representation::Json),
+        (PROTOBUF, Representation::Protobuf),
+    ];
+    negotiate::choose(headers, &[levels.as_slice(), files.as_slice()].concat())
 }
 
 /// A level of a job as a file.

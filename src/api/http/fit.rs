@@ -24,7 +24,7 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
         None => (negotiate::query(request.uri())?, None),
         Some((query, fields)) => (query, Some(fields)),
     };
-    let representation = export::representation(request.headers(), query.format.as_deref())?;
+    let representation = export::representation(request.headers())?;
     let (language, body) = match fields {
         None => body::read(&app, request).await?,
         Some(_) => (Language::Json, body::read_points(&app, request).await?),

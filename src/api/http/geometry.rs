@@ -212,7 +212,7 @@ async fn job_and_wanted(
     headers: &HeaderMap,
 ) -> Result<(Arc<Job>, Wanted), Problem> {
     let query: IterationQuery = negotiate::query(uri)?;
-    let representation = export::representation(headers, query.format.as_deref())?;
+    let representation = export::representation(headers)?;
     let job = jobs::find(app, id).await?;
     let wanted = wanted(&job, query, representation).await?;
     Ok((job, wanted))
@@ -252,10 +252,6 @@ async fn job_and_file(
         Problem::new(Kind::NotFound, detail)
     })?;
     let query: IterationQuery = negotiate::query(uri)?;
-    if query.format.is_some() {
-        let detail = "the path names the format";
-        return Err(Problem::at_parameter("format", detail));
-    }
     let job = jobs::find(app, id).await?;
     let options = query.file_options(format, job.outline().surface)?;
     Ok((job, Wanted::File(format, options)))

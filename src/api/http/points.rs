@@ -18,6 +18,7 @@ use serde_json::{Map, Value};
 use super::answer::whole;
 use super::{body, negotiate};
 use crate::api::app::App;
+use crate::api::json::read::without_mark;
 use crate::api::json::request::file::{self, FileWords};
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
@@ -26,7 +27,6 @@ use crate::api::language::JSON;
 use crate::api::order;
 use crate::api::problem::Problem;
 use crate::api::stream::sending::ENOUGH;
-use crate::api::text;
 use crate::config::Config;
 use crate::fit::points::Grid;
 use crate::import::{self, Hints, Imported};
@@ -86,7 +86,7 @@ fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
 
 /// The points of a body.
 fn imported(bytes: &Bytes, hints: &Hints) -> Result<Imported, Problem> {
-    let text = String::from_utf8_lossy(text::utf8(bytes)?);
+    let text = String::from_utf8_lossy(without_mark(bytes));
     import::read(&text, hints).map_err(Problem::from)
 }
 

@@ -13,16 +13,12 @@ use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec};
 
 /// The parameters of a single iteration or a result.
-pub(super) const OF_RESULTS: [&str; 7] = [
-    "format", "view", "samples", "encoding", "digits", "dots", "units",
-];
+pub(super) const OF_RESULTS: [&str; 6] = ["view", "samples", "encoding", "digits", "dots", "units"];
 
 /// The query of a single iteration or a result.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IterationQuery {
-    /// `json`, or a file format.
-    pub format: Option<String>,
     view: Option<String>,
     samples: Option<String>,
     encoding: Option<String>,

@@ -6,13 +6,12 @@ use serde_json::error::{Category, Error};
 use serde_path_to_error::{Deserializer, Track};
 
 use crate::api::problem::{Kind, Problem};
-use crate::api::text;
 use crate::model::either::{MARK, pointer};
 use crate::model::short::{cut, plain, quoted};
 
 /// Reads a body. Only if that fails it is read once more, for the place of the error.
 pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
-    let body = text::utf8(body)?;
+    let body = without_mark(body);
     if body.trim_ascii().is_empty() {
         let detail = "the body is empty; a job is expected";
         return Err(Problem::new(Kind::NotJson, detail));
@@ -22,6 +21,11 @@ pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
         let _ = T::deserialize(Deserializer::new(&mut Json::from_slice(body), &mut track));
         problem(body, &error, pointer(&track.path()))
     })
+}
+
+/// A text without the byte-order mark that some programs write before UTF-8.
+pub fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
 
 /// What is wrong, at a place that the error says more about.

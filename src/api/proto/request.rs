@@ -6,7 +6,6 @@ use prost::DecodeError;
 use super::bounds::{self, Bounded};
 use super::fields::MessageLayout;
 use crate::api::problem::{Kind, Problem};
-use crate::api::text;
 use crate::config::Config;
 use crate::model::job::JobSpec;
 use crate::proto::job;
@@ -14,7 +13,6 @@ use crate::proto::messages as pb;
 
 /// Reads a message from the body of a request.
 pub fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, Problem> {
-    text::check_compression(&body, true)?;
     bounds::check::<M>(&body, most_points)?;
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
 }

@@ -9,7 +9,7 @@
 //! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
 //! - spread, for least squares: at equal shares of the parameters' indices, so that there is one in
 //!   every span, and reversed parameters have reversed knots;
-//! - for least squares as Piegl & Tiller have them (PT97 (9.68)–(9.69)): about as many parameters in
+//! - for as few control points as a tolerance needs (PT97 (9.68)–(9.69)): about as many parameters in
 //!   every span, of which the first ones have fewer;
 //! - periodic: at or midway between the parameters, repeated with their period.
 //!
@@ -43,8 +43,6 @@ pub enum Knots {
     Averaged,
     /// At equal shares of the parameters' indices; open least-squares fits.
     Spread,
-    /// As before they were spread (PT97 (9.68)–(9.69)); open least-squares fits.
-    PieglTiller,
     /// Given knots, clamped at both ends.
     Explicit(Arc<Vec<f64>>),
 }

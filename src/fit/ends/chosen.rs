@@ -37,7 +37,7 @@ pub(in crate::fit) fn are_chosen(
                 return Err(natural_degree(axis, side, degree));
             }
             (Knots::Usual | Knots::Data, _) => return Ok(Some(ends.clone())),
-            (Knots::Spread | Knots::PieglTiller, _) => "these knots are for least squares",
+            (Knots::Spread, _) => "these knots are for least squares",
             (Knots::Averaged, _) => {
                 "with averaged knots, which even degrees have, each control point belongs to a data point; use an odd degree, \
                  or knots \"data\""

@@ -112,13 +112,13 @@ async fn files_that_nobody_takes_share_a_budget() {
     let program = Program::with(directory.path(), &arguments);
     let job = json!({"curve": {"points": spiral(40_000)}, "stop": {"max_iterations": 1}});
     let result = format!("{}/result", fitted(&program, &job).await);
-    let paths = ["?format=step", "?format=csv&samples=500000", "?format=iges"];
+    let paths = ["/step", "/csv?samples=500000", "/iges"];
     let paths: Vec<_> = (0..60)
         .map(|i| format!("{result}{}", paths[i % 3]))
         .collect();
     let stalled = join_all(paths.iter().map(|path| program.stalled_client(path))).await;
     // Those that take nothing are closed, and then it is this one's turn.
-    assert!(length(&program, &format!("{result}?format=step")).await > 1_000_000);
+    assert!(length(&program, &format!("{result}/step")).await > 1_000_000);
     check(&program, 64 * MIB + stalled.len() * ANSWER);
     drop(stalled);
 }
@@ -250,15 +250,14 @@ async fn samples_are_evaluated_as_they_are_sent() {
         "stop": {"max_iterations": 1},
     });
     let result = format!("{}/result", fitted(&program, &job).await);
-    for (query, least) in [
-        ("view=samples&samples=20000", 600_000),
-        ("view=samples&samples=20000&encoding=base64_f32", 200_000),
-        ("view=samples&samples=20000&format=protobuf", 480_000),
-        ("format=csv&samples=20000", 1_000_000),
-        ("format=gltf&samples=20000", 240_000),
+    for (view, least) in [
+        ("?view=samples&samples=20000", 600_000),
+        ("?view=samples&samples=20000&encoding=base64_f32", 200_000),
+        ("/csv?samples=20000", 1_000_000),
+        ("/gltf?samples=20000", 240_000),
     ] {
-        let length = length(&program, &format!("{result}?{query}")).await;
-        assert!(length > least, "{query}: {length} bytes");
+        let length = length(&program, &format!("{result}{view}")).await;
+        assert!(length > least, "{view}: {length} bytes");
     }
     check(&program, 128 * MIB);
 }
@@ -293,11 +292,7 @@ async fn memory_goes_back_when_nothing_happens() {
 
     let one = async |count| {
         let path = fitted(&program, &job(count)).await;
-        for file in [
-            "iterations/3?encoding=base64",
-            "result",
-            "result?format=step",
-        ] {
+        for file in ["iterations/3?encoding=base64", "result", "result/step"] {
             length(&program, &format!("{path}/{file}")).await;
         }
         program.delete(&path).send().await.unwrap();

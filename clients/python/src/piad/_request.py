@@ -30,7 +30,7 @@ Method = Union[MethodKind, Mapping[str, Any]]
 """The kind of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
 
 Rational = Literal["homogeneous", "fixed"]
-Knots = Union[Literal["data", "averaged", "spread", "piegl_tiller"], Sequence[float]]
+Knots = Union[Literal["data", "averaged", "spread"], Sequence[float]]
 End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
 """How a direction ends on one side: a word, or an object with a `derivative`, `derivatives` or a `tangent`."""
 Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start", "end"], End]]

@@ -343,7 +343,7 @@ class Job:
         `units` which unit step and iges declare. The file is there as a whole or not at all.
         """
         part = "result" if iteration is None else f"iterations/{iteration}"
-        parameters: dict[str, str] = {"format": format}
+        parameters: dict[str, str] = {}
         if samples is not None:
             parameters["samples"] = _grid(samples)
         if dots is not None:
@@ -351,7 +351,7 @@ class Job:
         if units is not None:
             parameters["units"] = units
         headers = {"Accept": "*/*"}
-        answer = self._transport.request("GET", f"{self._path}/{part}", headers=headers, parameters=parameters)
+        answer = self._transport.request("GET", f"{self._path}/{part}/{format}", headers=headers, parameters=parameters)
         target = Path(path)
         unfinished = target.with_name(f"{target.name}.{uuid.uuid4().hex}.part")
         try:

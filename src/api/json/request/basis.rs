@@ -35,7 +35,6 @@ pub(in crate::api) enum KnotRule {
     Data,
     Averaged,
     Spread,
-    PieglTiller,
 }
 
 /// How data points get their parameters.
@@ -55,7 +54,6 @@ names!(KnotRule, "rule for knots", [
     "data" => Data,
     "averaged" => Averaged,
     "spread" => Spread,
-    "piegl_tiller" => PieglTiller,
 ]);
 names!(ParameterRule, "rule for parameters", [
     "chord_length" => ChordLength,
@@ -92,7 +90,6 @@ impl From<BasisRequest> for BasisSpec {
                 RuleOrNumbers::Rule(KnotRule::Data) => Knots::Data,
                 RuleOrNumbers::Rule(KnotRule::Averaged) => Knots::Averaged,
                 RuleOrNumbers::Rule(KnotRule::Spread) => Knots::Spread,
-                RuleOrNumbers::Rule(KnotRule::PieglTiller) => Knots::PieglTiller,
             }),
         }
     }
@@ -152,7 +149,7 @@ schema_of!(
     KnotChoice,
     "KnotChoice",
     json_schema!({
-        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\"), or place them as earlier programs did (\"piegl_tiller\").",
+        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\").",
         "oneOf": [
             {"type": "string", "enum": KnotRule::names()},
             {"type": "array", "items": {"type": "number"}, "minItems": 4},

@@ -189,7 +189,6 @@ fn basis(choice: &DirectionChoice) -> Value {
                 Knots::Data => value["knots"] = json!("data"),
                 Knots::Averaged => value["knots"] = json!("averaged"),
                 Knots::Spread => value["knots"] = json!("spread"),
-                Knots::PieglTiller => value["knots"] = json!("piegl_tiller"),
                 Knots::Explicit(knots) => value["knots"] = json!(**knots),
             }
             value
