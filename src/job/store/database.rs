@@ -10,10 +10,10 @@ use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
 use tracing::error;
 use uuid::Uuid;
 
-use super::error::{catch_panic, closed};
+use super::error::{catch_panic, not_open};
 use super::opening::{self, OpenError};
-use super::tables::{HEADERS, INPUTS, KEYS, RESULTS};
-use super::{IdempotencyEntry, Record, Selection, StoreError, record};
+use super::record::{self, HEADERS, INPUTS, KEYS, RESULTS};
+use super::{IdempotencyEntry, Record, Selection, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 
@@ -111,33 +111,20 @@ impl JobDatabase {
     /// Jobs, the newest first.
     pub(super) fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
         let end = selection.before.unwrap_or(Uuid::max()).as_u128();
-        let mut records = Vec::new();
         let headers = self.table(HEADERS)?;
-        for entry in headers.range(..end)?.rev() {
-            if records.len() == selection.limit {
-                break;
-            }
-            let (id, bytes) = entry?;
-            let record = record::header(Uuid::from_u128(id.value()), bytes.value())?.record;
-            let state = record.status.state;
-            if selection.state.is_none_or(|wanted| wanted == state) {
-                records.push(record);
-            }
-        }
-        Ok(records)
+        let records = headers.range(..end)?.rev().map(record::of_entry);
+        let wanted = |record: &Record| selection.state.is_none_or(|it| it == record.status.state);
+        let records = records.filter(|record| record.as_ref().map_or(true, wanted));
+        records.take(selection.limit).collect()
     }
 
     /// Jobs that have not ended, the oldest first.
     pub(super) fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
-        let mut records = Vec::new();
-        for entry in self.table(HEADERS)?.iter()? {
-            let (id, bytes) = entry?;
-            let record = record::header(Uuid::from_u128(id.value()), bytes.value())?.record;
-            if !record.status.state.is_final() {
-                records.push(record);
-            }
-        }
-        Ok(records)
+        let headers = self.table(HEADERS)?;
+        let records = headers.iter()?.map(record::of_entry);
+        let unfinished = |record: &Record| !record.status.state.is_final();
+        let records = records.filter(|record| record.as_ref().map_or(true, unfinished));
+        records.collect()
     }
 
     /// The entry of an idempotency key, unless it has expired.
@@ -158,7 +145,7 @@ impl JobDatabase {
         table: TableDefinition<K, &'static [u8]>,
     ) -> Result<impl ReadableTable<K, &'static [u8]> + use<K>, StoreError> {
         let redb = self.redb();
-        let redb = redb.as_ref().ok_or_else(closed)?;
+        let redb = redb.as_ref().ok_or_else(not_open)?;
         Ok(redb.begin_read()?.open_table(table)?)
     }
 

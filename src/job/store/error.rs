@@ -16,7 +16,7 @@ pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> 
 }
 
 /// After a failure there is no database until it could be opened again.
-pub(super) fn closed() -> StoreError {
+pub(super) fn not_open() -> StoreError {
     StoreError::Failed("the database could not be opened again after an error".to_owned())
 }
 

@@ -1,12 +1,11 @@
 //! Where jobs are kept: their problems, states and final control points, in one file of the embedded ACID
 //! database redb, or in memory. Frames are not kept.
 //!
-//! - [`tables`]: the tables of the file, and the version of their content; [`record`]: what stands in them;
+//! - [`record`]: the tables of the file, and what stands in them;
 //! - [`database`]: the open file, and what is read from it; [`opening`]: opens the file, or says what is
 //!   wrong with it; [`error`]: errors and panics of the database;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
-//!   and back; [`transaction`]: what changes do to the tables; [`recovery`]: the first transaction after a
-//!   start;
+//!   and back; [`transaction`]: what changes do to the tables;
 //! - [`crash_recovery`]: what becomes of jobs that were running in a crash; [`ended`]: which jobs that have
 //!   ended to forget.
 
@@ -19,8 +18,6 @@ mod error;
 pub(crate) mod fuzzing;
 mod opening;
 pub(super) mod record;
-mod recovery;
-mod tables;
 mod transaction;
 mod writer;
 

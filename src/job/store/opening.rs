@@ -13,7 +13,7 @@ use tracing::warn;
 
 use super::StoreError;
 use super::error::catch_panic;
-use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
+use super::record::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 
 /// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
 /// of a commit; pages that do not fit in are written first and read again for their checksums.

@@ -1,5 +1,5 @@
-//! What stands in the tables: records in MessagePack, with the names of their fields, and problems as
-//! messages of the contract.
+//! The tables of the file, and what stands in them: records in MessagePack, with the names of their fields,
+//! and problems as messages of the contract.
 //!
 //! In JSON the errors of a fit could not be infinite. Arrays of numbers are kept as their bytes.
 
@@ -7,6 +7,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use prost::Message;
+use redb::{AccessGuard, StorageError, TableDefinition};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
@@ -19,6 +20,24 @@ use crate::fit::problem::{Problem, Request};
 use crate::job::result::LastGeometry;
 use crate::proto::job;
 use crate::proto::messages as pb;
+
+/// The version of what is described here. Files of other versions are refused.
+pub(super) const VERSION: u64 = 1;
+
+/// Facts about the file itself.
+pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");
+pub(super) const VERSION_FACT: &str = "version";
+
+/// Jobs without their points, by id: lists read only these.
+pub(super) const HEADERS: TableDefinition<u128, &[u8]> = TableDefinition::new("headers");
+/// Problems as they were asked for, by the id of the job.
+pub(super) const INPUTS: TableDefinition<u128, &[u8]> = TableDefinition::new("inputs");
+/// The free control points of the last level, by the id of the job.
+pub(super) const RESULTS: TableDefinition<u128, &[u8]> = TableDefinition::new("results");
+/// Which job was made for a key.
+pub(super) const KEYS: TableDefinition<&str, &[u8]> = TableDefinition::new("keys");
+/// Nothing: pages are taken and given back here, so that there are some.
+pub(super) const SLACK: TableDefinition<u64, &[u8]> = TableDefinition::new("slack");
 
 /// A job without its points.
 #[derive(Serialize, Deserialize)]
@@ -69,6 +88,14 @@ pub(super) fn header(id: Uuid, bytes: &[u8]) -> Result<Header, StoreError> {
         Some(1..) => Ok(header),
         _ => Err(damaged(what, "there are no points, or more than can be")),
     }
+}
+
+/// The record of an entry of the table of headers.
+pub(super) fn of_entry(
+    entry: Result<(AccessGuard<'_, u128>, AccessGuard<'_, &'static [u8]>), StorageError>,
+) -> Result<Record, StoreError> {
+    let (id, bytes) = entry?;
+    Ok(header(Uuid::from_u128(id.value()), bytes.value())?.record)
 }
 
 /// The entry of an idempotency key.

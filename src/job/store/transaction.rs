@@ -7,8 +7,7 @@ use redb::{ReadableTable, Table, WriteTransaction};
 use uuid::Uuid;
 
 use super::ended::Ended;
-use super::record::{self, Header};
-use super::tables::{HEADERS, INPUTS, KEYS, RESULTS, SLACK};
+use super::record::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
 use super::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;

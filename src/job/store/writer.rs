@@ -12,7 +12,7 @@ use tracing::{error, warn};
 use super::change::{Change, Pending};
 use super::database::JobDatabase;
 use super::ended::Ended;
-use super::error::{catch_panic, closed as database_closed};
+use super::error::{catch_panic, not_open};
 use super::transaction::{EndedChange, Transaction};
 use super::{Acknowledgement, StoreError};
 use crate::job::counters::Counters;
@@ -178,7 +178,7 @@ impl WriterThread {
     ) -> Result<(), StoreError> {
         let transact = || {
             let redb = self.database.redb();
-            let redb = redb.as_ref().ok_or_else(database_closed)?;
+            let redb = redb.as_ref().ok_or_else(not_open)?;
             let write = redb.begin_write()?;
             let mut transaction = Transaction::open(&write, &self.ended)?;
             work(&mut transaction)?;
