@@ -1,16 +1,32 @@
 //! Numbers, lists and enumerations of messages.
 
+use crate::fit::points::Grid;
+use crate::model::lists::PointNumbers;
 use crate::model::mistakes::Mistake;
+use crate::model::settings::Index;
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug)]
 pub struct MethodTarget {
-    /// The number of data points.
-    pub points: usize,
+    /// How the data points are arranged.
+    pub grid: Grid,
     /// Whether they are those of a surface.
     pub surface: bool,
     /// The most indices of points.
     pub most: usize,
+}
+
+impl MethodTarget {
+    /// The index of a data point.
+    pub fn index(self, index: u32) -> Index {
+        let is_rows = self.surface && self.grid.is_rows();
+        Index::new(index as usize, is_rows.then_some(self.grid.columns))
+    }
+
+    /// Numbers of data points, if there are any.
+    pub fn numbers(self, numbers: Vec<f64>) -> Option<PointNumbers> {
+        some(numbers).map(|numbers| PointNumbers::new(numbers, self.grid, self.surface))
+    }
 }
 
 /// Numbers of points, which are limited by what a request can carry.

@@ -19,15 +19,15 @@ use super::net::{each, fixed_weights, knots, parameters, rational};
 use super::warning::WarningView;
 use super::writer::Digits;
 use super::{examples, to_bytes};
-use crate::api::json::per_direction::{Count, PerDirection};
-use crate::api::json::schema::plain::never_null;
-use crate::api::json::schema::schema_of;
+use crate::api::json::plain::never_null;
 use crate::api::problem::ProblemBody;
 use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::state::{Levels, Reason, State, Status};
-use crate::model::shape::BasisKind;
+use crate::model::basis::BasisKind;
+use crate::model::per_direction::{Count, PerDirection};
+use crate::model::schema::schema_of;
 use crate::model::weights::Rational;
 
 /// The data of the `job` event: all that does not change from iteration to iteration.

@@ -13,14 +13,14 @@ use super::level::digits;
 use super::net::{
     ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, parameters, rational,
 };
-use crate::api::json::per_direction::{Count, Pair, PerDirection};
-use crate::api::json::schema::plain::never_null;
-use crate::api::json::schema::schema_of;
+use crate::api::json::plain::never_null;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::{State, Status};
-use crate::model::shape::BasisKind;
+use crate::model::basis::BasisKind;
+use crate::model::per_direction::{Count, Pair, PerDirection};
+use crate::model::schema::schema_of;
 use crate::model::stream::form::Form;
 use crate::model::weights::Rational;
 

@@ -11,6 +11,7 @@ use super::error::{damaged, mistaken};
 use super::points::PointsMessage;
 use super::result::{Numbers, lists, numbers};
 use crate::fit::problem::{Problem, Request};
+use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
 
@@ -51,7 +52,8 @@ impl Input {
     pub(super) fn into_request(self) -> Result<Request, StoreError> {
         let job = self.job.ok_or_else(|| damaged("no problem"))?;
         let start = self.start.map(PointsMessage::into_points).transpose()?;
-        let request = job::spec(job, usize::MAX).request().map_err(mistaken)?;
+        let job = job::request(job, usize::MAX);
+        let request = job.and_then(JobRequest::request).map_err(mistaken)?;
         Ok(Request {
             start: start.map(Arc::new),
             start_breaks: lists(self.start_breaks),
