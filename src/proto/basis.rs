@@ -3,23 +3,24 @@
 use std::sync::Arc;
 
 use super::messages as pb;
-use super::values::{count, known};
-use crate::fit::basis::{Polynomial, knots::Knots};
+use super::values::{chosen, count, known, value};
+use crate::fit::basis::knots::Knots;
 use crate::fit::direction::BasisChoice;
 use crate::fit::parameters::Parametrization;
 use crate::model::basis::{Basis, BasisKind};
 use crate::model::mistakes::Mistake;
-use crate::model::named::Rule;
+use crate::model::named::{Named, Rule};
+
+const KINDS: [(BasisKind, pb::BasisKind); 4] = [
+    (BasisKind::Bspline, pb::BasisKind::Bspline),
+    (BasisKind::Bernstein, pb::BasisKind::Bernstein),
+    (BasisKind::SaidBall, pb::BasisKind::SaidBall),
+    (BasisKind::WangBall, pb::BasisKind::WangBall),
+];
 
 /// The basis of a direction, which is this field.
 pub fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
     let basis = basis.unwrap_or_default();
-    let kind = match known(basis.kind, &format!("{field}.kind"))? {
-        pb::BasisKind::Unspecified | pb::BasisKind::Bspline => BasisKind::Bspline,
-        pb::BasisKind::Bernstein => BasisKind::Bernstein,
-        pb::BasisKind::SaidBall => BasisKind::SaidBall,
-        pb::BasisKind::WangBall => BasisKind::WangBall,
-    };
     let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
         pb::KnotRule::Unspecified => Chosen::Any,
         pb::KnotRule::Explicit => Chosen::Explicit,
@@ -28,7 +29,7 @@ pub fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
         pb::KnotRule::Spread => Chosen::Rule(Knots::Spread),
     };
     Ok(Basis {
-        kind,
+        kind: chosen(&KINDS, basis.kind, &format!("{field}.kind"))?.unwrap_or_default(),
         degree: basis.degree.map(|degree| degree as usize),
         knots: rule.of(basis.knots, &format!("{field}.knots"))?,
     })
@@ -75,26 +76,29 @@ impl<R: Rule> Chosen<R> {
 
 /// The message of a basis.
 pub fn message(choice: &BasisChoice) -> pb::Basis {
-    let kind = basis_kind(choice).into();
-    let BasisChoice::BSpline { degree, knots } = choice else {
-        return pb::Basis {
-            kind,
-            ..pb::Basis::default()
-        };
-    };
+    let Basis {
+        kind,
+        degree,
+        knots,
+    } = Basis::from(choice);
     let (rule, knots) = match knots {
-        Knots::Usual => (pb::KnotRule::Unspecified, Vec::new()),
-        Knots::Data => (pb::KnotRule::Data, Vec::new()),
-        Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
-        Knots::Spread => (pb::KnotRule::Spread, Vec::new()),
-        Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
+        None | Some(Knots::Usual) => (pb::KnotRule::Unspecified, Vec::new()),
+        Some(Knots::Data) => (pb::KnotRule::Data, Vec::new()),
+        Some(Knots::Averaged) => (pb::KnotRule::Averaged, Vec::new()),
+        Some(Knots::Spread) => (pb::KnotRule::Spread, Vec::new()),
+        Some(Knots::Explicit(knots)) => (pb::KnotRule::Explicit, knots.to_vec()),
     };
     pb::Basis {
-        kind,
-        degree: Some(count(*degree)),
+        kind: value(&KINDS, Some(kind)).into(),
+        degree: degree.map(count),
         knot_rule: rule.into(),
         knots,
     }
+}
+
+/// The kind of a basis with this name.
+pub fn kind(name: &str) -> pb::BasisKind {
+    value(&KINDS, BasisKind::of_name(name))
 }
 
 /// The message of parameters.
@@ -108,15 +112,5 @@ pub fn parameters_message(choice: &Parametrization) -> pb::Parameters {
     pb::Parameters {
         rule: rule.into(),
         values,
-    }
-}
-
-/// The kind of a basis that was asked for.
-fn basis_kind(choice: &BasisChoice) -> pb::BasisKind {
-    match choice {
-        BasisChoice::BSpline { .. } => pb::BasisKind::Bspline,
-        BasisChoice::Polynomial(Polynomial::Bernstein) => pb::BasisKind::Bernstein,
-        BasisChoice::Polynomial(Polynomial::SaidBall) => pb::BasisKind::SaidBall,
-        BasisChoice::Polynomial(Polynomial::WangBall) => pb::BasisKind::WangBall,
     }
 }

@@ -7,7 +7,7 @@ use super::ends::{self, flat};
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
 use super::method;
 use super::stream;
-use super::values::{MethodTarget, check_count, count, known, some};
+use super::values::{MethodTarget, check_count, chosen, count, known, some, value};
 use crate::fit::direction::DirectionChoice;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
@@ -25,6 +25,11 @@ use crate::model::shape::{CurveInput, MAX_DIMENSION, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
+
+const RATIONALS: [(Rational, pb::Rational); 2] = [
+    (Rational::Homogeneous, pb::Rational::Homogeneous),
+    (Rational::Fixed, pb::Rational::Fixed),
+];
 
 /// The job that a message asks for, with at most so many points.
 pub fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
@@ -278,11 +283,7 @@ pub fn surface_weights(
 
 /// How weights are used.
 pub fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
-    Ok(match known(value, "rational")? {
-        pb::Rational::Unspecified => None,
-        pb::Rational::Homogeneous => Some(Rational::Homogeneous),
-        pb::Rational::Fixed => Some(Rational::Fixed),
-    })
+    chosen(&RATIONALS, value, "rational")
 }
 
 /// When the iteration ends.
@@ -367,12 +368,9 @@ fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection 
     }
 }
 
-fn rational_message(request: &Request) -> pb::Rational {
-    match Rational::of(request) {
-        None => pb::Rational::Unspecified,
-        Some(Rational::Homogeneous) => pb::Rational::Homogeneous,
-        Some(Rational::Fixed) => pb::Rational::Fixed,
-    }
+/// How the weights of a problem are used.
+pub fn rational_message(request: &Request) -> pb::Rational {
+    value(&RATIONALS, Rational::of(request))
 }
 
 fn grid_weights(weights: &Weights) -> Option<Vec<f64>> {

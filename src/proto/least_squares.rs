@@ -1,7 +1,7 @@
 //! The settings of least squares in messages.
 
 use super::messages::{method as m, method::constraint as c};
-use super::values::{MethodTarget, check_count, count, known, some};
+use super::values::{MethodTarget, check_count, chosen, count, some, value};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
     AS_MANY_AS_DATA, At, Constraint, EndPoints, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
@@ -12,6 +12,27 @@ use crate::model::method::counts::ControlPointCount;
 use crate::model::method::{ConstraintInput, LeastSquaresInput, VariantKind};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
+
+const VARIANTS: [(VariantKind, m::Variant); 4] = [
+    (VariantKind::Cg, m::Variant::Cg),
+    (VariantKind::Diagonal, m::Variant::Diagonal),
+    (VariantKind::Lspia, m::Variant::Lspia),
+    (VariantKind::Direct, m::Variant::Direct),
+];
+
+const END_POINTS: [(EndPoints, m::EndPoints); 2] = [
+    (EndPoints::Interpolated, m::EndPoints::Interpolated),
+    (EndPoints::Free, m::EndPoints::Free),
+];
+
+const SIDES: [(Side, m::Side); 2] = [(Side::Start, m::Side::Start), (Side::End, m::Side::End)];
+
+const BOUNDARIES: [((Axis, Side), m::Boundary); 4] = [
+    ((Axis::U, Side::Start), m::Boundary::UStart),
+    ((Axis::U, Side::End), m::Boundary::UEnd),
+    ((Axis::V, Side::Start), m::Boundary::VStart),
+    ((Axis::V, Side::End), m::Boundary::VEnd),
+];
 
 /// The settings that a message asks for. Without a number for v both directions have that for u.
 pub(super) fn input(
@@ -52,19 +73,13 @@ pub(super) fn input(
         control_points,
         max_control_points,
         correct_parameters: settings.automatic.map(|it| it.correct_parameters),
-        variant: match known(settings.variant, "method.least_squares.variant")? {
-            m::Variant::Unspecified => None,
-            m::Variant::Cg => Some(VariantKind::Cg),
-            m::Variant::Diagonal => Some(VariantKind::Diagonal),
-            m::Variant::Lspia => Some(VariantKind::Lspia),
-            m::Variant::Direct => Some(VariantKind::Direct),
-        },
+        variant: chosen(&VARIANTS, settings.variant, "method.least_squares.variant")?,
         mu: settings.mu,
-        end_points: match known(settings.end_points, "method.least_squares.end_points")? {
-            m::EndPoints::Unspecified => None,
-            m::EndPoints::Interpolated => Some(EndPoints::Interpolated),
-            m::EndPoints::Free => Some(EndPoints::Free),
-        },
+        end_points: chosen(
+            &END_POINTS,
+            settings.end_points,
+            "method.least_squares.end_points",
+        )?,
         data_weights: target.numbers(weights),
         fairness: settings.fairness,
         fairness_order: (order != 0).then_some(order as usize),
@@ -96,21 +111,18 @@ fn constraint(message: m::Constraint, surface: bool, field: &str) -> Result<Cons
         .at
         .ok_or_else(|| wrong("it says nowhere where it holds"))?
     {
-        c::At::Side(side) => match known(side, &format!("{field}.side"))? {
-            m::Side::Unspecified => return Err(wrong("its side is not given")),
-            m::Side::Start => At::Side(Side::Start),
-            m::Side::End => At::Side(Side::End),
-        },
+        c::At::Side(side) => {
+            let side = chosen(&SIDES, side, &format!("{field}.side"))?;
+            At::Side(side.ok_or_else(|| wrong("its side is not given"))?)
+        }
         c::At::Index(index) => At::Index(index as usize),
         c::At::Parameter(t) => At::Parameter(t),
         c::At::Parameters(m::SurfaceParameters { u, v }) => At::Parameters(u, v),
-        c::At::Boundary(boundary) => match known(boundary, &format!("{field}.boundary"))? {
-            m::Boundary::Unspecified => return Err(wrong("its boundary is not given")),
-            m::Boundary::UStart => At::Boundary(Axis::U, Side::Start),
-            m::Boundary::UEnd => At::Boundary(Axis::U, Side::End),
-            m::Boundary::VStart => At::Boundary(Axis::V, Side::Start),
-            m::Boundary::VEnd => At::Boundary(Axis::V, Side::End),
-        },
+        c::At::Boundary(boundary) => {
+            let boundary = chosen(&BOUNDARIES, boundary, &format!("{field}.boundary"))?;
+            let (axis, side) = boundary.ok_or_else(|| wrong("its boundary is not given"))?;
+            At::Boundary(axis, side)
+        }
     };
     let wanted = match message.wanted {
         None if matches!(at, At::Index(_)) => Wanted::DataPoint,
@@ -159,13 +171,6 @@ fn points(vectors: &[m::Vector]) -> Option<Points> {
 
 /// The settings, without lists.
 pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
-    use m::Variant as V;
-    let (variant, mu) = match settings.variant {
-        Variant::Diagonal => (V::Diagonal, None),
-        Variant::Lspia { mu } => (V::Lspia, mu),
-        Variant::ConjugateGradients => (V::Cg, None),
-        Variant::Direct => (V::Direct, None),
-    };
     // Zero: as many as there are data points.
     let number = |most| {
         if most == AS_MANY_AS_DATA {
@@ -181,14 +186,12 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         automatic: settings.automatic.map(|it| m::Automatic {
             correct_parameters: it.correct_parameters,
         }),
-        variant: variant.into(),
-        mu,
-        end_points: match settings.ends {
-            EndPoints::Usual => m::EndPoints::Unspecified,
-            EndPoints::Interpolated => m::EndPoints::Interpolated,
-            EndPoints::Free => m::EndPoints::Free,
-        }
-        .into(),
+        variant: value(&VARIANTS, Some(settings.variant.into())).into(),
+        mu: match settings.variant {
+            Variant::Lspia { mu } => mu,
+            _ => None,
+        },
+        end_points: value(&END_POINTS, Some(settings.ends)).into(),
         fairness: settings.fairness.map(|fairness| fairness.value),
         fairness_order: settings
             .fairness
@@ -212,20 +215,11 @@ pub(super) fn lists(message: &mut m::LeastSquares, settings: &LeastSquares) {
 
 fn constraint_message(constraint: &Constraint) -> m::Constraint {
     let at = match constraint.at {
-        At::Side(Side::Start) => c::At::Side(m::Side::Start.into()),
-        At::Side(Side::End) => c::At::Side(m::Side::End.into()),
+        At::Side(side) => c::At::Side(value(&SIDES, Some(side)).into()),
         At::Index(index) => c::At::Index(count(index)),
         At::Parameter(t) => c::At::Parameter(t),
         At::Parameters(u, v) => c::At::Parameters(m::SurfaceParameters { u, v }),
-        At::Boundary(axis, side) => c::At::Boundary(
-            match (axis, side) {
-                (Axis::U, Side::Start) => m::Boundary::UStart,
-                (Axis::U, Side::End) => m::Boundary::UEnd,
-                (Axis::V, Side::Start) => m::Boundary::VStart,
-                (Axis::V, Side::End) => m::Boundary::VEnd,
-            }
-            .into(),
-        ),
+        At::Boundary(axis, side) => c::At::Boundary(value(&BOUNDARIES, Some((axis, side))).into()),
     };
     let vector = |coordinates: &[f64]| m::Vector {
         coordinates: coordinates.to_vec(),

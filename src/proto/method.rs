@@ -2,7 +2,7 @@
 
 use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
-use super::values::{MethodTarget, check_count, known, some};
+use super::values::{MethodTarget, check_count, chosen, some, value};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
     Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
@@ -18,6 +18,16 @@ use crate::model::method::{
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::per_direction::PerDirection;
 use crate::model::settings::{self, Matrix, Thresholds};
+
+const STARTS: [(Start, m::Start); 2] = [
+    (Start::Transformed, m::Start::Transformed),
+    (Start::Data, m::Start::Data),
+];
+
+const SWEEPS: [(Sweeps, m::Sweeps); 2] = [
+    (Sweeps::Rows, m::Sweeps::Rows),
+    (Sweeps::Columns, m::Sweeps::Columns),
+];
 
 /// The method that a message asks for.
 pub fn input(
@@ -38,11 +48,7 @@ pub fn input(
         Kind::Local(it) => MethodInput::Local(local(it, target)?),
         Kind::Adaptive(it) => MethodInput::Adaptive(adaptive(it, target)?),
         Kind::Extended(extended) => MethodInput::Extended(ExtendedInput {
-            start: match known(extended.start, "method.extended.start")? {
-                m::Start::Unspecified => None,
-                m::Start::Transformed => Some(Start::Transformed),
-                m::Start::Data => Some(Start::Data),
-            },
+            start: chosen(&STARTS, extended.start, "method.extended.start")?,
             transformed_error: Some(extended.transformed_error),
         }),
         Kind::Transpose(_) => MethodInput::Transpose,
@@ -72,11 +78,7 @@ fn local(local: m::Local, target: MethodTarget) -> Result<LocalInput, Mistake> {
     let indices = some(local.indices);
     Ok(LocalInput {
         indices: indices.map(|it| it.into_iter().map(|index| target.index(index)).collect()),
-        sweeps: match known(local.sweeps, "method.local.sweeps")? {
-            m::Sweeps::Unspecified => None,
-            m::Sweeps::Rows => Some(Sweeps::Rows),
-            m::Sweeps::Columns => Some(Sweeps::Columns),
-        },
+        sweeps: chosen(&SWEEPS, local.sweeps, "method.local.sweeps")?,
         omega,
     })
 }
@@ -281,11 +283,7 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
             start,
             transformed_error,
         }) => Kind::Extended(m::Extended {
-            start: match start {
-                Start::Transformed => m::Start::Transformed,
-                Start::Data => m::Start::Data,
-            }
-            .into(),
+            start: value(&STARTS, Some(start)).into(),
             transformed_error,
         }),
         Method::Transpose => Kind::Transpose(m::Transpose {}),
@@ -311,11 +309,6 @@ fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
         indices: Vec::new(),
         omega: omega_used,
         auto_omega: omega == Omega::Best && omega_used.is_none(),
-        sweeps: match sweeps {
-            None => m::Sweeps::Unspecified,
-            Some(Sweeps::Rows) => m::Sweeps::Rows,
-            Some(Sweeps::Columns) => m::Sweeps::Columns,
-        }
-        .into(),
+        sweeps: value(&SWEEPS, sweeps).into(),
     }
 }

@@ -47,6 +47,23 @@ pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
     })
 }
 
+/// What a value of an enumeration stands for; nothing if it is not specified.
+pub fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
+    table: &[(T, E)],
+    value: i32,
+    field: &str,
+) -> Result<Option<T>, Mistake> {
+    let value: E = known(value, field)?;
+    let found = table.iter().find(|(_, known)| *known == value);
+    Ok(found.map(|(chosen, _)| *chosen))
+}
+
+/// The value of an enumeration; unspecified without a choice.
+pub fn value<T: Copy + PartialEq, E: Copy + Default>(table: &[(T, E)], chosen: Option<T>) -> E {
+    let found = table.iter().find(|(known, _)| Some(*known) == chosen);
+    found.map_or(E::default(), |(_, value)| *value)
+}
+
 /// Lists have as many elements as there can be, before anything is made of them.
 pub fn check_count(count: usize, most: usize, things: &str, field: &str) -> Result<(), Mistake> {
     if count > most {

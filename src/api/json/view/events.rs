@@ -15,7 +15,7 @@ use super::ends::EndRules;
 use super::error::ErrorView;
 use super::job::{AppliedStop, GeometryKind, Links, Prediction, failure, path};
 use super::level::IterationEvent;
-use super::net::{each, fixed_weights, knots, parameters, rational};
+use super::net::{each, fixed_weights, knots, parameters};
 use super::warning::WarningView;
 use super::writer::Digits;
 use super::{examples, to_bytes};
@@ -59,8 +59,7 @@ struct JobEvent<'a> {
     /// How it ends.
     ends: PerDirection<EndRules>,
     /// How weights are used, if there are any.
-    #[schemars(with = "Option<Rational>")]
-    rational: Option<&'static str>,
+    rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
     method: AppliedMethod,
     /// How fast it converges, by what is known at iteration 0.
@@ -115,7 +114,7 @@ pub fn description(
         degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
         ends: EndRules::of(problem),
-        rational: rational(problem),
+        rational: Rational::of(problem.request()),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
         predicted: Prediction::at_first(levels),
         stop: AppliedStop::new(outline),

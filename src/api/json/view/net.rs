@@ -143,14 +143,3 @@ pub(super) fn fixed_weights(
         })
     })
 }
-
-/// How weights are used.
-pub(super) fn rational(problem: &Problem) -> Option<&'static str> {
-    if problem.is_homogeneous() {
-        Some("homogeneous")
-    } else if problem.directions().any(Direction::is_rational) {
-        Some("fixed")
-    } else {
-        None
-    }
-}
