@@ -26,8 +26,8 @@ use crate::job::result::LastGeometry;
 use crate::job::state::{Levels, State, Status};
 use crate::job::store::fuzzing as store;
 use crate::job::store::{Record, StoreError};
-use crate::model::edit::{EditSpec, ParentFit};
-use crate::model::job::{JobSpec, ValidJob};
+use crate::model::edit::{EditRequest, ParentFit};
+use crate::model::job::{JobRequest, ValidJob};
 use crate::model::mistakes::MOST_MISTAKES;
 use crate::model::scattered::no_base;
 use made::Choices;
@@ -111,17 +111,17 @@ fn config() -> &'static Config {
 }
 
 fn job_of_json(bytes: &[u8]) -> Result<ValidJob, Refusal> {
-    let (spec, places) = json_job::read(Bytes::copy_from_slice(bytes))?;
-    valid(spec, &places)
+    let (request, places) = json_job::read(Bytes::copy_from_slice(bytes))?;
+    valid(request, &places)
 }
 
 fn job_of_message(bytes: &[u8]) -> Result<ValidJob, Refusal> {
-    let (spec, layout) = proto::request::read(Bytes::copy_from_slice(bytes), config())?;
-    valid(spec, &layout)
+    let (request, layout) = proto::request::read(Bytes::copy_from_slice(bytes), config())?;
+    valid(request, &layout)
 }
 
-fn valid(spec: JobSpec, words: &impl Words) -> Result<ValidJob, Refusal> {
-    let valid = spec.validate(config().limits(), Err(no_base()));
+fn valid(request: JobRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
+    let valid = request.validate(config().limits(), Err(no_base()));
     valid.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
 }
 
@@ -268,15 +268,15 @@ fn parents() -> &'static [Parent] {
 }
 
 fn edit_of_json(parent: &Parent, bytes: &[u8]) -> Result<ValidJob, Refusal> {
-    let (spec, places) = json_edit::read(Bytes::copy_from_slice(bytes), &parent.outline)?;
-    parent.edited(spec, &places)
+    let (request, places) = json_edit::read(Bytes::copy_from_slice(bytes), &parent.outline)?;
+    parent.edited(request, &places)
 }
 
 fn edit_of_message(parent: &Parent, bytes: &[u8]) -> Result<ValidJob, Refusal> {
     let most = parent.outline.grid.count();
     let message = proto::request::decode(Bytes::copy_from_slice(bytes), most)?;
-    let (spec, layout) = proto::edit::edit(message, &parent.outline)?;
-    parent.edited(spec, &layout)
+    let (request, layout) = proto::edit::edit(message, &parent.outline)?;
+    parent.edited(request, &layout)
 }
 
 impl Parent {
@@ -289,14 +289,14 @@ impl Parent {
         })
     }
 
-    fn edited(&self, spec: EditSpec, words: &impl Words) -> Result<ValidJob, Refusal> {
+    fn edited(&self, request: EditRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
         let origin = ParentFit {
             problem: &self.problem,
             control_points: &self.control_points,
             lambda_min: None,
             stream: None,
         };
-        let edited = spec.apply(&origin, config().limits());
+        let edited = request.apply(&origin, config().limits());
         edited.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
     }
 }

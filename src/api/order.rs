@@ -24,10 +24,11 @@ use crate::job::service::creating::Accepted;
 use crate::job::service::ephemeral::Ephemeral;
 use crate::job::service::sessions::SessionTurn;
 use crate::job::store::IdempotencyKey;
-use crate::model::edit::{EditSpec, ParentFit};
-use crate::model::job::{JobSpec, Limits, ValidJob};
+use crate::model::edit::{EditRequest, ParentFit};
+use crate::model::iteration::IterationChoice;
+use crate::model::job::{JobRequest, Limits};
 use crate::model::mistakes::{Mistake, SpecPart};
-use crate::model::scattered::{BaseSpec, no_base};
+use crate::model::scattered::{FootPoints, no_base};
 use crate::model::short::quoted;
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
@@ -64,39 +65,32 @@ impl Order {
     pub async fn new<W: Words + Send + 'static>(
         app: &App,
         bytes: usize,
-        read: impl FnOnce(&Config) -> Result<(JobSpec, W), Problem> + Send + 'static,
+        read: impl FnOnce(&Config) -> Result<(JobRequest, W), Problem> + Send + 'static,
     ) -> Result<Self, Problem> {
-        let config = Arc::clone(&app.config);
-        let limits = limits(app);
-        let begun = compute(app, bytes <= PARSED_AT_ONCE, move || {
-            let (spec, words) = read(&config)?;
-            match spec.base().cloned() {
-                None => validate(spec, limits, Err(no_base()), &words).map(Begun::Valid),
-                Some(base) => Ok(Begun::OnSurface { spec, base, words }),
-            }
-        });
-        let valid = match begun.await? {
-            Begun::Valid(valid) => valid,
-            Begun::OnSurface { spec, base, words } => {
-                let frame = frame_of(app, &base).await?;
-                let needed = frame.as_ref().map_or(0, |it| foot::memory(&it.problem));
-                let _room = app
-                    .jobs
-                    .resources()
-                    .memory
-                    .files
-                    .take(Peer::current(), needed)
-                    .await;
-                // Foot points take long enough even for small jobs.
-                let whole = move || {
-                    let surface =
-                        frame.map(|frame| Nurbs::of(&frame.problem, &frame.control_points));
-                    let surface = surface.as_ref().map_err(Mistake::clone);
-                    validate(spec, limits, surface, &words)
-                };
-                compute(app, false, whole).await?
-            }
+        let (config, limits) = (Arc::clone(&app.config), limits(app));
+        let is_small = bytes <= PARSED_AT_ONCE;
+        let (request, words) = compute(app, is_small, move || read(&config)).await?;
+        let base = match request.base().cloned() {
+            None => Err(no_base()),
+            Some(base) => frame_of(app, &base).await?,
         };
+        let files = &app.jobs.resources().memory.files;
+        let _room = match &base {
+            Ok(base) => {
+                files
+                    .take(Peer::current(), foot::memory(&base.problem))
+                    .await
+            }
+            Err(_) => None,
+        };
+        // Foot points take long enough even for small jobs.
+        let is_short = is_small && base.is_err();
+        let validate = move || {
+            let surface = base.map(|base| Nurbs::of(&base.problem, &base.control_points));
+            let valid = request.validate(limits, surface.as_ref().map_err(Mistake::clone));
+            valid.map_err(|mistakes| Problem::of_mistakes(mistakes, &words))
+        };
+        let valid = compute(app, is_short, validate).await?;
         Ok(Self {
             label: Label {
                 name: valid.name,
@@ -148,20 +142,22 @@ impl EditOrder {
     pub async fn new(
         app: &App,
         parent: &Arc<Job>,
-        edit: EditSpec,
+        edit: EditRequest,
         words: &impl Words,
     ) -> Result<Self, Problem> {
         // From here on the edit before of the same session is not wanted any more.
-        let session = edit.session.clone().filter(|_| edit.ephemeral);
+        let is_ephemeral = edit.ephemeral == Some(true);
+        let session = edit.session.clone().filter(|_| is_ephemeral);
         let turn = session.map(|name| app.jobs.session(parent, name));
         let wrong =
             |place, detail: String| Problem::of_mistakes(Mistake::at(place, detail).into(), words);
-        let frame = start(parent, edit.iteration).await?;
+        let iteration = edit.iteration.and_then(IterationChoice::number);
+        let frame = start(parent, iteration).await?;
         let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
         let iteration = frame.level.iteration;
         // Held until the end: points that nobody holds are read from the store again.
         let shared = parent.system().await?;
-        if edit.ephemeral {
+        if is_ephemeral {
             app.jobs.keep_at_hand(parent, &shared).await?;
         }
         let problem = Arc::clone(&frame.problem);
@@ -277,28 +273,6 @@ pub async fn known(app: &App, key: Option<&IdempotencyKey>) -> Result<Option<Acc
     }
 }
 
-/// A job whose body has been read.
-enum Begun<W> {
-    Valid(ValidJob),
-    /// Its points have foot points on the surface of another job.
-    OnSurface {
-        spec: JobSpec,
-        base: BaseSpec,
-        words: W,
-    },
-}
-
-/// The job, if it can be computed.
-fn validate(
-    spec: JobSpec,
-    limits: Limits,
-    base: Result<&Nurbs, Mistake>,
-    words: &impl Words,
-) -> Result<ValidJob, Problem> {
-    let valid = spec.validate(limits, base);
-    valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))
-}
-
 /// The largest jobs that are accepted.
 fn limits(app: &App) -> Limits {
     Limits {
@@ -308,12 +282,13 @@ fn limits(app: &App) -> Limits {
 }
 
 /// The level of another job that a new one refers to, or why there is none.
-async fn frame_of(app: &App, base: &BaseSpec) -> Result<Result<Arc<Frame>, Mistake>, Problem> {
+async fn frame_of(app: &App, base: &FootPoints) -> Result<Result<Arc<Frame>, Mistake>, Problem> {
     let Some(job) = jobs::known(app, &base.job).await? else {
         let detail = format!("there is no job {}", quoted(&base.job));
         return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
     };
-    let place = match base.iteration {
+    let iteration = base.iteration.and_then(IterationChoice::number);
+    let place = match iteration {
         Some(_) => SpecPart::FootPointsIteration,
         // The surface would depend on how far the job happens to be.
         None if !job.status().state.is_final() => {
@@ -325,7 +300,7 @@ async fn frame_of(app: &App, base: &BaseSpec) -> Result<Result<Arc<Frame>, Mista
         }
         None => SpecPart::FootPoints,
     };
-    let frame = start(&job, base.iteration).await?;
+    let frame = start(&job, iteration).await?;
     Ok(frame.map_err(|detail| Mistake::at(place, detail)))
 }
 

@@ -3,78 +3,82 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use super::job::{Limits, ValidJob, check_name};
-use super::method::MethodSpec;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::either::object;
+use super::iteration::IterationChoice;
+use super::job::{LONGEST_NAME, Limits, ValidJob, check_name};
+use super::lists::PointNumbers;
+use super::method::MethodInput;
 use super::mistakes::{ChangePart, Mistake, Mistakes, OrMistakes, SpecPart};
-use super::shape::MAX_DIMENSION;
-use super::stop::StopSpec;
+use super::numbers::{NewWeights, Point};
+use super::per_direction::PerDirection;
+use super::points::Coordinates;
+use super::schema;
+use super::settings::Index;
+use super::stop::StopRules;
 use super::stream::StreamSpec;
-use super::weights::{Rational, WeightSpec, check_unused};
+use super::weights::{Rational, Resolved, check_unused};
 use crate::fit::direction::DirectionChoice;
 use crate::fit::invalid::{self as fit, Invalid};
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Weights};
 
-/// Changes of a fit. Whatever is not given stays as it is.
-#[derive(Clone, Debug)]
-pub struct EditSpec {
-    /// The client's name for the new job.
-    pub name: Option<String>,
-    /// The level of the parent to start from; without one, its last.
-    pub iteration: Option<usize>,
-    /// It is one frame of a drag: nothing of it is kept.
-    pub ephemeral: bool,
-    /// The name that the client has given to the drag.
-    pub session: Option<String>,
-    /// Data points that go elsewhere or get another weight.
-    pub points: Vec<PointChange>,
-    /// New weights of all data points.
-    pub weights: OrMistakes<Option<WeightSpec>>,
-    /// How weights are used.
-    pub rational: OrMistakes<Option<Rational>>,
-    /// Another method.
-    pub method: OrMistakes<Option<MethodSpec>>,
-    /// Other rules when the iteration ends.
-    pub stop: Option<StopSpec>,
-    /// What the streams of the new job are like; without it as those of the parent.
-    pub stream: OrMistakes<Option<StreamSpec>>,
-}
-
 /// The most characters of the name of a drag.
 pub const LONGEST_SESSION: usize = 100;
 
+/// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
+/// `method` and `stop` is given.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = schema::example_edit())]
+pub struct EditRequest {
+    /// A name of the new job.
+    #[schemars(length(max = LONGEST_NAME), example = &"wing section, thicker")]
+    pub name: Option<String>,
+    /// The iteration of the parent to start from.
+    pub iteration: Option<IterationChoice>,
+    /// Data points that go elsewhere or get another weight; none twice.
+    pub points: Option<Vec<Move>>,
+    /// New weights of all data points.
+    #[schemars(with = "Option<NewWeights>")]
+    pub weights: Option<PerDirection<PointNumbers>>,
+    /// How the weights are used. It stays as it is where there were weights before.
+    pub rational: Option<Rational>,
+    /// Another method.
+    pub method: Option<MethodInput>,
+    /// Other rules when the iteration ends.
+    pub stop: Option<StopRules>,
+    /// What the event streams are like; without it as those of the parent.
+    pub stream: Option<StreamSpec>,
+    /// The edit is one frame of a drag: it is streamed in the answer, neither stored nor listed, and ends
+    /// with its connection.
+    #[schemars(extend("default" = false))]
+    pub ephemeral: Option<bool>,
+    /// Ephemeral edits: a name of the client's choice for the drag. An edit with it replaces the one
+    /// before of the same parent and client.
+    #[schemars(length(min = 1, max = LONGEST_SESSION), example = &"drag-17")]
+    pub session: Option<String>,
+}
+
 /// A data point that goes elsewhere, gets another weight, or both.
-#[derive(Clone, Debug)]
-pub struct PointChange {
-    /// Which point; on surfaces `row · columns + column`.
-    pub index: OrMistakes<usize>,
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = schema::example_move())]
+pub struct Move {
+    /// Which data point.
+    pub index: Index,
     /// Where it goes.
+    #[schemars(with = "Option<Point>")]
     pub point: Option<Coordinates>,
-    /// Its weight.
+    /// Its new weight, in homogeneous fits.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub weight: Option<f64>,
 }
 
-/// The coordinates of a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Coordinates {
-    values: [f64; MAX_DIMENSION],
-    count: usize,
-}
-
-impl Coordinates {
-    /// The coordinates, if there are not too many.
-    pub fn of(coordinates: &[f64]) -> Option<Self> {
-        let count = coordinates.len();
-        let mut values = [0.0; MAX_DIMENSION];
-        values.get_mut(..count)?.copy_from_slice(coordinates);
-        Some(Self { values, count })
-    }
-
-    /// One after the other.
-    pub fn as_slice(&self) -> &[f64] {
-        self.values.get(..self.count).unwrap_or(&[])
-    }
-}
+object!(EditRequest, "an object");
+object!(Move, "an object with an index and a point or a weight");
 
 /// What an edit starts from.
 pub struct ParentFit<'a> {
@@ -88,7 +92,7 @@ pub struct ParentFit<'a> {
     pub stream: Option<&'a StreamSpec>,
 }
 
-impl EditSpec {
+impl EditRequest {
     /// The problem with the changes, starting from the parent's control points.
     pub fn apply(self, parent: &ParentFit<'_>, limits: Limits) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
@@ -96,17 +100,15 @@ impl EditSpec {
         mistakes.keep(self.check_some());
         mistakes.keep(self.check_session());
         let mut request = parent.problem.restated();
-        let surface = request.v.is_some();
-        let rational = mistakes.keep(self.rational).flatten();
+        let (grid, surface) = (request.grid, request.v.is_some());
         // Fixed weights are a part of the basis.
-        let same_matrix =
-            matches!(self.weights, Ok(None)) || rational == Some(Rational::Homogeneous);
+        let same_matrix = self.weights.is_none() || self.rational == Some(Rational::Homogeneous);
         request.lambda_min = parent.lambda_min.filter(|_| same_matrix);
-        let weights = self.weights;
-        let weights = weights.and_then(|weights| set_weights(&mut request, weights, rational));
-        mistakes.keep(weights);
-        let changed = change_points(self.points, &mut request, &mut mistakes);
-        if let Some(method) = mistakes.keep(self.method).flatten() {
+        mistakes.keep(set_weights(&mut request, self.weights, self.rational));
+        let points = self.points.unwrap_or_default();
+        let changed = change_points(points, &mut request, &mut mistakes);
+        let method = self.method.map(|method| method.choice(grid, surface));
+        if let Some(method) = mistakes.keep(method.transpose()).flatten() {
             (request.method, request.selected) = (method.method, method.selected);
             // Least squares has knots and ends of its own, and other bases are refused below.
             if request.method.has_fewer_control_points() {
@@ -119,11 +121,10 @@ impl EditSpec {
             }
         }
         if let Some(stop) = self.stop {
-            let rules = stop.rules(limits.iterations, &mut mistakes);
-            (request.tolerance, request.max_iterations) = (rules.tolerance, rules.max_iterations);
+            (request.tolerance, request.max_iterations) =
+                stop.resolve(limits.iterations, &mut mistakes);
         }
-        let stream = mistakes.keep(self.stream).flatten();
-        let stream = stream.or_else(|| parent.stream.cloned());
+        let stream = self.stream.or_else(|| parent.stream.cloned());
         let fits = stream.as_ref().map(|stream| stream.check(surface));
         mistakes.keep(fits.transpose());
         if !mistakes.none() {
@@ -140,10 +141,10 @@ impl EditSpec {
 
     /// Refuses an edit that changes nothing.
     fn check_some(&self) -> OrMistakes<()> {
-        let nothing = self.points.is_empty()
-            && matches!(self.weights, Ok(None))
-            && matches!(self.rational, Ok(None))
-            && matches!(self.method, Ok(None))
+        let nothing = self.points.as_ref().is_none_or(Vec::is_empty)
+            && self.weights.is_none()
+            && self.rational.is_none()
+            && self.method.is_none()
             && self.stop.is_none();
         if nothing {
             let detail = "an edit changes something: points, weights, method or stop";
@@ -156,7 +157,7 @@ impl EditSpec {
         let wrong = |detail: String| Err(Mistake::at(SpecPart::Session, detail).into());
         match &self.session {
             None => Ok(()),
-            Some(_) if !self.ephemeral => {
+            Some(_) if self.ephemeral != Some(true) => {
                 wrong("only ephemeral edits are parts of a session".to_owned())
             }
             Some(name) if name.is_empty() || name.chars().count() > LONGEST_SESSION => {
@@ -169,7 +170,7 @@ impl EditSpec {
 
 /// Changes single points; gives the entry of each that was changed.
 fn change_points(
-    changes: Vec<PointChange>,
+    changes: Vec<Move>,
     request: &mut Request,
     mistakes: &mut Mistakes,
 ) -> HashMap<usize, usize> {
@@ -196,12 +197,12 @@ fn change_points(
     changed
 }
 
-impl PointChange {
+impl Move {
     /// Puts the point elsewhere; gives its index.
-    fn apply(self, k: usize, request: &mut Request) -> OrMistakes<usize> {
-        let wrong =
-            |part, detail: String| Err(Mistake::at(SpecPart::Change(k, part), detail).into());
-        let index = self.index?;
+    fn apply(self, k: usize, request: &mut Request) -> Result<usize, Mistake> {
+        let wrong = |part, detail: String| Err(Mistake::at(SpecPart::Change(k, part), detail));
+        let index = self.index.of_point(request.grid, request.v.is_some());
+        let index = index.or_else(|detail| wrong(ChangePart::Index, detail))?;
         let count = request.grid.count();
         if index >= count {
             let detail = format!("{index} is not one of the {count} points");
@@ -245,7 +246,7 @@ impl PointChange {
 /// coordinate more.
 fn set_weights(
     request: &mut Request,
-    weights: Option<WeightSpec>,
+    weights: Option<PerDirection<PointNumbers>>,
     rational: Option<Rational>,
 ) -> OrMistakes<()> {
     let before = Rational::of(request);
@@ -257,7 +258,7 @@ fn set_weights(
     let Some(weights) = weights else {
         return check_unused(rational);
     };
-    let resolved = weights.resolve(kind, request.grid)?;
+    let resolved = Resolved::new(weights, kind, request.grid, request.v.is_some())?;
     // Single ones may change next.
     if let Weights::Homogeneous(weights) = &resolved.weights {
         let (given, expected) = (weights.len(), request.grid.count());

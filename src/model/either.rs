@@ -2,7 +2,6 @@
 //! an error in values that may be of several types.
 //!
 //! - [`object!`]: objects, and names that are short for one;
-//! - [`PerDirection`]: one value for both directions of a surface, or one for each;
 //! - [`Whole`]: whole numbers, with or without a decimal point;
 //! - [`Kept`]: objects whose `kind` says what the other fields are.
 
@@ -11,8 +10,7 @@ use std::marker::PhantomData;
 
 use serde::Serialize;
 use serde::de::value::{
-    BoolDeserializer, CowStrDeserializer, F64Deserializer, I64Deserializer, MapAccessDeserializer,
-    SeqAccessDeserializer, StrDeserializer, U64Deserializer, UnitDeserializer,
+    CowStrDeserializer, F64Deserializer, I64Deserializer, MapAccessDeserializer, U64Deserializer,
 };
 use serde::de::{
     Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor,
@@ -39,7 +37,7 @@ pub fn pointer(path: &serde_path_to_error::Path) -> String {
 }
 
 /// The step of a JSON pointer to a field.
-fn step(name: &str) -> String {
+pub(super) fn step(name: &str) -> String {
     format!("/{}", name.replace('~', "~0").replace('/', "~1"))
 }
 
@@ -91,8 +89,8 @@ pub fn read_object<'de, T: Object<'de>, D: Deserializer<'de>>(
     deserializer.deserialize_any(ObjectVisitor(PhantomData))
 }
 
-/// Reads types from objects alone, by what serde derives with `remote = "Self"`; with `kind` also from
-/// the value of this field, as an object with nothing else.
+/// Reads types from objects alone, and writes them, by what serde derives with `remote = "Self"`; with
+/// `kind` they are also read from the value of this field, as an object with nothing else.
 macro_rules! object {
     ($type:ty, $expected:literal $(, $kind:literal)?) => {
         impl<'de> $crate::model::either::Object<'de> for $type {
@@ -111,6 +109,12 @@ macro_rules! object {
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
                 $crate::model::either::read_object(d)
+            }
+        }
+
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                <$type>::serialize(self, serializer)
             }
         }
     };
@@ -172,134 +176,10 @@ pub fn some<'de, T: Deserialize<'de>, D: Deserializer<'de>>(d: D) -> Result<Opti
     T::deserialize(d).map(Some)
 }
 
-/// A value for both directions, or one for each: `X` or `{"u": X, "v": X}`.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(untagged)]
-pub enum PerDirection<T> {
-    /// The same for u and v.
-    Both(T),
-    /// One for u and one for v.
-    Each {
-        /// For u.
-        u: T,
-        /// For v.
-        v: T,
-    },
-}
-
-impl<T> PerDirection<T> {
-    /// The values for u and v.
-    pub fn split(self) -> (T, T)
-    where
-        T: Clone,
-    {
-        match self {
-            Self::Both(value) => (value.clone(), value),
-            Self::Each { u, v } => (u, v),
-        }
-    }
-
-    /// What is made of each of the values.
-    pub fn map<U>(self, make: impl Fn(T) -> U) -> PerDirection<U> {
-        match self {
-            Self::Both(value) => PerDirection::Both(make(value)),
-            Self::Each { u, v } => PerDirection::Each {
-                u: make(u),
-                v: make(v),
-            },
-        }
-    }
-
-    /// Whether each direction has a value of its own.
-    pub fn is_each(&self) -> bool {
-        matches!(self, Self::Each { .. })
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for PerDirection<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(PerDirectionVisitor(PhantomData))
-    }
-}
-
-struct PerDirectionVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for PerDirectionVisitor<T> {
-    type Value = PerDirection<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a value for both directions, or {\"u\": …, \"v\": …}")
-    }
-
-    fn visit_unit<E: Error>(self) -> Result<Self::Value, E> {
-        T::deserialize(UnitDeserializer::new()).map(PerDirection::Both)
-    }
-
-    fn visit_bool<E: Error>(self, value: bool) -> Result<Self::Value, E> {
-        T::deserialize(BoolDeserializer::new(value)).map(PerDirection::Both)
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
-        T::deserialize(U64Deserializer::new(value)).map(PerDirection::Both)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
-        T::deserialize(I64Deserializer::new(value)).map(PerDirection::Both)
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
-        T::deserialize(F64Deserializer::new(value)).map(PerDirection::Both)
-    }
-
-    fn visit_str<E: Error>(self, value: &str) -> Result<Self::Value, E> {
-        T::deserialize(StrDeserializer::new(value)).map(PerDirection::Both)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
-        T::deserialize(SeqAccessDeserializer::new(list)).map(PerDirection::Both)
-    }
-
-    /// The first name decides: u or v start a pair, anything else is a value for both.
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut name = map.next_key::<String>()?;
-        if !matches!(name.as_deref(), Some("u" | "v")) {
-            let map = MapAccessDeserializer::new(Peeked { name, map });
-            return T::deserialize(map).map(PerDirection::Both);
-        }
-        let (mut u, mut v) = (None, None);
-        while let Some(known) = name {
-            let place = match known.as_str() {
-                "u" => &mut u,
-                "v" => &mut v,
-                _ => return Err(below(&step(&known), unknown_field::<A::Error>(&known))),
-            };
-            if place.is_some() {
-                return Err(below(&step(&known), "this field is given twice"));
-            }
-            *place = Some(map.next_value()?);
-            name = map.next_key()?;
-        }
-        Ok(PerDirection::Each {
-            u: given(u, "u")?,
-            v: given(v, "v")?,
-        })
-    }
-}
-
-fn unknown_field<E: Error>(name: &str) -> E {
-    E::unknown_field(name, &["u", "v"])
-}
-
-/// The value of a field, or what stands for one that is not there.
-fn given<'de, T: Deserialize<'de>, E: Error>(value: Option<T>, name: &'static str) -> Result<T, E> {
-    let absent = || T::deserialize(UnitDeserializer::<E>::new());
-    value.map_or_else(|| absent().map_err(|_| E::missing_field(name)), Ok)
-}
-
 /// An object of which the first name has been read.
-struct Peeked<A> {
-    name: Option<String>,
-    map: A,
+pub(super) struct Peeked<A> {
+    pub(super) name: Option<String>,
+    pub(super) map: A,
 }
 
 impl<'de, A: MapAccess<'de>> MapAccess<'de> for Peeked<A> {
@@ -378,40 +258,6 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Kept<'de, A> {
     }
 }
 
-/// A rule that has a name, or explicit numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub enum RuleOrNumbers<R> {
-    /// A rule.
-    Rule(R),
-    /// Numbers.
-    Numbers(Vec<f64>),
-}
-
-impl<'de, R: super::named::Named> Deserialize<'de> for RuleOrNumbers<R> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct RuleVisitor<R>(PhantomData<R>);
-
-        impl<'de, R: super::named::Named> Visitor<'de> for RuleVisitor<R> {
-            type Value = RuleOrNumbers<R>;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "{}; or a list of numbers", R::expected())
-            }
-
-            fn visit_str<E: Error>(self, name: &str) -> Result<Self::Value, E> {
-                R::read(name).map(RuleOrNumbers::Rule)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
-                let numbers = Vec::deserialize(SeqAccessDeserializer::new(list));
-                numbers.map(RuleOrNumbers::Numbers)
-            }
-        }
-
-        deserializer.deserialize_any(RuleVisitor(PhantomData))
-    }
-}
-
 /// A type for a number, or for a word that stands for none.
 macro_rules! number_or_word {
     ($(#[$about:meta])* $type:ident($number:ty), $word:literal, $expected:literal) => {
@@ -478,34 +324,35 @@ pub fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer.deserialize_any(NumberVisitor(word, expected, PhantomData))
 }
 
-/// Reads a list of at most so many `things`.
-pub fn read_at_most<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
-    deserializer: D,
-    most: usize,
-    things: &'static str,
-) -> Result<Vec<T>, D::Error> {
-    struct ListVisitor<T>(usize, &'static str, PhantomData<T>);
+/// A list of at most so many elements, which is longer in no request that could be right.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct AtMost<T, const MOST: usize>(pub Vec<T>);
 
-    impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
-        type Value = Vec<T>;
+impl<'de, T: Deserialize<'de>, const MOST: usize> Deserialize<'de> for AtMost<T, MOST> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ListVisitor<T, const MOST: usize>(PhantomData<T>);
 
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "a list of {}", self.1)
-        }
+        impl<'de, T: Deserialize<'de>, const MOST: usize> Visitor<'de> for ListVisitor<T, MOST> {
+            type Value = AtMost<T, MOST>;
 
-        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
-            let Self(most, things, _) = self;
-            let mut elements = Vec::new();
-            while let Some(element) = list.next_element()? {
-                if elements.len() == most {
-                    let detail = format!("at most {most} {things} can be given here");
-                    return Err(below(&format!("/{most}"), detail));
-                }
-                elements.push(element);
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a list")
             }
-            Ok(elements)
-        }
-    }
 
-    deserializer.deserialize_seq(ListVisitor(most, things, PhantomData))
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+                let mut elements = Vec::new();
+                while let Some(element) = list.next_element()? {
+                    if elements.len() == MOST {
+                        let detail = format!("at most {MOST} of them can be given here");
+                        return Err(below(&format!("/{MOST}"), detail));
+                    }
+                    elements.push(element);
+                }
+                Ok(AtMost(elements))
+            }
+        }
+
+        deserializer.deserialize_seq(ListVisitor(PhantomData))
+    }
 }

@@ -1,43 +1,59 @@
 //! A job as it is asked for, and its way to a fitting problem.
-//!
-//! What a language cannot read of a part of a job stands in its place, so that one answer tells all
-//! that is wrong, in the order of the fields here.
 
 use std::sync::Arc;
 
-use super::method::MethodSpec;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::either::object;
+use super::method::MethodInput;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
-use super::scattered::{BaseSpec, ScatteredSpec, no_base};
-use super::shape::ShapeSpec;
-use super::stop::StopSpec;
+use super::scattered::{FootPoints, no_base, on_surface};
+use super::schema;
+use super::shape::{CurveInput, SurfaceInput};
+use super::stop::StopRules;
 use super::stream::StreamSpec;
 use super::weights::Rational;
 use crate::fit::admission::Admission;
 use crate::fit::invalid as fit;
 use crate::fit::nurbs::Nurbs;
+use crate::fit::points::Grid;
 use crate::fit::problem::{Problem, Request};
 
 /// The most characters of a name.
 pub const LONGEST_NAME: usize = 200;
 
-/// A job as it is asked for.
-#[derive(Clone, Debug)]
-pub struct JobSpec {
-    /// The client's name for it.
+/// A fit of a curve or of a surface: one of `curve` and `surface` is given. Fields that are not known are
+/// refused.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = schema::example_job())]
+pub struct JobRequest {
+    /// A name for people. Answers and files repeat it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(length(max = LONGEST_NAME), example = &"wing section")]
     pub name: Option<String>,
-    /// Whether a surface is fitted.
-    pub surface: bool,
-    /// What is fitted.
-    pub shape: OrMistakes<ShapeSpec>,
-    /// How weights are used.
-    pub rational: OrMistakes<Option<Rational>>,
-    /// The method.
-    pub method: OrMistakes<MethodSpec>,
+    /// The curve to fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub curve: Option<CurveInput>,
+    /// The surface to fit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceInput>,
+    /// How weights are used; only with weights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rational: Option<Rational>,
+    /// The method; without one `global`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<MethodInput>,
     /// When the iteration ends.
-    pub stop: StopSpec,
-    /// What its streams are like if they do not say it themselves.
-    pub stream: OrMistakes<Option<StreamSpec>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopRules>,
+    /// What the event streams of the job are like if they do not say it themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stream: Option<StreamSpec>,
 }
+
+object!(JobRequest, "an object");
 
 /// A job that can be computed.
 #[derive(Debug)]
@@ -61,58 +77,92 @@ pub struct Limits {
     pub admission: Admission,
 }
 
-impl JobSpec {
-    /// The job on whose surface scattered points have their foot points.
-    pub fn base(&self) -> Option<&BaseSpec> {
-        match self.shape.as_ref().ok()?.scattered.as_ref()? {
-            ScatteredSpec::Own(_) => None,
-            ScatteredSpec::FootPoints(base) => Some(base),
+impl JobRequest {
+    /// What would ask for the same problem again. The start of an edit is not a part of it: that is its
+    /// iteration 0.
+    pub fn of(name: Option<String>, stream: Option<StreamSpec>, request: &Request) -> Self {
+        Self {
+            name,
+            curve: request.v.is_none().then(|| CurveInput::of(request)),
+            surface: request.v.as_ref().map(|v| SurfaceInput::of(request, v)),
+            rational: Rational::of(request),
+            method: Some(MethodInput::of(request)),
+            stop: Some(StopRules::of(request)),
+            stream,
         }
+    }
+
+    /// The job on whose surface scattered points have their foot points.
+    pub fn base(&self) -> Option<&FootPoints> {
+        self.surface.as_ref().and_then(SurfaceInput::base)
     }
 
     /// Checks the job against the limits and the mathematics. `base` is the surface of
     /// [`Self::base`], or why there is none.
     pub fn validate(self, limits: Limits, base: Result<&Nurbs, Mistake>) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
-        mistakes.keep(check_name(self.name.as_deref()));
-        let rational = self.rational.clone().ok().flatten();
-        let shape = mistakes.keep(self.shape);
-        let shape = shape.and_then(|shape| shape.shape(rational, &mut mistakes));
-        let shape = shape.filter(|shape| {
-            let count = check_count(shape.grid.count(), limits.points);
-            mistakes.keep(count).is_some()
-        });
-        let rules = self.stop.rules(limits.iterations, &mut mistakes);
-        let stream = mistakes.keep(self.stream).flatten();
-        let fits = stream.as_ref().map(|stream| stream.check(self.surface));
-        mistakes.keep(fits.transpose());
-        mistakes.keep(self.rational);
-        let method = mistakes.keep(self.method);
-        let Some((shape, method)) = shape.zip(method) else {
-            return Err(mistakes);
-        };
+        let (name, stream) = (self.name.clone(), self.stream.clone());
+        mistakes.keep(check_name(name.as_deref()));
+        let request = self.problem(limits.points, limits.iterations, base, &mut mistakes);
         // The points and the basis may be wrong beside what was found so far.
-        let request = mistakes.keep(shape.request(base, method, rules));
         let problem =
             request.and_then(|request| mistakes.fit(request, &limits.admission, SpecPart::Fit));
-        ValidJob::new(self.name, stream, problem, mistakes)
+        ValidJob::new(name, stream, problem, mistakes)
     }
 
     /// The problem of a job that was accepted before: no limit is looked at.
     pub fn request(self) -> OrMistakes<Request> {
         let mut mistakes = Mistakes::default();
-        let rational = mistakes.keep(self.rational).flatten();
-        let shape = mistakes.keep(self.shape);
-        let shape = shape.and_then(|shape| shape.shape(rational, &mut mistakes));
-        let method = mistakes.keep(self.method);
-        let rules = self.stop.rules(usize::MAX, &mut mistakes);
-        match shape.zip(method) {
-            Some((shape, method)) => {
-                let request = shape.request(Err(no_base()), method, rules)?;
-                mistakes.or(request)
-            }
+        match self.problem(usize::MAX, usize::MAX, Err(no_base()), &mut mistakes) {
+            Some(request) => mistakes.or(request),
             None => Err(mistakes),
         }
+    }
+
+    /// The problem that is asked for, with at most so many points and iterations.
+    fn problem(
+        self,
+        most_points: usize,
+        most_iterations: usize,
+        base: Result<&Nurbs, Mistake>,
+        mistakes: &mut Mistakes,
+    ) -> Option<Request> {
+        let (is_surface, has_base) = (self.surface.is_some(), self.base().is_some());
+        let (grid, request) = match (self.curve, self.surface) {
+            (Some(curve), None) => (
+                Some(curve.points.grid()),
+                curve.request(self.rational, mistakes),
+            ),
+            (None, Some(surface)) => (surface.grid(), surface.request(self.rational, mistakes)),
+            (None, None) => {
+                let detail = "a curve or a surface is needed";
+                mistakes.push(Mistake::at(SpecPart::Whole, detail));
+                (None, None)
+            }
+            (Some(_), Some(_)) => {
+                let detail = "the job has a curve, so it cannot have a surface as well";
+                mistakes.push(Mistake::at_text("/surface", detail));
+                (None, None)
+            }
+        };
+        let count = grid.map_or(0, Grid::count);
+        let is_small = mistakes.keep(check_count(count, most_points)).is_some();
+        let stop = self.stop.unwrap_or_default();
+        let (tolerance, max_iterations) = stop.resolve(most_iterations, mistakes);
+        if let Some(stream) = &self.stream {
+            mistakes.keep(stream.check(is_surface));
+        }
+        // Without points nothing is said of the method.
+        let method = self.method.unwrap_or_default();
+        let method = mistakes.keep(method.choice(grid?, is_surface));
+        let mut request = request.filter(|_| is_small)?;
+        let method = method?;
+        (request.method, request.selected) = (method.method, method.selected);
+        (request.tolerance, request.max_iterations) = (tolerance, max_iterations);
+        if has_base {
+            request.scattered = Some(mistakes.keep(on_surface(&request.points, base))?);
+        }
+        Some(request)
     }
 }
 

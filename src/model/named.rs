@@ -1,10 +1,13 @@
-//! Enumerations whose values have names, which are the same in JSON, in queries and in stores.
+//! Enumerations whose values have names, which are the same in JSON, in queries and in stores; and rules
+//! with names, instead of which there may be numbers.
 
 use std::fmt;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
-use serde::Deserializer;
-use serde::de::{Error, Visitor};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
 use super::short::quoted;
 
@@ -41,14 +44,14 @@ pub trait Named: Copy + PartialEq + 'static {
 
     /// The value of a name, or what is wrong with it.
     fn read<E: Error>(name: &str) -> Result<Self, E> {
-        Self::of_name(name).ok_or_else(|| {
-            let (name, names) = (quoted(name), Self::names().join(", "));
-            E::custom(format_args!(
-                "{name} is no {}; there are {names}",
-                Self::WHAT
-            ))
-        })
+        Self::of_name(name).ok_or_else(|| unknown(name, Self::WHAT, &Self::names()))
     }
+}
+
+/// What is said of a name that is none of these.
+fn unknown<E: Error>(name: &str, what: &str, names: &[&str]) -> E {
+    let (name, names) = (quoted(name), names.join(", "));
+    E::custom(format_args!("{name} is no {what}; there are {names}"))
 }
 
 /// Reads a value by its name.
@@ -106,3 +109,87 @@ macro_rules! named {
     };
 }
 pub(crate) use named;
+
+/// A rule that has a name, or explicit numbers.
+pub trait Rule: Clone + PartialEq + 'static {
+    /// What a rule is: "rule for knots".
+    const WHAT: &'static str;
+
+    /// All rules with their names.
+    const RULES: &'static [(Self, &'static str)];
+
+    /// The choice of these numbers.
+    fn explicit(numbers: Arc<Vec<f64>>) -> Self;
+
+    /// The names of the rules.
+    fn names() -> Vec<&'static str> {
+        Self::RULES.iter().map(|(_, name)| *name).collect()
+    }
+
+    /// The name of a rule.
+    fn name(&self) -> Option<&'static str> {
+        let entry = Self::RULES.iter().find(|(rule, _)| rule == self);
+        entry.map(|(_, name)| *name)
+    }
+}
+
+/// Reads a rule by its name, or explicit numbers.
+pub fn read_rule<'de, T: Rule, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    struct RuleVisitor<T>(PhantomData<T>);
+
+    impl<'de, T: Rule> Visitor<'de> for RuleVisitor<T> {
+        type Value = T;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            let names = T::names().join(", ");
+            write!(
+                f,
+                "the name of a {}: {names}; or a list of numbers",
+                T::WHAT
+            )
+        }
+
+        fn visit_str<E: Error>(self, name: &str) -> Result<T, E> {
+            let entry = T::RULES.iter().find(|(_, known)| *known == name);
+            let rule = entry.map(|(rule, _)| rule.clone());
+            rule.ok_or_else(|| unknown(name, T::WHAT, &T::names()))
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<T, A::Error> {
+            let numbers = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+            Ok(T::explicit(Arc::new(numbers)))
+        }
+    }
+
+    deserializer.deserialize_any(RuleVisitor(PhantomData))
+}
+
+/// Gives rules their names, in JSON, too; numbers are their variant `Explicit`.
+macro_rules! rules {
+    ($type:ty, $what:literal, [$($name:literal => $rule:ident),+ $(,)?]) => {
+        impl $crate::model::named::Rule for $type {
+            const WHAT: &'static str = $what;
+            const RULES: &'static [(Self, &'static str)] = &[$((Self::$rule, $name),)+];
+
+            fn explicit(numbers: std::sync::Arc<Vec<f64>>) -> Self {
+                Self::Explicit(numbers)
+            }
+        }
+
+        impl serde::Serialize for $type {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                match self {
+                    Self::Explicit(numbers) => serializer.collect_seq(numbers.iter()),
+                    rule => $crate::model::named::Rule::name(rule).serialize(serializer),
+                }
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $type {
+            fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+                $crate::model::named::read_rule(d)
+            }
+        }
+    };
+}
+pub(crate) use rules;

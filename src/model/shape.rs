@@ -3,195 +3,412 @@
 use std::sync::Arc;
 
 use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, Serializer};
 
-use super::method::MethodSpec;
-use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
-use super::named::names;
-use super::scattered::ScatteredSpec;
-use super::stop::StopRules;
-use super::weights::{Rational, WeightSpec, check_unused};
-use crate::fit::basis::{Polynomial, knots::Knots};
-use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::ends::Ends;
-use crate::fit::invalid::{self as fit, Axis};
-use crate::fit::nurbs::Nurbs;
+use super::basis::{Basis, Degree};
+use super::either::{Whole, object, whole};
+use super::ends::{CurveEnds, DirectionEnds, EndsInput, SurfaceEnds};
+use super::lists::PointNumbers;
+use super::mistakes::{Mistake, Mistakes};
+use super::numbers::{CurveWeights, ScatteredPoints, SurfaceWeights};
+use super::per_direction::PerDirection;
+use super::points::{PointGrid, PointList};
+use super::scattered::{FootPoints, SurfaceParameters};
+use super::schema;
+use super::weights::{self, Rational, Resolved, check_unused};
+use crate::fit::basis::MAX_DEGREE;
+use crate::fit::direction::DirectionChoice;
+use crate::fit::invalid::Axis;
+use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Weights};
+use crate::fit::scattered::Scattered;
 
 /// The most coordinates of a point.
 pub const MAX_DIMENSION: usize = 3;
 
-/// The degree of a B-spline if nobody says it.
-pub const DEFAULT_DEGREE: usize = 3;
-
-/// A kind of basis.
-#[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Eq)]
-#[schemars(rename_all = "snake_case")]
-#[schemars(example = &"bspline")]
-#[allow(missing_docs, reason = "schemas repeat what is said of a value")]
-pub enum BasisKind {
-    #[default]
-    Bspline,
-    Bernstein,
-    SaidBall,
-    WangBall,
-}
-
-names!(BasisKind, "kind of basis", [
-    "bspline" => Bspline,
-    "bernstein" => Bernstein,
-    "said_ball" => SaidBall,
-    "wang_ball" => WangBall,
-]);
-
-/// A basis as it is asked for.
-#[derive(Clone, Debug, Default)]
-pub struct BasisSpec {
-    /// Its kind.
-    pub kind: BasisKind,
-    /// The degree, of B-splines.
+/// A curve through data points.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = schema::example_curve())]
+pub struct CurveInput {
+    /// The data points, in their order.
+    pub points: PointList,
+    /// The basis; without one a cubic B-spline.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub basis: Option<Basis>,
+    /// Short for a B-spline of this degree, instead of `basis`.
+    #[serde(
+        default,
+        deserialize_with = "whole",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(range(min = 1, max = MAX_DEGREE))]
     pub degree: Option<usize>,
-    /// The knots, of B-splines.
-    pub knots: Option<Knots>,
+    /// The parameters of the data points; without them `chord_length`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<Parametrization>,
+    /// Weights of the data points, for a rational curve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<CurveWeights>")]
+    pub weights: Option<PointNumbers>,
+    /// Whether the curve is a periodic B-spline, which returns to its first point.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
+    pub closed: Option<bool>,
+    /// How it ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<CurveEnds>")]
+    pub ends: Option<EndsInput>,
 }
 
-impl BasisSpec {
-    /// The basis of a direction.
-    fn choice(self, axis: Axis) -> OrMistakes<BasisChoice> {
-        let kind = match self.kind {
-            BasisKind::Bspline => {
-                return Ok(BasisChoice::BSpline {
-                    degree: self.degree.unwrap_or(DEFAULT_DEGREE),
-                    knots: self.knots.unwrap_or(Knots::Usual),
-                });
-            }
-            BasisKind::Bernstein => Polynomial::Bernstein,
-            BasisKind::SaidBall => Polynomial::SaidBall,
-            BasisKind::WangBall => Polynomial::WangBall,
-        };
-        let degree = self.degree.map(|_| ("degree", fit::Place::Degree(axis)));
-        let knots = self.knots.map(|_| ("knots", fit::Place::Knots(axis)));
-        let mut mistakes = Mistakes::default();
-        for (field, place) in degree.into_iter().chain(knots) {
-            let detail = format!(
-                "a {} basis has no {field} to choose: its degree is control points − 1",
-                kind.name()
-            );
-            mistakes.push(Mistake::at(SpecPart::Fit(place), detail));
+/// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
+/// of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
+/// directions, or one for each.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = schema::example_surface())]
+pub struct SurfaceInput {
+    /// Rows (u) of columns (v) of data points, or of heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<PointGrid>,
+    /// Points without rows and columns, for least-squares fits; `parameters` says where each of them is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<ScatteredPoints>")]
+    pub scattered: Option<PointList>,
+    /// The bases; without them cubic B-splines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub basis: Option<PerDirection<Basis>>,
+    /// Short for B-splines of this degree, instead of `basis`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<PerDirection<Degree>>")]
+    pub degree: Option<PerDirection<Whole>>,
+    /// The parameters of the data points; of a grid without them `chord_length`, of heights `uniform`.
+    /// Scattered points need them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<SurfaceParameters>,
+    /// Weights of the data points, for a rational surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<SurfaceWeights>")]
+    pub weights: Option<PerDirection<PointNumbers>>,
+    /// Whether the directions are periodic.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
+    pub closed: Option<PerDirection<bool>>,
+    /// How it ends; one value for both directions, or one for each that is not closed.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "given_ends")]
+    #[schemars(with = "Option<SurfaceEnds>")]
+    pub ends: Option<PerDirection<DirectionEnds>>,
+}
+
+object!(CurveInput, "an object with points");
+object!(SurfaceInput, "an object with points");
+
+/// Writes the ends of the directions that have some.
+fn given_ends<S: Serializer>(
+    ends: &Option<PerDirection<DirectionEnds>>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match ends {
+        Some(PerDirection::Each { u, v }) => {
+            let each = [("u", u), ("v", v)];
+            serializer.collect_map(each.into_iter().filter(|(_, ends)| ends.0.is_some()))
         }
-        mistakes.or(BasisChoice::Polynomial(kind))
+        ends => ends.serialize(serializer),
     }
 }
 
-/// What is asked for in one direction of the parameter domain.
-#[derive(Clone, Debug)]
-pub struct AxisSpec {
-    /// The basis.
-    pub basis: OrMistakes<BasisSpec>,
-    /// The parameters of the data points.
-    pub parameters: Parametrization,
-    /// Whether it is periodic.
-    pub closed: bool,
-    /// How it ends.
-    pub ends: OrMistakes<Option<Ends>>,
+/// What is said of a direction.
+struct DirectionInput {
+    basis: Option<Basis>,
+    parameters: Option<Parametrization>,
+    closed: Option<bool>,
+    ends: Option<EndsInput>,
 }
 
-/// A curve or a surface.
-#[derive(Clone, Debug)]
-pub struct ShapeSpec {
-    /// The data points; of a surface row by row, with missing ones anywhere.
-    pub points: Points,
-    /// Their arrangement: n × 1 of a curve.
-    pub grid: Grid,
-    /// The indices of missing points.
-    pub missing: Vec<usize>,
-    /// How the points of a surface get their parameters if they are scattered: n × 1.
-    pub scattered: Option<ScatteredSpec>,
-    /// The direction of a curve, or u of a surface.
-    pub u: AxisSpec,
-    /// The direction v of a surface.
-    pub v: Option<AxisSpec>,
-    /// The weights.
-    pub weights: OrMistakes<Option<WeightSpec>>,
+impl DirectionInput {
+    /// The direction with all that is usual where nothing is said, but for weights.
+    fn choice(
+        self,
+        axis: Axis,
+        usual: Parametrization,
+        is_surface: bool,
+        mistakes: &mut Mistakes,
+    ) -> Option<DirectionChoice> {
+        let basis = mistakes.keep(self.basis.unwrap_or_default().choice(axis));
+        let ends = self.ends.map(|ends| ends.ends(axis, is_surface));
+        let ends = mistakes.keep(ends.transpose());
+        Some(DirectionChoice {
+            basis: basis?,
+            parameters: self.parameters.unwrap_or(usual),
+            closed: self.closed.unwrap_or(false),
+            control_points: None,
+            ends: ends?,
+            weights: None,
+        })
+    }
 }
 
-/// The same with all that is usual where nothing is said.
-pub(super) struct CheckedShape {
-    points: Points,
-    pub(super) grid: Grid,
-    missing: Vec<usize>,
-    scattered: Option<ScatteredSpec>,
-    u: DirectionChoice,
-    v: Option<DirectionChoice>,
-    weights: Weights,
+/// The weights of points as a fit uses them, or none where they are wrong.
+fn resolved(
+    weights: Option<PerDirection<PointNumbers>>,
+    rational: Option<Rational>,
+    (grid, is_surface): (Grid, bool),
+    mistakes: &mut Mistakes,
+) -> Resolved {
+    let weights = match weights {
+        None => check_unused(rational).map(|()| Weights::None.into()),
+        Some(weights) => Resolved::new(weights, rational, grid, is_surface),
+    };
+    mistakes.keep(weights).unwrap_or(Weights::None.into())
 }
 
-impl ShapeSpec {
-    /// What there is of it, also if there are mistakes beside the points.
-    pub(super) fn shape(
+/// Refuses a degree beside a basis.
+fn check_degree(is_doubled: bool, root: &str, mistakes: &mut Mistakes) {
+    if is_doubled {
+        let detail = "a basis is given, which has its degree itself";
+        mistakes.push(Mistake::at_text(format!("{root}/degree"), detail));
+    }
+}
+
+/// A problem with these points and directions, without a method and without an end.
+fn problem(
+    points: Arc<Points>,
+    grid: Grid,
+    (mut u, mut v): (DirectionChoice, Option<DirectionChoice>),
+    weights: Resolved,
+) -> Request {
+    u.weights = weights.u;
+    if let Some(v) = &mut v {
+        v.weights = weights.v;
+    }
+    Request {
+        points,
+        grid,
+        missing: Vec::new(),
+        scattered: None,
+        u,
+        v,
+        weights: weights.weights,
+        method: Method::Global,
+        selected: None,
+        start: None,
+        start_breaks: None,
+        lambda_min: None,
+        tolerance: None,
+        max_iterations: 0,
+    }
+}
+
+impl CurveInput {
+    /// The problem of fitting it, also if there are mistakes beside the points.
+    pub(super) fn request(
         self,
         rational: Option<Rational>,
         mistakes: &mut Mistakes,
-    ) -> Option<CheckedShape> {
-        let weights = self.weights.and_then(|weights| match weights {
-            None => check_unused(rational).map(|()| Weights::None.into()),
-            Some(weights) => weights.resolve(rational, self.grid),
-        });
-        let weights = mistakes.keep(weights).unwrap_or(Weights::None.into());
-        let mut direction = |spec: AxisSpec, axis, weights| {
-            let basis = spec.basis.and_then(|basis| basis.choice(axis));
-            let (basis, ends) = (mistakes.keep(basis), mistakes.keep(spec.ends));
-            Some(DirectionChoice {
-                basis: basis?,
-                parameters: spec.parameters,
-                closed: spec.closed,
-                control_points: None,
-                ends: ends?,
-                weights,
-            })
+    ) -> Option<Request> {
+        let grid = self.points.grid();
+        let weights = self.weights.map(PerDirection::Both);
+        let weights = resolved(weights, rational, (grid, false), mistakes);
+        check_degree(
+            self.degree.is_some() && self.basis.is_some(),
+            "/curve",
+            mistakes,
+        );
+        let u = DirectionInput {
+            basis: self.basis.or(self.degree.map(Basis::of_degree)),
+            parameters: self.parameters,
+            closed: self.closed,
+            ends: self.ends,
         };
-        let u = direction(self.u, Axis::U, weights.u);
-        let v = self.v.map(|v| direction(v, Axis::V, weights.v));
-        Some(CheckedShape {
-            points: self.points,
-            grid: self.grid,
-            missing: self.missing,
-            scattered: self.scattered,
-            u: u?,
-            v: match v {
-                None => None,
-                Some(v) => Some(v?),
-            },
-            weights: weights.weights,
+        let u = u.choice(Axis::U, Parametrization::ChordLength, false, mistakes)?;
+        Some(problem(self.points.0, grid, (u, None), weights))
+    }
+
+    /// The curve of a problem as it would be asked for.
+    pub(super) fn of(request: &Request) -> Self {
+        let weights = match weights::asked(request) {
+            Some(PerDirection::Both(weights)) => Some(weights),
+            _ => None,
+        };
+        Self {
+            points: PointList(Arc::clone(&request.points)),
+            basis: Some(Basis::from(&request.u.basis)),
+            degree: None,
+            parameters: Some(request.u.parameters.clone()),
+            weights,
+            closed: Some(request.u.closed),
+            ends: request.u.ends.as_ref().map(|it| EndsInput::of(it, false)),
+        }
+    }
+}
+
+/// The data points of a surface, and how they get their parameters.
+struct SurfaceData {
+    points: PointGrid,
+    /// How scattered points get their parameters; those of foot points are not known yet.
+    scattered: Option<Scattered>,
+    /// How those of a grid do.
+    parameters: Option<PerDirection<Parametrization>>,
+}
+
+impl SurfaceData {
+    fn new(
+        points: Option<PointGrid>,
+        scattered: Option<PointList>,
+        parameters: Option<SurfaceParameters>,
+    ) -> Result<Self, Mistake> {
+        use SurfaceParameters as P;
+        let wrong = |place: &str, detail| Err(Mistake::at_text(format!("/surface{place}"), detail));
+        let (points, scattered, parameters) = match (points, scattered, parameters) {
+            (Some(_), Some(_), _) => {
+                return wrong(
+                    "/scattered",
+                    "the surface has points in a grid, so it cannot have scattered ones as well",
+                );
+            }
+            (None, None, _) => {
+                return wrong("", "the field \"points\" is missing, or \"scattered\" ones");
+            }
+            (Some(_), None, Some(P::Scattered(_) | P::FootPoints(_))) => {
+                return wrong(
+                    "/parameters",
+                    "pairs, projections and foot points are parameters of scattered points; rows and columns have rules or lists of numbers",
+                );
+            }
+            (None, Some(_), None) => {
+                return wrong(
+                    "",
+                    "scattered points need parameters: [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
+                );
+            }
+            (None, Some(_), Some(P::Grid(_))) => {
+                return wrong(
+                    "/parameters",
+                    "scattered points have no rows and columns: their parameters are [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
+                );
+            }
+            (Some(points), None, Some(P::Grid(parameters))) => (points, None, Some(parameters)),
+            (Some(points), None, None) => (points, None, None),
+            (None, Some(points), Some(P::Scattered(it))) => (points.into(), Some(it), None),
+            (None, Some(points), Some(P::FootPoints(_))) => (points.into(), None, None),
+        };
+        Ok(Self {
+            points,
+            scattered,
+            parameters,
         })
     }
 }
 
-impl CheckedShape {
-    /// The problem of fitting it.
+impl SurfaceInput {
+    /// How its points are arranged, if there are any.
+    pub fn grid(&self) -> Option<Grid> {
+        let scattered = self.scattered.as_ref().map(PointList::grid);
+        let points = self.points.as_ref().map(|points| points.grid);
+        points.or(scattered)
+    }
+
+    /// The surface of another job on which scattered points have their foot points.
+    pub(super) fn base(&self) -> Option<&FootPoints> {
+        match &self.parameters {
+            Some(SurfaceParameters::FootPoints(base)) => Some(base),
+            _ => None,
+        }
+    }
+
+    /// The problem of fitting it, also if there are mistakes beside the points; foot points get their
+    /// parameters later.
     pub(super) fn request(
         self,
-        base: Result<&Nurbs, Mistake>,
-        method: MethodSpec,
-        rules: StopRules,
-    ) -> OrMistakes<Request> {
-        let scattered = self.scattered.map(|it| it.resolve(&self.points, base));
-        Ok(Request {
-            points: Arc::new(self.points),
-            grid: self.grid,
-            missing: self.missing,
-            u: self.u,
-            v: self.v,
-            weights: self.weights,
-            method: method.method,
-            selected: method.selected,
-            start: None,
-            start_breaks: None,
-            lambda_min: None,
-            scattered: scattered.transpose()?,
-            tolerance: rules.tolerance,
-            max_iterations: rules.max_iterations,
+        rational: Option<Rational>,
+        mistakes: &mut Mistakes,
+    ) -> Option<Request> {
+        let data = SurfaceData::new(self.points, self.scattered, self.parameters);
+        let SurfaceData {
+            points:
+                PointGrid {
+                    points,
+                    missing,
+                    grid,
+                },
+            scattered,
+            parameters,
+        } = mistakes.keep(data)?;
+        let weights = resolved(self.weights, rational, (grid, true), mistakes);
+        check_degree(
+            self.degree.is_some() && self.basis.is_some(),
+            "/surface",
+            mistakes,
+        );
+        let of_degree = |Whole(degree)| Basis::of_degree(degree);
+        let bases = self
+            .basis
+            .or(self.degree.map(|degree| degree.map(of_degree)));
+        let (basis_u, basis_v) = bases.map(PerDirection::split).unzip();
+        let (parameters_u, parameters_v) = parameters.map(PerDirection::split).unzip();
+        let (closed_u, closed_v) = self.closed.map(PerDirection::split).unzip();
+        let (ends_u, ends_v) = self.ends.map(PerDirection::split).unzip();
+        let u = DirectionInput {
+            basis: basis_u,
+            parameters: parameters_u,
+            closed: closed_u,
+            ends: ends_u.and_then(|ends| ends.0),
+        };
+        let v = DirectionInput {
+            basis: basis_v,
+            parameters: parameters_v,
+            closed: closed_v,
+            ends: ends_v.and_then(|ends| ends.0),
+        };
+        let usual = || Parametrization::usual_of_surface(&points);
+        let u = u.choice(Axis::U, usual(), true, mistakes);
+        let v = v.choice(Axis::V, usual(), true, mistakes);
+        let (u, v) = u.zip(v)?;
+        Some(Request {
+            missing,
+            scattered,
+            ..problem(points, grid, (u, Some(v)), weights)
         })
+    }
+
+    /// The surface of a problem with these directions as it would be asked for.
+    pub(super) fn of(request: &Request, v: &DirectionChoice) -> Self {
+        let u = &request.u;
+        let points = Arc::clone(&request.points);
+        let ends = |choice: &DirectionChoice| {
+            let ends = choice.ends.as_ref();
+            DirectionEnds(ends.map(|it| EndsInput::of(it, true)))
+        };
+        let parameters = || PerDirection::of(u.parameters.clone(), Some(v.parameters.clone()));
+        let (points, scattered, parameters) = match &request.scattered {
+            None => {
+                let points = PointGrid {
+                    points,
+                    missing: request.missing.clone(),
+                    grid: request.grid,
+                };
+                (Some(points), None, SurfaceParameters::Grid(parameters()))
+            }
+            Some(scattered) => {
+                let parameters = SurfaceParameters::Scattered(scattered.clone());
+                (None, Some(PointList(points)), parameters)
+            }
+        };
+        let has_ends = u.ends.is_some() || v.ends.is_some();
+        Self {
+            points,
+            scattered,
+            basis: Some(PerDirection::of(
+                Basis::from(&u.basis),
+                Some(Basis::from(&v.basis)),
+            )),
+            degree: None,
+            parameters: Some(parameters),
+            weights: weights::asked(request),
+            closed: Some(PerDirection::of(u.closed, Some(v.closed))),
+            ends: has_ends.then(|| PerDirection::of(ends(u), Some(ends(v)))),
+        }
     }
 }

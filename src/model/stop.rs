@@ -1,42 +1,74 @@
-//! When an iteration ends, as far as a client says it.
+//! When an iteration ends, as it is asked for.
 
-use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
-use crate::fit::problem::Tolerance;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::either::{object, whole};
+use super::mistakes::{Mistake, Mistakes, SpecPart};
+use super::schema;
+use crate::fit::invalid as fit;
+use crate::fit::problem::{Request, Tolerance};
 
 /// The last iteration that is computed if nobody says it, and the server computes as many.
 pub const DEFAULT_ITERATIONS: usize = 1000;
 
-/// When an iteration ends.
-#[derive(Clone, Debug)]
-pub struct StopSpec {
-    /// The largest allowed distance.
-    pub tolerance: OrMistakes<Option<Tolerance>>,
-    /// The last iteration that is computed.
+/// When the iteration ends. There is one of the tolerances, or none.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = schema::example_stop())]
+pub struct StopRules {
+    /// The largest allowed distance from a data point, in data units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0))]
+    pub tolerance: Option<f64>,
+    /// The same as a part of the diagonal of the bounding box of the data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("default" = 1e-6))]
+    pub relative_tolerance: Option<f64>,
+    /// The last iteration that is computed. Servers have a limit, which /v1/capabilities tells.
+    #[serde(
+        default,
+        deserialize_with = "whole",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(extend("default" = DEFAULT_ITERATIONS))]
     pub max_iterations: Option<usize>,
 }
 
-impl Default for StopSpec {
-    fn default() -> Self {
+object!(StopRules, "an object");
+
+impl StopRules {
+    /// Those of a problem.
+    pub(super) fn of(request: &Request) -> Self {
+        let (tolerance, relative_tolerance) = match request.tolerance {
+            None => (None, None),
+            Some(Tolerance::Absolute(value)) => (Some(value), None),
+            Some(Tolerance::Relative(value)) => (None, Some(value)),
+        };
         Self {
-            tolerance: Ok(None),
-            max_iterations: None,
+            tolerance,
+            relative_tolerance,
+            max_iterations: Some(request.max_iterations),
         }
     }
-}
 
-/// When an iteration ends.
-#[derive(Clone, Copy, Debug)]
-pub struct StopRules {
-    /// The largest allowed distance, if it was asked for.
-    pub tolerance: Option<Tolerance>,
-    /// The last iteration that is computed.
-    pub max_iterations: usize,
-}
-
-impl StopSpec {
-    /// The rules, with what is usual where nothing is said, and where it is wrong.
-    pub fn rules(self, most_iterations: usize, mistakes: &mut Mistakes) -> StopRules {
-        let tolerance = mistakes.keep(self.tolerance).flatten();
+    /// The largest allowed distance and the last iteration that is computed, with what is usual where nothing
+    /// is said.
+    pub(super) fn resolve(
+        self,
+        most_iterations: usize,
+        mistakes: &mut Mistakes,
+    ) -> (Option<Tolerance>, usize) {
+        let tolerance = match (self.tolerance, self.relative_tolerance) {
+            (None, relative) => relative.map(Tolerance::Relative),
+            (Some(value), None) => Some(Tolerance::Absolute(value)),
+            (Some(_), Some(_)) => {
+                let place = SpecPart::Fit(fit::Place::RelativeTolerance);
+                let detail = "tolerance is given, so relative_tolerance cannot be";
+                mistakes.push(Mistake::at(place, detail));
+                None
+            }
+        };
         let usual = DEFAULT_ITERATIONS.min(most_iterations);
         let max_iterations = self.max_iterations.unwrap_or(usual);
         if max_iterations > most_iterations {
@@ -45,9 +77,6 @@ impl StopSpec {
             );
             mistakes.push(Mistake::at(SpecPart::MaxIterations, detail));
         }
-        StopRules {
-            tolerance,
-            max_iterations,
-        }
+        (tolerance, max_iterations)
     }
 }

@@ -2,8 +2,11 @@
 
 use schemars::JsonSchema;
 
+use super::lists::PointNumbers;
 use super::mistakes::{Mistake, OrMistakes, SpecPart};
 use super::named::names;
+use super::per_direction::PerDirection;
+use crate::fit::direction::DirectionChoice;
 use crate::fit::invalid::{self as fit, Axis, Invalid};
 use crate::fit::points::Grid;
 use crate::fit::problem::{Request, Weights};
@@ -35,27 +38,6 @@ impl Rational {
     }
 }
 
-/// Weights as they are asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum WeightSpec {
-    /// Of a curve: one for each data point; fixed ones also one for each control point.
-    List(Vec<f64>),
-    /// Of a surface: one for each data point.
-    Grid {
-        /// The weights, row by row.
-        values: Vec<f64>,
-        /// The length of the rows.
-        columns: usize,
-    },
-    /// Of a surface: of both directions. The weight of a point is their product.
-    Axes {
-        /// One for each row.
-        u: Vec<f64>,
-        /// One for each column.
-        v: Vec<f64>,
-    },
-}
-
 /// Weights as the fitting problem has them.
 #[derive(Clone, Debug)]
 pub struct Resolved {
@@ -74,32 +56,85 @@ impl From<Weights> for Resolved {
     }
 }
 
-impl WeightSpec {
-    /// The weights of data points that stand in this grid.
-    pub fn resolve(self, rational: Option<Rational>, grid: Grid) -> OrMistakes<Resolved> {
+impl Resolved {
+    /// The weights of data points that stand in this grid: of a curve a list, of which fixed ones may also be
+    /// one for each control point; of a surface rows, or a list for each direction, whose products are those of
+    /// the points.
+    pub fn new(
+        weights: PerDirection<PointNumbers>,
+        rational: Option<Rational>,
+        grid: Grid,
+        is_surface: bool,
+    ) -> OrMistakes<Self> {
+        use PointNumbers::{Grid as Rows, Line};
         let fixed = rational == Some(Rational::Fixed);
-        let of_directions = |u, v| Resolved {
+        let of_directions = |u, v| Self {
             weights: Weights::None,
             u: Some(u),
             v,
         };
-        Ok(match self {
-            Self::List(weights) if fixed => of_directions(weights, None),
-            Self::List(weights) => Weights::Homogeneous(weights).into(),
-            Self::Grid { values, columns } => {
+        let detail = match (weights, is_surface) {
+            (PerDirection::Both(Line(weights)), false) if fixed => {
+                return Ok(of_directions(weights, None));
+            }
+            (PerDirection::Both(Line(weights)), false) => {
+                return Ok(Weights::Homogeneous(weights).into());
+            }
+            (PerDirection::Both(Rows { values, columns }), true) => {
                 check_grid(&values, columns, grid)?;
-                match fixed {
+                return Ok(match fixed {
                     true => Weights::FixedGrid(values).into(),
                     false => Weights::Homogeneous(values).into(),
-                }
+                });
             }
-            Self::Axes { u, v } if fixed => of_directions(u, Some(v)),
-            Self::Axes { u, v } => {
+            (
+                PerDirection::Each {
+                    u: Line(u),
+                    v: Line(v),
+                },
+                true,
+            ) if fixed => {
+                return Ok(of_directions(u, Some(v)));
+            }
+            (
+                PerDirection::Each {
+                    u: Line(u),
+                    v: Line(v),
+                },
+                true,
+            ) => {
                 check_axes(&u, &v, grid)?;
                 let products = u.iter().flat_map(|u| v.iter().map(move |v| u * v));
-                Weights::Homogeneous(products.collect()).into()
+                return Ok(Weights::Homogeneous(products.collect()).into());
             }
-        })
+            (_, false) => "the weights of a curve are a list of numbers",
+            (_, true) => {
+                "the weights of a surface are rows of numbers, or {\"u\": […], \"v\": […]}"
+            }
+        };
+        Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into())
+    }
+}
+
+/// The weights of a problem as they would be asked for.
+pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
+    let rows = |values: &Vec<f64>| match request.v {
+        None => PointNumbers::Line(values.clone()),
+        Some(_) => PointNumbers::Grid {
+            values: values.clone(),
+            columns: request.grid.columns,
+        },
+    };
+    let line = |choice: &DirectionChoice| Some(PointNumbers::Line(choice.weights.clone()?));
+    match (&request.weights, &request.v) {
+        (Weights::None, None) => line(&request.u).map(PerDirection::Both),
+        (Weights::None, Some(v)) => {
+            let (u, v) = line(&request.u).zip(line(v))?;
+            Some(PerDirection::Each { u, v })
+        }
+        (Weights::Homogeneous(values) | Weights::FixedGrid(values), _) => {
+            Some(PerDirection::Both(rows(values)))
+        }
     }
 }
 

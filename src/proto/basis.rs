@@ -3,74 +3,52 @@
 use std::sync::Arc;
 
 use super::messages as pb;
-use super::values::{count, known};
-use crate::fit::basis::{Polynomial, knots::Knots};
+use super::values::{chosen, count, known, value};
+use crate::fit::basis::knots::Knots;
 use crate::fit::direction::BasisChoice;
 use crate::fit::parameters::Parametrization;
+use crate::model::basis::{Basis, BasisKind};
 use crate::model::mistakes::Mistake;
-use crate::model::shape::{AxisSpec, BasisKind, BasisSpec};
+use crate::model::named::{Named, Rule};
 
-/// The basis and the parameters of one direction of the field `root`, those that are `usual` where nothing
-/// is said.
-pub fn axis(
-    basis: Option<pb::Basis>,
-    (parameters, usual): (Option<pb::Parameters>, Parametrization),
-    closed: bool,
-    root: &str,
-) -> Result<AxisSpec, Mistake> {
-    Ok(AxisSpec {
-        basis: Ok(basis_spec(
-            basis.unwrap_or_default(),
-            &format!("{root}.basis"),
-        )?),
-        parameters: parameters_spec(
-            parameters.unwrap_or_default(),
-            usual,
-            &format!("{root}.parameters"),
-        )?,
-        closed,
-        ends: Ok(None),
-    })
-}
+const KINDS: [(BasisKind, pb::BasisKind); 4] = [
+    (BasisKind::Bspline, pb::BasisKind::Bspline),
+    (BasisKind::Bernstein, pb::BasisKind::Bernstein),
+    (BasisKind::SaidBall, pb::BasisKind::SaidBall),
+    (BasisKind::WangBall, pb::BasisKind::WangBall),
+];
 
-fn basis_spec(basis: pb::Basis, field: &str) -> Result<BasisSpec, Mistake> {
-    let kind = match known(basis.kind, &format!("{field}.kind"))? {
-        pb::BasisKind::Unspecified | pb::BasisKind::Bspline => BasisKind::Bspline,
-        pb::BasisKind::Bernstein => BasisKind::Bernstein,
-        pb::BasisKind::SaidBall => BasisKind::SaidBall,
-        pb::BasisKind::WangBall => BasisKind::WangBall,
-    };
+/// The basis of a direction, which is this field.
+pub fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
+    let basis = basis.unwrap_or_default();
     let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
         pb::KnotRule::Unspecified => Chosen::Any,
         pb::KnotRule::Explicit => Chosen::Explicit,
-        pb::KnotRule::Data => Chosen::Rule(Knots::Data, "data"),
-        pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged, "averaged"),
-        pb::KnotRule::Spread => Chosen::Rule(Knots::Spread, "spread"),
+        pb::KnotRule::Data => Chosen::Rule(Knots::Data),
+        pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged),
+        pb::KnotRule::Spread => Chosen::Rule(Knots::Spread),
     };
-    Ok(BasisSpec {
-        kind,
+    Ok(Basis {
+        kind: chosen(&KINDS, basis.kind, &format!("{field}.kind"))?.unwrap_or_default(),
         degree: basis.degree.map(|degree| degree as usize),
-        knots: rule.of(basis.knots, Knots::Explicit, &format!("{field}.knots"))?,
+        knots: rule.of(basis.knots, &format!("{field}.knots"))?,
     })
 }
 
-fn parameters_spec(
-    parameters: pb::Parameters,
-    usual: Parametrization,
+/// The parameters of a direction, which are this field.
+pub fn read_parameters(
+    parameters: Option<pb::Parameters>,
     field: &str,
-) -> Result<Parametrization, Mistake> {
+) -> Result<Option<Parametrization>, Mistake> {
+    let parameters = parameters.unwrap_or_default();
     let rule = match known(parameters.rule, &format!("{field}.rule"))? {
         pb::ParameterRule::Unspecified => Chosen::Any,
         pb::ParameterRule::Explicit => Chosen::Explicit,
-        pb::ParameterRule::ChordLength => {
-            Chosen::Rule(Parametrization::ChordLength, "chord_length")
-        }
-        pb::ParameterRule::Centripetal => Chosen::Rule(Parametrization::Centripetal, "centripetal"),
-        pb::ParameterRule::Uniform => Chosen::Rule(Parametrization::Uniform, "uniform"),
+        pb::ParameterRule::ChordLength => Chosen::Rule(Parametrization::ChordLength),
+        pb::ParameterRule::Centripetal => Chosen::Rule(Parametrization::Centripetal),
+        pb::ParameterRule::Uniform => Chosen::Rule(Parametrization::Uniform),
     };
-    let field = format!("{field}.values");
-    let chosen = rule.of(parameters.values, Parametrization::Explicit, &field)?;
-    Ok(chosen.unwrap_or(usual))
+    rule.of(parameters.values, &format!("{field}.values"))
 }
 
 /// The rule by which numbers are chosen.
@@ -78,22 +56,17 @@ enum Chosen<R> {
     /// As the numbers say, if there are any.
     Any,
     Explicit,
-    /// A rule, and its name.
-    Rule(R, &'static str),
+    Rule(R),
 }
 
-impl<R> Chosen<R> {
-    fn of(
-        self,
-        numbers: Vec<f64>,
-        explicit: impl Fn(Arc<Vec<f64>>) -> R,
-        field: &str,
-    ) -> Result<Option<R>, Mistake> {
+impl<R: Rule> Chosen<R> {
+    fn of(self, numbers: Vec<f64>, field: &str) -> Result<Option<R>, Mistake> {
         match (self, numbers.is_empty()) {
             (Self::Any, true) => Ok(None),
-            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(explicit(Arc::new(numbers)))),
-            (Self::Rule(rule, _), true) => Ok(Some(rule)),
-            (Self::Rule(_, name), false) => {
+            (Self::Any, false) | (Self::Explicit, _) => Ok(Some(R::explicit(Arc::new(numbers)))),
+            (Self::Rule(rule), true) => Ok(Some(rule)),
+            (Self::Rule(rule), false) => {
+                let name = rule.name().unwrap_or_default();
                 let detail = format!("numbers are given, but the rule is {name:?}");
                 Err(Mistake::at_text(field, detail))
             }
@@ -103,26 +76,29 @@ impl<R> Chosen<R> {
 
 /// The message of a basis.
 pub fn message(choice: &BasisChoice) -> pb::Basis {
-    let kind = basis_kind(choice).into();
-    let BasisChoice::BSpline { degree, knots } = choice else {
-        return pb::Basis {
-            kind,
-            ..pb::Basis::default()
-        };
-    };
+    let Basis {
+        kind,
+        degree,
+        knots,
+    } = Basis::from(choice);
     let (rule, knots) = match knots {
-        Knots::Usual => (pb::KnotRule::Unspecified, Vec::new()),
-        Knots::Data => (pb::KnotRule::Data, Vec::new()),
-        Knots::Averaged => (pb::KnotRule::Averaged, Vec::new()),
-        Knots::Spread => (pb::KnotRule::Spread, Vec::new()),
-        Knots::Explicit(knots) => (pb::KnotRule::Explicit, knots.to_vec()),
+        None | Some(Knots::Usual) => (pb::KnotRule::Unspecified, Vec::new()),
+        Some(Knots::Data) => (pb::KnotRule::Data, Vec::new()),
+        Some(Knots::Averaged) => (pb::KnotRule::Averaged, Vec::new()),
+        Some(Knots::Spread) => (pb::KnotRule::Spread, Vec::new()),
+        Some(Knots::Explicit(knots)) => (pb::KnotRule::Explicit, knots.to_vec()),
     };
     pb::Basis {
-        kind,
-        degree: Some(count(*degree)),
+        kind: value(&KINDS, Some(kind)).into(),
+        degree: degree.map(count),
         knot_rule: rule.into(),
         knots,
     }
+}
+
+/// The kind of a basis with this name.
+pub fn kind(name: &str) -> pb::BasisKind {
+    value(&KINDS, BasisKind::of_name(name))
 }
 
 /// The message of parameters.
@@ -136,15 +112,5 @@ pub fn parameters_message(choice: &Parametrization) -> pb::Parameters {
     pb::Parameters {
         rule: rule.into(),
         values,
-    }
-}
-
-/// The kind of a basis that was asked for.
-fn basis_kind(choice: &BasisChoice) -> pb::BasisKind {
-    match choice {
-        BasisChoice::BSpline { .. } => pb::BasisKind::Bspline,
-        BasisChoice::Polynomial(Polynomial::Bernstein) => pb::BasisKind::Bernstein,
-        BasisChoice::Polynomial(Polynomial::SaidBall) => pb::BasisKind::SaidBall,
-        BasisChoice::Polynomial(Polynomial::WangBall) => pb::BasisKind::WangBall,
     }
 }

@@ -11,7 +11,7 @@ use crate::model::mistakes::Mistake;
 
 /// The ends that a message asks for; `boundary` is the number of data points on a boundary and that of
 /// their coordinates.
-pub(super) fn spec(
+pub(super) fn read(
     ends: Option<pb::Ends>,
     boundary: (usize, usize),
     field: &str,

@@ -2,80 +2,90 @@
 
 use std::sync::Arc;
 
-use super::basis::{self, axis};
+use super::basis;
 use super::ends::{self, flat};
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
 use super::method;
 use super::stream;
-use super::values::{MethodTarget, check_count, count, known, some};
+use super::values::{MethodTarget, check_count, chosen, count, known, some, value};
 use crate::fit::direction::DirectionChoice;
-use crate::fit::method::Method;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Tolerance, Weights};
 use crate::fit::scattered::Scattered;
-use crate::model::job::JobSpec;
-use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
-use crate::model::scattered::{BaseSpec, ScatteredSpec};
-use crate::model::shape::{AxisSpec, MAX_DIMENSION, ShapeSpec};
-use crate::model::stop::StopSpec;
+use crate::model::ends::{DirectionEnds, EndsInput};
+use crate::model::iteration::IterationChoice;
+use crate::model::job::JobRequest;
+use crate::model::lists::PointNumbers;
+use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
+use crate::model::per_direction::PerDirection;
+use crate::model::points::{PointGrid, PointList};
+use crate::model::scattered::{FootPoints, SurfaceParameters};
+use crate::model::shape::{CurveInput, MAX_DIMENSION, SurfaceInput};
+use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
-use crate::model::weights::{Rational, WeightSpec};
+use crate::model::weights::Rational;
+
+const RATIONALS: [(Rational, pb::Rational); 2] = [
+    (Rational::Homogeneous, pb::Rational::Homogeneous),
+    (Rational::Fixed, pb::Rational::Fixed),
+];
 
 /// The job that a message asks for, with at most so many points.
-pub fn spec(input: pb::JobInput, most_points: usize) -> JobSpec {
-    let surface = matches!(input.geometry, Some(Geometry::Surface(_)));
-    let shape: OrMistakes<ShapeSpec> = match input.geometry {
-        None => Err(Mistake::at(SpecPart::Whole, "a curve or a surface is needed").into()),
-        Some(Geometry::Curve(it)) => curve(it, most_points).map_err(Into::into),
-        Some(Geometry::Surface(it)) => self::surface(it, most_points).map_err(Into::into),
-    };
-    let scope = MethodTarget {
-        points: shape
-            .as_ref()
-            .map_or(usize::MAX, |shape| shape.grid.count()),
-        surface,
-        most: most_points,
-    };
-    let method = method::spec(input.method, scope);
-    let stream = input.stream.map(|it| stream::spec(it, "stream."));
-    JobSpec {
+pub fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
+    let mut mistakes = Mistakes::default();
+    let mut request = JobRequest {
         name: input.name,
-        surface,
-        shape,
-        rational: rational(input.rational).map_err(Into::into),
-        method: method.map(|method| method.unwrap_or(Method::Global.into())),
-        stop: stop(input.stop).unwrap_or_default(),
-        stream: stream.transpose().map_err(Into::into),
-    }
-}
-
-fn curve(curve: pb::Curve, most: usize) -> Result<ShapeSpec, Mistake> {
-    let points = points(curve.dimension, &curve.points, most, "curve")?;
-    let dimension = points.dimension();
-    Ok(ShapeSpec {
+        stop: input.stop.map(stop),
+        ..JobRequest::default()
+    };
+    let mut target = MethodTarget {
         grid: Grid {
-            rows: points.len(),
+            rows: 0,
             columns: 1,
         },
-        points,
-        missing: Vec::new(),
-        scattered: None,
-        u: AxisSpec {
-            ends: Ok(ends::spec(curve.ends, (1, dimension), "curve.ends")?),
-            ..axis(
-                curve.basis,
-                (curve.parameters, Parametrization::ChordLength),
-                curve.closed,
-                "curve",
-            )?
-        },
-        v: None,
-        weights: Ok(some(curve.weights).map(WeightSpec::List)),
+        surface: false,
+        most: most_points,
+    };
+    match input.geometry {
+        // Without points the rest is not looked at.
+        None => return Ok(request),
+        Some(Geometry::Curve(it)) => {
+            request.curve = mistakes.keep(curve(it, most_points));
+            target.grid = request
+                .curve
+                .as_ref()
+                .map_or(target.grid, |it| it.points.grid());
+        }
+        Some(Geometry::Surface(it)) => {
+            request.surface = mistakes.keep(surface(it, most_points));
+            let grid = request.surface.as_ref().and_then(SurfaceInput::grid);
+            (target.grid, target.surface) = (grid.unwrap_or(target.grid), true);
+        }
+    }
+    let stream = input.stream.map(|it| stream::spec(it, "stream."));
+    request.stream = mistakes.keep(stream.transpose()).flatten();
+    request.rational = mistakes.keep(rational(input.rational)).flatten();
+    request.method = mistakes.keep(method::input(input.method, target)).flatten();
+    mistakes.or(request)
+}
+
+fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
+    let points = points(curve.dimension, &curve.points, most, "curve")?;
+    let boundary = (1, points.dimension());
+    let ends = ends::read(curve.ends, boundary, "curve.ends")?;
+    Ok(CurveInput {
+        points: PointList(Arc::new(points)),
+        basis: Some(basis::read(curve.basis, "curve.basis")?),
+        degree: None,
+        parameters: basis::read_parameters(curve.parameters, "curve.parameters")?,
+        weights: some(curve.weights).map(PointNumbers::Line),
+        closed: Some(curve.closed),
+        ends: ends.map(|ends| EndsInput::of(&ends, false)),
     })
 }
 
-fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
+fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     let points = points(surface.dimension, &surface.points, most, "surface")?;
     let (rows, columns) = match (surface.rows, surface.columns, &surface.scattered) {
         (0, 0, Some(_)) => (points.len(), 1),
@@ -87,45 +97,69 @@ fn surface(surface: pb::Surface, most: usize) -> Result<ShapeSpec, Mistake> {
         let detail = format!("{given} points for {rows} rows of {columns} points");
         return Err(Mistake::at_text("surface.points", detail));
     }
-    let scattered = surface.scattered;
-    let scattered = scattered.map(|it| self::scattered(it, grid)).transpose()?;
     let missing = missing(&surface.missing, points.len())?;
     let (u, v) = (surface.u.unwrap_or_default(), surface.v.unwrap_or_default());
-    if scattered.is_some() && (u.parameters.is_some() || v.parameters.is_some()) {
-        let detail = "scattered points have no parameters of their directions";
-        return Err(Mistake::at_text("surface.scattered", detail));
-    }
+    let given = u.parameters.is_some() || v.parameters.is_some();
+    let dimension = points.dimension();
+    let points = Arc::new(points);
+    let ends = |ends, count, field| {
+        let ends = ends::read(ends, (count, dimension), field)?;
+        Ok::<_, Mistake>(DirectionEnds(ends.map(|ends| EndsInput::of(&ends, true))))
+    };
+    let mut input = SurfaceInput {
+        basis: Some(PerDirection::Each {
+            u: basis::read(u.basis, "surface.u.basis")?,
+            v: basis::read(v.basis, "surface.v.basis")?,
+        }),
+        closed: Some(PerDirection::Each {
+            u: u.closed,
+            v: v.closed,
+        }),
+        ends: Some(PerDirection::Each {
+            u: ends(u.ends, columns, "surface.u.ends")?,
+            v: ends(v.ends, rows, "surface.v.ends")?,
+        }),
+        ..SurfaceInput::default()
+    };
     let weights = pb::Weights {
         values: surface.weights,
         u: u.weights,
         v: v.weights,
     };
-    let dimension = points.dimension();
-    let usual = Parametrization::usual_of_surface(&points);
-    Ok(ShapeSpec {
+    input.weights = surface_weights(weights, grid, "surface.weights")?;
+    if let Some(it) = surface.scattered {
+        if given {
+            let detail = "scattered points have no parameters of their directions";
+            return Err(Mistake::at_text("surface.scattered", detail));
+        }
+        input.parameters = Some(scattered(it, grid)?);
+        input.scattered = Some(PointList(points));
+        return Ok(input);
+    }
+    if given {
+        let usual = || Parametrization::usual_of_surface(&points);
+        let read = |parameters, field| {
+            let parameters = basis::read_parameters(parameters, field)?;
+            Ok::<_, Mistake>(parameters.unwrap_or_else(usual))
+        };
+        input.parameters = Some(SurfaceParameters::Grid(PerDirection::Each {
+            u: read(u.parameters, "surface.u.parameters")?,
+            v: read(v.parameters, "surface.v.parameters")?,
+        }));
+    }
+    input.points = Some(PointGrid {
         points,
-        grid,
         missing,
-        scattered,
-        u: AxisSpec {
-            ends: Ok(ends::spec(u.ends, (columns, dimension), "surface.u.ends")?),
-            ..axis(
-                u.basis,
-                (u.parameters, usual.clone()),
-                u.closed,
-                "surface.u",
-            )?
-        },
-        v: Some(AxisSpec {
-            ends: Ok(ends::spec(v.ends, (rows, dimension), "surface.v.ends")?),
-            ..axis(v.basis, (v.parameters, usual), v.closed, "surface.v")?
-        }),
-        weights: Ok(surface_weights(weights, grid, "surface.weights")?),
-    })
+        grid,
+    });
+    Ok(input)
 }
 
 /// The parameters of scattered points.
-fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<ScatteredSpec, Mistake> {
+fn scattered(
+    parameters: pb::ScatteredParameters,
+    grid: Grid,
+) -> Result<SurfaceParameters, Mistake> {
     let pb::ScatteredParameters {
         projection,
         values,
@@ -142,11 +176,8 @@ fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<Scattere
             let detail = "scattered points have foot points, a projection or values, one of them";
             return Err(Mistake::at_text("surface.scattered.foot_points", detail));
         }
-        return Ok(ScatteredSpec::FootPoints(BaseSpec {
-            job,
-            // Too large for this machine is beyond every job.
-            iteration: iteration.map(|k| usize::try_from(k).unwrap_or(usize::MAX)),
-        }));
+        let iteration = iteration.map(IterationChoice::of);
+        return Ok(SurfaceParameters::FootPoints(FootPoints { job, iteration }));
     }
     let plane = match projection {
         pb::Projection::Unspecified if values.is_empty() => {
@@ -160,13 +191,13 @@ fn scattered(parameters: pb::ScatteredParameters, grid: Grid) -> Result<Scattere
         }
         pb::Projection::Unspecified => {
             let pairs = Arc::new(Points::from_flat(2, &values));
-            return Ok(ScatteredSpec::Own(Scattered::Given(pairs)));
+            return Ok(SurfaceParameters::Scattered(Scattered::Given(pairs)));
         }
         pb::Projection::Nearest => Scattered::Plane,
         pb::Projection::Xy => Scattered::Coordinates,
     };
     match values.is_empty() {
-        true => Ok(ScatteredSpec::Own(plane)),
+        true => Ok(SurfaceParameters::Scattered(plane)),
         false => {
             let detail = "numbers are given, but there is a projection";
             Err(Mistake::at_text(field, detail))
@@ -226,46 +257,49 @@ pub fn surface_weights(
     weights: pb::Weights,
     grid: Grid,
     field: &str,
-) -> Result<Option<WeightSpec>, Mistake> {
+) -> Result<Option<PerDirection<PointNumbers>>, Mistake> {
     let pb::Weights { values, u, v } = weights;
     let Grid { rows, columns } = grid;
     let wrong = |detail: String| Err(Mistake::at_text(field, detail));
     match (values.is_empty(), u.is_empty() && v.is_empty()) {
         (true, true) => Ok(None),
         (false, false) => wrong("weights of points and of directions exclude each other".into()),
-        (true, false) => Ok(Some(WeightSpec::Axes { u, v })),
+        (true, false) => Ok(Some(PerDirection::Each {
+            u: PointNumbers::Line(u),
+            v: PointNumbers::Line(v),
+        })),
         (false, true) if values.len() != rows * columns => {
             let given = values.len();
             wrong(format!(
                 "{given} weights for {rows} rows of {columns} points"
             ))
         }
-        (false, true) => Ok(Some(WeightSpec::Grid { values, columns })),
+        (false, true) => Ok(Some(PerDirection::Both(PointNumbers::Grid {
+            values,
+            columns,
+        }))),
     }
 }
 
 /// How weights are used.
 pub fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
-    Ok(match known(value, "rational")? {
-        pb::Rational::Unspecified => None,
-        pb::Rational::Homogeneous => Some(Rational::Homogeneous),
-        pb::Rational::Fixed => Some(Rational::Fixed),
-    })
+    chosen(&RATIONALS, value, "rational")
 }
 
 /// When the iteration ends.
-pub fn stop(stop: Option<pb::StopRules>) -> Option<StopSpec> {
-    let stop = stop?;
-    let tolerance = stop.rule.map(|rule| match rule {
-        Rule::Tolerance(value) => Tolerance::Absolute(value),
-        Rule::RelativeTolerance(value) => Tolerance::Relative(value),
-    });
+pub fn stop(stop: pb::StopRules) -> StopRules {
+    let (tolerance, relative_tolerance) = match stop.rule {
+        None => (None, None),
+        Some(Rule::Tolerance(value)) => (Some(value), None),
+        Some(Rule::RelativeTolerance(value)) => (None, Some(value)),
+    };
     // Too many for this machine are too many for any limit.
     let count = |count| usize::try_from(count).unwrap_or(usize::MAX);
-    Some(StopSpec {
-        tolerance: Ok(tolerance),
+    StopRules {
+        tolerance,
+        relative_tolerance,
         max_iterations: stop.max_iterations.map(count),
-    })
+    }
 }
 
 /// The message that would ask for the same problem again. The start of an edit is not a part of it: that
@@ -334,12 +368,9 @@ fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection 
     }
 }
 
-fn rational_message(request: &Request) -> pb::Rational {
-    match Rational::of(request) {
-        None => pb::Rational::Unspecified,
-        Some(Rational::Homogeneous) => pb::Rational::Homogeneous,
-        Some(Rational::Fixed) => pb::Rational::Fixed,
-    }
+/// How the weights of a problem are used.
+pub fn rational_message(request: &Request) -> pb::Rational {
+    value(&RATIONALS, Rational::of(request))
 }
 
 fn grid_weights(weights: &Weights) -> Option<Vec<f64>> {

@@ -1,99 +1,108 @@
 //! The settings of least squares in messages.
 
 use super::messages::{method as m, method::constraint as c};
-use super::values::{MethodTarget, check_count, count, known};
+use super::values::{MethodTarget, check_count, chosen, count, some, value};
 use crate::fit::invalid::{Axis, Place, Side};
 use crate::fit::method::{
-    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
-    MOST_CONDITIONS, Variant, Wanted,
+    AS_MANY_AS_DATA, At, Constraint, EndPoints, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
 };
 use crate::fit::points::Points;
-use crate::model::method::mu_without_lspia;
-use crate::model::mistakes::{self as model, Mistake, OrMistakes};
+use crate::model::either::{AtMost, Whole};
+use crate::model::method::counts::ControlPointCount;
+use crate::model::method::{ConstraintInput, LeastSquaresInput, VariantKind};
+use crate::model::mistakes::{Mistake, SpecPart};
+use crate::model::per_direction::PerDirection;
+
+const VARIANTS: [(VariantKind, m::Variant); 4] = [
+    (VariantKind::Cg, m::Variant::Cg),
+    (VariantKind::Diagonal, m::Variant::Diagonal),
+    (VariantKind::Lspia, m::Variant::Lspia),
+    (VariantKind::Direct, m::Variant::Direct),
+];
+
+const END_POINTS: [(EndPoints, m::EndPoints); 2] = [
+    (EndPoints::Interpolated, m::EndPoints::Interpolated),
+    (EndPoints::Free, m::EndPoints::Free),
+];
+
+const SIDES: [(Side, m::Side); 2] = [(Side::Start, m::Side::Start), (Side::End, m::Side::End)];
+
+const BOUNDARIES: [((Axis, Side), m::Boundary); 4] = [
+    ((Axis::U, Side::Start), m::Boundary::UStart),
+    ((Axis::U, Side::End), m::Boundary::UEnd),
+    ((Axis::V, Side::Start), m::Boundary::VStart),
+    ((Axis::V, Side::End), m::Boundary::VEnd),
+];
 
 /// The settings that a message asks for. Without a number for v both directions have that for u.
-pub(super) fn spec(settings: m::LeastSquares, scope: MethodTarget) -> OrMistakes<LeastSquares> {
-    let variant = match known(settings.variant, "method.least_squares.variant")? {
-        m::Variant::Unspecified | m::Variant::Cg => Variant::ConjugateGradients,
-        m::Variant::Diagonal => Variant::Diagonal,
-        m::Variant::Lspia => Variant::Lspia { mu: settings.mu },
-        m::Variant::Direct => Variant::Direct,
-    };
-    if settings.mu.is_some() && !matches!(variant, Variant::Lspia { .. }) {
-        return Err(mu_without_lspia().into());
-    }
+pub(super) fn input(
+    settings: m::LeastSquares,
+    target: MethodTarget,
+) -> Result<LeastSquaresInput, Mistake> {
     let (u, v) = (settings.control_points_u, settings.control_points_v);
-    if v != 0 && !scope.surface {
-        let detail = "a curve has one number of control points";
-        let place = model::SpecPart::Fit(Place::ControlPoints(Axis::U));
-        return Err(Mistake::at(place, detail).into());
+    let wrong = |axis, detail| {
+        let place = SpecPart::Fit(Place::ControlPoints(axis));
+        Err(Mistake::at(place, detail))
+    };
+    if v != 0 && !target.surface {
+        return wrong(Axis::U, "a curve has one number of control points");
     }
-    let v = if v == 0 { u } else { v };
-    if u == 0 && v != 0 && settings.automatic.is_some() {
-        let detail = "without a number for u there is none for v";
-        let place = model::SpecPart::Fit(Place::ControlPoints(Axis::V));
-        return Err(Mistake::at(place, detail).into());
+    if u == 0 && v != 0 {
+        return wrong(Axis::V, "without a number for u there is none for v");
     }
-    let most = |count| {
-        if count == 0 {
-            AS_MANY_AS_DATA
-        } else {
-            count as usize
-        }
-    };
-    let exactly = |count| match count {
-        0 => BY_KNOTS,
-        count => count as usize,
-    };
-    let automatic = settings.automatic;
-    let (u, v) = match automatic {
-        None => (exactly(u), exactly(v)),
-        Some(_) => (most(u), most(v)),
-    };
-    let weights = settings.data_weights;
-    check_count(
-        weights.len(),
-        scope.most,
-        "weights of data",
-        "method.least_squares.data_weights",
-    )?;
-    let constraints = constraints(settings.constraints, scope.surface)?;
-    Ok(LeastSquares {
-        variant,
-        ends: match known(settings.end_points, "method.least_squares.end_points")? {
-            m::EndPoints::Unspecified => EndPoints::Usual,
-            m::EndPoints::Interpolated => EndPoints::Interpolated,
-            m::EndPoints::Free => EndPoints::Free,
-        },
-        constraints: constraints.into(),
-        fairness: fairness(settings.fairness, settings.fairness_order)?,
-        data_weights: (!weights.is_empty()).then(|| weights.into()),
-        automatic: automatic.map(|it| Automatic {
-            correct_parameters: it.correct_parameters,
+    let counts = match (u, v) {
+        (0, _) => None,
+        (u, 0) => Some(PerDirection::Both(Whole(u as usize))),
+        (u, v) => Some(PerDirection::Each {
+            u: Whole(u as usize),
+            v: Whole(v as usize),
         }),
-        ..LeastSquares::new(u, v)
+    };
+    let (control_points, max_control_points) = match settings.automatic {
+        None => (
+            counts.map(|it| it.map(|count| ControlPointCount(Some(count)))),
+            None,
+        ),
+        Some(_) => (Some(PerDirection::Both(ControlPointCount(None))), counts),
+    };
+    let field = "method.least_squares.data_weights";
+    let weights = settings.data_weights;
+    check_count(weights.len(), target.most, "weights of data", field)?;
+    let order = settings.fairness_order;
+    Ok(LeastSquaresInput {
+        control_points,
+        max_control_points,
+        correct_parameters: settings.automatic.map(|it| it.correct_parameters),
+        variant: chosen(&VARIANTS, settings.variant, "method.least_squares.variant")?,
+        mu: settings.mu,
+        end_points: chosen(
+            &END_POINTS,
+            settings.end_points,
+            "method.least_squares.end_points",
+        )?,
+        data_weights: target.numbers(weights),
+        fairness: settings.fairness,
+        fairness_order: (order != 0).then_some(order as usize),
+        constraints: constraints(settings.constraints, target)?,
     })
 }
 
-/// Fairness by the second derivative, unless another order is given.
-fn fairness(value: Option<f64>, order: u32) -> Result<Option<Fairness>, Mistake> {
-    let Some(value) = value else {
-        if order != 0 {
-            let detail = "it is the order of fairness, which is not given";
-            let field = "method.least_squares.fairness_order";
-            return Err(Mistake::at_text(field, detail));
-        }
-        return Ok(None);
-    };
-    let order = if order == 0 { 2 } else { order as usize };
-    Ok(Some(Fairness { value, order }))
-}
-
-fn constraints(messages: Vec<m::Constraint>, surface: bool) -> Result<Vec<Constraint>, Mistake> {
+fn constraints(
+    messages: Vec<m::Constraint>,
+    target: MethodTarget,
+) -> Result<Option<AtMost<ConstraintInput, MOST_CONDITIONS>>, Mistake> {
     let field = "method.least_squares.constraints";
     check_count(messages.len(), MOST_CONDITIONS, "constraints", field)?;
-    let one = |(index, message)| constraint(message, surface, &format!("{field}[{index}]"));
-    messages.into_iter().enumerate().map(one).collect()
+    let one = |(index, message)| {
+        let constraint = constraint(message, target.surface, &format!("{field}[{index}]"))?;
+        Ok(ConstraintInput::of(
+            &constraint,
+            target.grid,
+            target.surface,
+        ))
+    };
+    let constraints: Result<Vec<_>, Mistake> = messages.into_iter().enumerate().map(one).collect();
+    Ok(some(constraints?).map(AtMost))
 }
 
 fn constraint(message: m::Constraint, surface: bool, field: &str) -> Result<Constraint, Mistake> {
@@ -102,21 +111,18 @@ fn constraint(message: m::Constraint, surface: bool, field: &str) -> Result<Cons
         .at
         .ok_or_else(|| wrong("it says nowhere where it holds"))?
     {
-        c::At::Side(side) => match known(side, &format!("{field}.side"))? {
-            m::Side::Unspecified => return Err(wrong("its side is not given")),
-            m::Side::Start => At::Side(Side::Start),
-            m::Side::End => At::Side(Side::End),
-        },
+        c::At::Side(side) => {
+            let side = chosen(&SIDES, side, &format!("{field}.side"))?;
+            At::Side(side.ok_or_else(|| wrong("its side is not given"))?)
+        }
         c::At::Index(index) => At::Index(index as usize),
         c::At::Parameter(t) => At::Parameter(t),
         c::At::Parameters(m::SurfaceParameters { u, v }) => At::Parameters(u, v),
-        c::At::Boundary(boundary) => match known(boundary, &format!("{field}.boundary"))? {
-            m::Boundary::Unspecified => return Err(wrong("its boundary is not given")),
-            m::Boundary::UStart => At::Boundary(Axis::U, Side::Start),
-            m::Boundary::UEnd => At::Boundary(Axis::U, Side::End),
-            m::Boundary::VStart => At::Boundary(Axis::V, Side::Start),
-            m::Boundary::VEnd => At::Boundary(Axis::V, Side::End),
-        },
+        c::At::Boundary(boundary) => {
+            let boundary = chosen(&BOUNDARIES, boundary, &format!("{field}.boundary"))?;
+            let (axis, side) = boundary.ok_or_else(|| wrong("its boundary is not given"))?;
+            At::Boundary(axis, side)
+        }
     };
     let wanted = match message.wanted {
         None if matches!(at, At::Index(_)) => Wanted::DataPoint,
@@ -165,13 +171,6 @@ fn points(vectors: &[m::Vector]) -> Option<Points> {
 
 /// The settings, without lists.
 pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
-    use m::Variant as V;
-    let (variant, mu) = match settings.variant {
-        Variant::Diagonal => (V::Diagonal, None),
-        Variant::Lspia { mu } => (V::Lspia, mu),
-        Variant::ConjugateGradients => (V::Cg, None),
-        Variant::Direct => (V::Direct, None),
-    };
     // Zero: as many as there are data points.
     let number = |most| {
         if most == AS_MANY_AS_DATA {
@@ -187,14 +186,12 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         automatic: settings.automatic.map(|it| m::Automatic {
             correct_parameters: it.correct_parameters,
         }),
-        variant: variant.into(),
-        mu,
-        end_points: match settings.ends {
-            EndPoints::Usual => m::EndPoints::Unspecified,
-            EndPoints::Interpolated => m::EndPoints::Interpolated,
-            EndPoints::Free => m::EndPoints::Free,
-        }
-        .into(),
+        variant: value(&VARIANTS, Some(settings.variant.into())).into(),
+        mu: match settings.variant {
+            Variant::Lspia { mu } => mu,
+            _ => None,
+        },
+        end_points: value(&END_POINTS, Some(settings.ends)).into(),
         fairness: settings.fairness.map(|fairness| fairness.value),
         fairness_order: settings
             .fairness
@@ -218,20 +215,11 @@ pub(super) fn lists(message: &mut m::LeastSquares, settings: &LeastSquares) {
 
 fn constraint_message(constraint: &Constraint) -> m::Constraint {
     let at = match constraint.at {
-        At::Side(Side::Start) => c::At::Side(m::Side::Start.into()),
-        At::Side(Side::End) => c::At::Side(m::Side::End.into()),
+        At::Side(side) => c::At::Side(value(&SIDES, Some(side)).into()),
         At::Index(index) => c::At::Index(count(index)),
         At::Parameter(t) => c::At::Parameter(t),
         At::Parameters(u, v) => c::At::Parameters(m::SurfaceParameters { u, v }),
-        At::Boundary(axis, side) => c::At::Boundary(
-            match (axis, side) {
-                (Axis::U, Side::Start) => m::Boundary::UStart,
-                (Axis::U, Side::End) => m::Boundary::UEnd,
-                (Axis::V, Side::Start) => m::Boundary::VStart,
-                (Axis::V, Side::End) => m::Boundary::VEnd,
-            }
-            .into(),
-        ),
+        At::Boundary(axis, side) => c::At::Boundary(value(&BOUNDARIES, Some((axis, side))).into()),
     };
     let vector = |coordinates: &[f64]| m::Vector {
         coordinates: coordinates.to_vec(),

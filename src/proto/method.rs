@@ -2,137 +2,149 @@
 
 use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
-use super::values::{MethodTarget, check_count, known, some};
+use super::values::{MethodTarget, check_count, chosen, some, value};
 use crate::fit::invalid::{Axis, Place, Setting};
 use crate::fit::method::{
     Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
     Weighted,
 };
+use crate::fit::points::Grid;
 use crate::fit::system::Forecast;
-use crate::model::method::{MethodSpec, sweeps};
-use crate::model::mistakes::{self as model, Mistake, OrMistakes};
+use crate::model::either::AtMost;
+use crate::model::lists::PointNumbers;
+use crate::model::method::{
+    AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, MethodInput, WeightedInput,
+};
+use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::per_direction::PerDirection;
+use crate::model::settings::{self, Matrix, Thresholds};
+
+const STARTS: [(Start, m::Start); 2] = [
+    (Start::Transformed, m::Start::Transformed),
+    (Start::Data, m::Start::Data),
+];
+
+const SWEEPS: [(Sweeps, m::Sweeps); 2] = [
+    (Sweeps::Rows, m::Sweeps::Rows),
+    (Sweeps::Columns, m::Sweeps::Columns),
+];
 
 /// The method that a message asks for.
-pub fn spec(method: Option<pb::Method>, scope: MethodTarget) -> OrMistakes<Option<MethodSpec>> {
+pub fn input(
+    method: Option<pb::Method>,
+    target: MethodTarget,
+) -> Result<Option<MethodInput>, Mistake> {
     let Some(method) = method else {
         return Ok(None);
     };
     let Some(kind) = method.kind else {
-        return Err(Mistake::at_text("method", "it has no kind").into());
+        return Err(Mistake::at_text("method", "it has no kind"));
     };
-    let method = match kind {
-        Kind::Global(_) => Method::Global,
-        Kind::Weighted(m::Weighted { omega }) => Method::Weighted(Weighted { omega }),
-        Kind::Local(local) => return self::local(local, scope).map(Some),
-        Kind::Adaptive(settings) => Method::Adaptive(adaptive(settings, scope)?),
-        Kind::Extended(extended) => Method::Extended(Extended {
-            start: match known(extended.start, "method.extended.start")? {
-                m::Start::Unspecified | m::Start::Transformed => Start::Transformed,
-                m::Start::Data => Start::Data,
-            },
-            transformed_error: extended.transformed_error,
+    Ok(Some(match kind {
+        Kind::Global(_) => MethodInput::Global,
+        Kind::Weighted(m::Weighted { omega }) => MethodInput::Weighted(WeightedInput {
+            omega: omega.map(|omega| settings::Omega(Some(omega))),
         }),
-        Kind::Transpose(_) => Method::Transpose,
+        Kind::Local(it) => MethodInput::Local(local(it, target)?),
+        Kind::Adaptive(it) => MethodInput::Adaptive(adaptive(it, target)?),
+        Kind::Extended(extended) => MethodInput::Extended(ExtendedInput {
+            start: chosen(&STARTS, extended.start, "method.extended.start")?,
+            transformed_error: Some(extended.transformed_error),
+        }),
+        Kind::Transpose(_) => MethodInput::Transpose,
         Kind::Convex(m::Convex { step_tolerance }) => {
-            let convex = step_tolerance.map(|step_tolerance| Convex { step_tolerance });
-            Method::Convex(convex.unwrap_or_default())
+            MethodInput::Convex(ConvexInput { step_tolerance })
         }
-        Kind::Chebyshev(_) => Method::Chebyshev,
-        Kind::Direct(_) => Method::Direct,
-        Kind::LeastSquares(settings) => Method::LeastSquares(least_squares::spec(settings, scope)?),
-        Kind::Custom(custom) => Method::Custom(self::custom(&custom)?),
-    };
-    Ok(Some(method.into()))
+        Kind::Chebyshev(_) => MethodInput::Chebyshev,
+        Kind::Direct(_) => MethodInput::Direct,
+        Kind::LeastSquares(it) => {
+            MethodInput::LeastSquares(least_squares::input(it, target)?.into())
+        }
+        Kind::Custom(it) => MethodInput::Custom(custom(&it)?),
+    }))
 }
 
-fn local(local: m::Local, scope: MethodTarget) -> OrMistakes<MethodSpec> {
-    let (field, points) = ("method.local.indices", scope.points);
-    check_count(local.indices.len(), scope.most, "indices", field)?;
-    let outside = |index: &u32| *index as usize >= points;
-    if let Some(k) = local.indices.iter().position(outside) {
-        let detail = format!("{} is not one of the {points} points", local.indices[k]);
-        return Err(Mistake::at(model::SpecPart::Fit(Place::Index(k)), detail).into());
-    }
-    let method = local_settings(&local, scope.surface)?;
+fn local(local: m::Local, target: MethodTarget) -> Result<LocalInput, Mistake> {
+    let field = "method.local.indices";
+    check_count(local.indices.len(), target.most, "indices", field)?;
+    let omega = match (local.omega, local.auto_omega) {
+        (Some(_), true) => {
+            let place = SpecPart::Fit(Place::Setting(Setting::Omega));
+            return Err(Mistake::at(place, "a number is given beside auto_omega"));
+        }
+        (None, false) => None,
+        (omega, _) => Some(settings::Omega(omega)),
+    };
     let indices = some(local.indices);
-    let selected = indices.map(|indices| indices.into_iter().map(|it| it as usize).collect());
-    MethodSpec::local(selected, method)
-}
-
-/// The settings of a local fit besides its points.
-fn local_settings(local: &m::Local, surface: bool) -> Result<Local, Mistake> {
-    if local.omega.is_some() && local.auto_omega {
-        let place = model::SpecPart::Fit(Place::Setting(Setting::Omega));
-        return Err(Mistake::at(place, "a number is given beside auto_omega"));
-    }
-    let lines = match known(local.sweeps, "method.local.sweeps")? {
-        m::Sweeps::Unspecified => None,
-        m::Sweeps::Rows => Some(Sweeps::Rows),
-        m::Sweeps::Columns => Some(Sweeps::Columns),
-    };
-    let given = local.omega.map_or_else(Omega::default, Omega::Given);
-    Ok(Local {
-        omega: if local.auto_omega { Omega::Best } else { given },
-        sweeps: sweeps(lines, surface)?,
+    Ok(LocalInput {
+        indices: indices.map(|it| it.into_iter().map(|index| target.index(index)).collect()),
+        sweeps: chosen(&SWEEPS, local.sweeps, "method.local.sweeps")?,
+        omega,
     })
 }
 
 /// One threshold, or one for each point.
-fn adaptive(settings: m::Adaptive, scope: MethodTarget) -> OrMistakes<Adaptive> {
+fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput, Mistake> {
     let field = "method.adaptive.thresholds";
     let m::Adaptive {
         threshold,
         omega,
         thresholds,
     } = settings;
-    check_count(thresholds.len(), scope.most, "thresholds", field)?;
+    check_count(thresholds.len(), target.most, "thresholds", field)?;
     if threshold != 0.0 && !thresholds.is_empty() {
         let detail = "one threshold is given for all points, and one for each";
-        return Err(Mistake::at_text(field, detail).into());
+        return Err(Mistake::at_text(field, detail));
     }
-    Ok(Adaptive {
-        threshold: match thresholds.is_empty() {
-            true => Threshold::All(threshold),
-            false => Threshold::Each(thresholds.into()),
-        },
-        omega: omega.unwrap_or(1.0),
+    let each = target.numbers(thresholds).map(Thresholds::Each);
+    Ok(AdaptiveInput {
+        threshold: Some(each.unwrap_or(Thresholds::All(threshold))),
+        omega: omega.map(|omega| settings::Omega(Some(omega))),
     })
 }
 
 /// The method as outlines of jobs have it, of its message without the indices and thresholds of points
 /// and the entries of matrices.
 pub fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
-    match method.as_ref().and_then(|method| method.kind.as_ref()) {
-        Some(Kind::Local(local)) => Ok(Method::Local(local_settings(local, surface)?)),
-        Some(Kind::Custom(_)) => Ok(Method::Custom(Custom::new(Vec::new(), None))),
-        Some(Kind::Adaptive(adaptive)) if adaptive.threshold == 0.0 => {
-            Ok(Method::Adaptive(Adaptive {
-                threshold: Threshold::Each([].into()),
-                omega: adaptive.omega.unwrap_or(1.0),
-            }))
+    let target = MethodTarget {
+        grid: Grid {
+            rows: 0,
+            columns: 1,
+        },
+        surface,
+        most: usize::MAX,
+    };
+    let mut input = match method.as_ref().and_then(|method| method.kind.as_ref()) {
+        Some(Kind::Custom(_)) => return Ok(Method::Custom(Custom::new(Vec::new(), None))),
+        _ => self::input(method, target)?.unwrap_or_default(),
+    };
+    match &mut input {
+        MethodInput::Local(local) => local.indices = Some(Vec::new()),
+        MethodInput::Adaptive(adaptive) if adaptive.threshold == Some(Thresholds::All(0.0)) => {
+            adaptive.threshold = Some(Thresholds::Each(PointNumbers::Line(Vec::new())));
         }
-        _ => {
-            let target = MethodTarget {
-                points: usize::MAX,
-                surface,
-                most: usize::MAX,
-            };
-            let spec = spec(method, target)?;
-            Ok(spec.map_or(Method::Global, |spec| spec.method))
-        }
+        _ => {}
     }
+    Ok(input.choice(target.grid, surface)?.method)
 }
 
 /// The matrices of a transform.
-fn custom(custom: &m::Custom) -> OrMistakes<Custom> {
+fn custom(custom: &m::Custom) -> Result<CustomInput, Mistake> {
     let u = matrix(&custom.transform_u, "method.custom.transform_u")?;
-    let v = some(custom.transform_v.clone());
-    let v = v.map(|entries| matrix(&entries, "method.custom.transform_v"));
-    Ok(Custom::new(u, v.transpose()?))
+    let transform = match custom.transform_v.is_empty() {
+        true => PerDirection::Both(u),
+        false => PerDirection::Each {
+            u,
+            v: matrix(&custom.transform_v, "method.custom.transform_v")?,
+        },
+    };
+    Ok(CustomInput {
+        transform: Some(transform),
+    })
 }
 
 /// The rows of a square matrix.
-fn matrix(entries: &[f64], field: &str) -> Result<Vec<Vec<f64>>, Mistake> {
+fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Mistake> {
     let count = entries.len();
     check_count(count, LARGEST * LARGEST, "entries", field)?;
     let rows = count.isqrt();
@@ -140,7 +152,8 @@ fn matrix(entries: &[f64], field: &str) -> Result<Vec<Vec<f64>>, Mistake> {
         let detail = format!("{count} entries are no square matrix");
         return Err(Mistake::at_text(field, detail));
     }
-    Ok(entries.chunks_exact(rows).map(<[f64]>::to_vec).collect())
+    let rows = entries.chunks_exact(rows).map(<[f64]>::to_vec);
+    Ok(AtMost(rows.collect()))
 }
 
 /// How the settings of a method are laid out.
@@ -270,11 +283,7 @@ pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb
             start,
             transformed_error,
         }) => Kind::Extended(m::Extended {
-            start: match start {
-                Start::Transformed => m::Start::Transformed,
-                Start::Data => m::Start::Data,
-            }
-            .into(),
+            start: value(&STARTS, Some(start)).into(),
             transformed_error,
         }),
         Method::Transpose => Kind::Transpose(m::Transpose {}),
@@ -300,11 +309,6 @@ fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
         indices: Vec::new(),
         omega: omega_used,
         auto_omega: omega == Omega::Best && omega_used.is_none(),
-        sweeps: match sweeps {
-            None => m::Sweeps::Unspecified,
-            Some(Sweeps::Rows) => m::Sweeps::Rows,
-            Some(Sweeps::Columns) => m::Sweeps::Columns,
-        }
-        .into(),
+        sweeps: value(&SWEEPS, sweeps).into(),
     }
 }

@@ -5,7 +5,7 @@
 //!
 //! Requests, answers and the store use the same messages.
 
-mod basis;
+pub mod basis;
 pub mod ends;
 pub mod job;
 mod least_squares;

@@ -1,7 +1,7 @@
 //! What a stream is like, in messages.
 
 use super::messages as pb;
-use super::values::{check_count, known};
+use super::values::{check_count, chosen, value};
 use crate::model::mistakes::Mistake;
 use crate::model::named::Named;
 use crate::model::stream::{
@@ -127,21 +127,4 @@ fn samples(u: u32, v: u32, field: &str) -> Result<Option<Samples>, Mistake> {
         }
         (u, v) => Ok(Some(Samples::Grid(u, v))),
     }
-}
-
-/// What a value of an enumeration stands for; nothing if it is not specified.
-fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
-    table: &[(T, E)],
-    value: i32,
-    field: &str,
-) -> Result<Option<T>, Mistake> {
-    let value: E = known(value, field)?;
-    let found = table.iter().find(|(_, known)| *known == value);
-    Ok(found.map(|(chosen, _)| *chosen))
-}
-
-/// The value of an enumeration; unspecified without a choice.
-fn value<T: Copy + PartialEq, E: Copy + Default>(table: &[(T, E)], chosen: Option<T>) -> E {
-    let found = table.iter().find(|(known, _)| Some(*known) == chosen);
-    found.map_or(E::default(), |(_, value)| *value)
 }

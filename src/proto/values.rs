@@ -1,16 +1,32 @@
 //! Numbers, lists and enumerations of messages.
 
+use crate::fit::points::Grid;
+use crate::model::lists::PointNumbers;
 use crate::model::mistakes::Mistake;
+use crate::model::settings::Index;
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug)]
 pub struct MethodTarget {
-    /// The number of data points.
-    pub points: usize,
+    /// How the data points are arranged.
+    pub grid: Grid,
     /// Whether they are those of a surface.
     pub surface: bool,
     /// The most indices of points.
     pub most: usize,
+}
+
+impl MethodTarget {
+    /// The index of a data point.
+    pub fn index(self, index: u32) -> Index {
+        let is_rows = self.surface && self.grid.is_rows();
+        Index::new(index as usize, is_rows.then_some(self.grid.columns))
+    }
+
+    /// Numbers of data points, if there are any.
+    pub fn numbers(self, numbers: Vec<f64>) -> Option<PointNumbers> {
+        some(numbers).map(|numbers| PointNumbers::new(numbers, self.grid, self.surface))
+    }
 }
 
 /// Numbers of points, which are limited by what a request can carry.
@@ -29,6 +45,23 @@ pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
         let detail = format!("{value} is no value of this enumeration");
         Mistake::at_text(field, detail)
     })
+}
+
+/// What a value of an enumeration stands for; nothing if it is not specified.
+pub fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
+    table: &[(T, E)],
+    value: i32,
+    field: &str,
+) -> Result<Option<T>, Mistake> {
+    let value: E = known(value, field)?;
+    let found = table.iter().find(|(_, known)| *known == value);
+    Ok(found.map(|(chosen, _)| *chosen))
+}
+
+/// The value of an enumeration; unspecified without a choice.
+pub fn value<T: Copy + PartialEq, E: Copy + Default>(table: &[(T, E)], chosen: Option<T>) -> E {
+    let found = table.iter().find(|(known, _)| Some(*known) == chosen);
+    found.map_or(E::default(), |(_, value)| *value)
 }
 
 /// Lists have as many elements as there can be, before anything is made of them.

@@ -168,7 +168,7 @@ async fn wrong_settings_are_named() {
             false,
             with(vec![constraint(At::Index(3), derivative(1, 0, &[]))]),
             "constraints[0]",
-            "0 coordinates",
+            "a vector",
         ),
         (
             false,
@@ -340,7 +340,7 @@ async fn parts_of_constraints_are_named() {
         (
             fourth(json!({"at": {"parameter": [0, 1, 2]}, "point": [0, 0]})),
             "/3/at/parameter/2",
-            "at most 2",
+            "two parameters",
         ),
         (
             fourth(json!({"at": {"parameter": null}, "point": [0, 0]})),
@@ -369,7 +369,7 @@ async fn parts_of_constraints_are_named() {
         ),
         (fourth(json!("end")), "/3", "index"),
         (fourth(json!(null)), "/3", "index"),
-        (json!({"index": 2}), "", "a list of constraints"),
+        (json!({"index": 2}), "", "expected a list"),
         (json!(vec![good.clone(); 1001]), "/1000", "at most 1000"),
     ];
     for (constraints, place, reason) in cases {

@@ -150,7 +150,7 @@ async fn any_transform_converges_or_is_refused() {
             "/method/transform/1",
             "expected a list, found 5",
         ),
-        (json!("identity"), "/method/transform", "a list of rows"),
+        (json!("identity"), "/method/transform", "expected a list"),
         (json!([]), "/method/transform", "0 rows"),
         (
             json!({"u": identity(3), "v": identity(3)}),
@@ -160,7 +160,7 @@ async fn any_transform_converges_or_is_refused() {
         (
             json!(vec![json!([]); 501]),
             "/method/transform/500",
-            "at most 500 rows",
+            "at most 500",
         ),
     ] {
         server

@@ -90,7 +90,7 @@ fn too_much() -> Vec<(String, &'static str)> {
     vec![
         (
             many(&of_job("stream", r#""milestones""#), "1", "]}}"),
-            "at most 100 milestones",
+            "at most 100",
         ),
         (
             many(&of_job("method", r#""kind":"local","indices""#), "1", "]}}"),

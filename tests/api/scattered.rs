@@ -216,19 +216,19 @@ async fn mistakes_name_the_field_and_the_index() {
             "/surface/parameters",
             json!([[1, 2], [3]]),
             "/surface/parameters/1",
-            "a pair",
+            "1 entries, the first of its kind has 2",
         ),
         (
             "/surface/parameters",
             json!([[1, 2], 3]),
             "/surface/parameters/1",
-            "pairs",
+            "a number stands here where others have lists",
         ),
         (
             "/surface/parameters",
             json!([[1, 2], null]),
             "/surface/parameters/1",
-            "a pair",
+            "a list of numbers, found null",
         ),
         (
             "/surface/parameters",

@@ -283,7 +283,7 @@ async fn objects_are_read_to_the_letter() {
         (
             json!({"milestones": vec![1; 101]}),
             "/stream/milestones/100",
-            "at most 100 milestones",
+            "at most 100",
         ),
         (json!({"pace": "fast"}), "/stream/pace", "all, latest"),
         (

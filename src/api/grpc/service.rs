@@ -19,6 +19,7 @@ use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
 use crate::api::{jobs, levels};
+use crate::config::Config;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::job::{Held, Job};
@@ -58,11 +59,10 @@ impl Service {
         if let Some(known) = order::known(app, key.as_ref()).await? {
             return Ok(known);
         }
-        let order = Order::new(app, input.encoded_len(), move |config| {
-            Ok(request::spec(input, config))
-        })
-        .await
-        .map_err(|problem| problem.within("input"))?;
+        let length = input.encoded_len();
+        let read = move |config: &Config| request::job(input, config);
+        let order = Order::new(app, length, read).await;
+        let order = order.map_err(|problem| problem.within("input"))?;
         if let Some(spec) = watch {
             let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
             order.check_stream(spec, Framing::Protobuf).map_err(wrong)?;
@@ -88,12 +88,12 @@ impl Service {
         let within = |problem: Problem| problem.within("edit");
         let (length, owner) = (edit.encoded_len(), Arc::clone(parent));
         let read = order::read(app, length, move || edit::edit(edit, owner.outline()));
-        let (spec, layout) = read.await.map_err(within)?;
+        let (request, layout) = read.await.map_err(within)?;
         // The call has no stream.
-        if spec.ephemeral {
+        if request.ephemeral == Some(true) {
             return Err(within(order::no_stream(&layout)));
         }
-        let edit = EditOrder::new(app, parent, spec, &layout).await;
+        let edit = EditOrder::new(app, parent, request, &layout).await;
         edit.map_err(within)?.order.make(app, key).await
     }
 

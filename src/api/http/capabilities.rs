@@ -9,14 +9,15 @@ use tonic::server::NamedService;
 
 use crate::api::app::App;
 use crate::api::grpc::service::Service;
-use crate::api::json::request::method::{MethodKind, settings};
-use crate::api::json::schema::plain::never_null;
+use crate::api::json::plain::never_null;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::config::Config;
 use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
+use crate::model::basis::BasisKind;
+use crate::model::method::{MethodKind, settings};
 use crate::model::named::Named;
-use crate::model::shape::{BasisKind, MAX_DIMENSION};
+use crate::model::shape::MAX_DIMENSION;
 use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
 use crate::proto::messages::fitting_service_server::FittingServiceServer;
 

@@ -27,7 +27,7 @@ use crate::api::stream::feed::Feed;
 use crate::config::Config;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
-use crate::model::edit::EditSpec;
+use crate::model::edit::EditRequest;
 use crate::model::stream::form::Encoding;
 use crate::model::stream::options::{self, StreamOptions};
 
@@ -125,9 +125,9 @@ async fn post_edit(
     let (framing, edit) = match language {
         Language::Json => {
             let read = move || json::request::edit::read(body, owner.outline());
-            let (spec, places) = order::read(&app, length, read).await?;
-            let framing = posted.ephemeral(&spec, &places)?;
-            (framing, EditOrder::new(&app, &parent, spec, &places).await?)
+            let (edit, places) = order::read(&app, length, read).await?;
+            let framing = posted.ephemeral(&edit, &places)?;
+            (framing, EditOrder::new(&app, &parent, edit, &places).await?)
         }
         Language::Protobuf => {
             let read = move || {
@@ -135,9 +135,9 @@ async fn post_edit(
                 let message = proto::request::decode(body, outline.grid.count())?;
                 proto::edit::edit(message, outline)
             };
-            let (spec, layout) = order::read(&app, length, read).await?;
-            let framing = posted.ephemeral(&spec, &layout)?;
-            (framing, EditOrder::new(&app, &parent, spec, &layout).await?)
+            let (edit, layout) = order::read(&app, length, read).await?;
+            let framing = posted.ephemeral(&edit, &layout)?;
+            (framing, EditOrder::new(&app, &parent, edit, &layout).await?)
         }
     };
     drop(room);
@@ -206,8 +206,12 @@ impl Posted {
     }
 
     /// How the stream of an ephemeral edit is written; nothing for an edit that makes a job.
-    fn ephemeral(&self, edit: &EditSpec, words: &impl Words) -> Result<Option<Framing>, Problem> {
-        if !edit.ephemeral {
+    fn ephemeral(
+        &self,
+        edit: &EditRequest,
+        words: &impl Words,
+    ) -> Result<Option<Framing>, Problem> {
+        if edit.ephemeral != Some(true) {
             return Ok(None);
         }
         let Answer::Events(framing) = self.answer else {

@@ -32,7 +32,7 @@ use crate::fit::points::Grid;
 use crate::import::{self, Hints, Imported};
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
-use crate::model::job::JobSpec;
+use crate::model::job::JobRequest;
 use crate::model::short::quoted;
 use crate::model::stream::Samples;
 
@@ -147,7 +147,7 @@ impl Fields {
         self,
         bytes: &Bytes,
         config: &Config,
-    ) -> Result<(JobSpec, FileWords), Problem> {
+    ) -> Result<(JobRequest, FileWords), Problem> {
         let hints = file::hints(&self.json, self.size, config.limits().points);
         let points = imported(bytes, &hints)?;
         file::read(self.json, points, hints.kind)

@@ -177,20 +177,23 @@ impl StreamQuery {
         let changed = |text: &str| match text {
             "false" => Ok(false),
             "true" => Ok(true),
-            _ => Err(no_choice(Choice::Changed, text, &["false", "true"])),
+            _ => {
+                let detail = format!("{} is no choice; there are false, true", quoted(text));
+                Err(wrong(Choice::Changed, detail))
+            }
         };
         let text = |text: &'_ Option<String>| text.clone();
         Ok(StreamSpec {
-            view: one_of(Choice::View, &self.view)?,
+            view: named("view", &self.view)?,
             samples: text(&self.samples).as_deref().map(samples).transpose()?,
             every: text(&self.every).as_deref().map(every).transpose()?,
             milestones: self.milestones.as_deref().map(milestones).transpose()?,
-            pace: one_of(Choice::Pace, &self.pace)?,
+            pace: named("pace", &self.pace)?,
             changed: self.changed.as_deref().map(changed).transpose()?,
-            describe: one_of(Choice::Describe, &self.describe)?,
-            encoding: one_of(Choice::Encoding, &self.encoding)?,
-            digits: one_of(Choice::Digits, &self.digits)?,
-            on_disconnect: one_of(Choice::OnDisconnect, &self.on_disconnect)?,
+            describe: named("describe", &self.describe)?,
+            encoding: named("encoding", &self.encoding)?,
+            digits: named("digits", &self.digits)?,
+            on_disconnect: named("on_disconnect", &self.on_disconnect)?,
         })
     }
 }
@@ -199,23 +202,7 @@ fn wrong(choice: Choice, detail: impl Into<String>) -> Problem {
     ChoiceMistake::of_request(choice, detail).into()
 }
 
-fn no_choice(choice: Choice, text: &str, names: &[&str]) -> Problem {
-    let names = names.join(", ");
-    wrong(
-        choice,
-        format!("{} is no choice; there are {names}", quoted(text)),
-    )
-}
-
-fn one_of<T: Named>(choice: Choice, text: &Option<String>) -> Result<Option<T>, Problem> {
-    let value = |text: &String| {
-        let value = T::of_name(text);
-        value.ok_or_else(|| no_choice(choice, text, &T::names()))
-    };
-    text.as_ref().map(value).transpose()
-}
-
-/// The value that a parameter of files names.
+/// The value that a parameter names.
 fn named<T: Named>(parameter: &str, text: &Option<String>) -> Result<Option<T>, Problem> {
     let value = |text: &String| {
         T::of_name(text).ok_or_else(|| {

@@ -22,9 +22,7 @@ use serde_json::{Map, Value, json};
 
 use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
-use crate::api::json::request::edit::EditRequest;
-use crate::api::json::request::job::JobRequest;
-use crate::api::json::schema::plain::simplify;
+use crate::api::json::plain::simplify;
 use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
@@ -35,6 +33,8 @@ use crate::api::json::view::result::FitResult;
 use crate::api::json::view::{examples, to_bytes};
 use crate::api::problem::{Kind, Problem, ProblemBody};
 use crate::config::BasePath;
+use crate::model::edit::EditRequest;
+use crate::model::job::JobRequest;
 use crate::model::stream::StreamSpec;
 use operation::Api;
 

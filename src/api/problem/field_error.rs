@@ -3,7 +3,7 @@
 use schemars::json_schema;
 use serde::Serialize;
 
-use crate::api::json::schema::schema_of;
+use crate::model::schema::schema_of;
 use crate::model::short;
 
 /// The most characters of a detail. What clients have written is repeated in part already; this is

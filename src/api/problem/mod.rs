@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::json::view::examples;
-use crate::api::json::schema::plain::never_null;
+use crate::api::json::plain::never_null;
 use crate::model::mistakes::{self as model, Mistakes, Site};
 use crate::model::short;
 use field_error::LONGEST_DETAIL;

@@ -5,9 +5,12 @@ use std::collections::HashMap;
 use super::fields::MessageLayout;
 use crate::api::problem::Problem;
 use crate::job::outline::Outline;
-use crate::model::edit::{Coordinates, EditSpec, PointChange};
-use crate::model::mistakes::Mistake;
-use crate::model::weights::WeightSpec;
+use crate::model::edit::{EditRequest, Move};
+use crate::model::iteration::IterationChoice;
+use crate::model::lists::PointNumbers;
+use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
+use crate::model::per_direction::PerDirection;
+use crate::model::points::Coordinates;
 use crate::proto::job::{rational, stop, surface_weights};
 use crate::proto::messages as pb;
 use crate::proto::method;
@@ -15,41 +18,44 @@ use crate::proto::stream;
 use crate::proto::values::{MethodTarget, check_count};
 
 /// The edit of a job with this outline, and where its parts are in the message.
-pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditSpec, MessageLayout), Problem> {
+pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, MessageLayout), Problem> {
     let mut layout = MessageLayout::of_edit(edit.method.as_ref());
-    match spec(edit, parent, &mut layout) {
-        Ok(spec) => Ok((spec, layout)),
-        Err(mistake) => Err(Problem::of_mistakes(mistake.into(), &layout)),
+    match request(edit, parent, &mut layout) {
+        Ok(request) => Ok((request, layout)),
+        Err(mistakes) => Err(Problem::of_mistakes(mistakes, &layout)),
     }
 }
 
-fn spec(edit: pb::Edit, parent: &Outline, layout: &mut MessageLayout) -> Result<EditSpec, Mistake> {
+fn request(
+    edit: pb::Edit,
+    parent: &Outline,
+    layout: &mut MessageLayout,
+) -> OrMistakes<EditRequest> {
     let points = parent.grid.count();
     check_count(edit.moved.len(), points, "moved points", "moved")?;
     check_count(edit.weighted.len(), points, "weighted points", "weighted")?;
     layout.dimension = dimension(&edit)?;
-    let changes = changes(&edit, layout)?;
-    let scope = MethodTarget {
-        points,
+    let target = MethodTarget {
+        grid: parent.grid,
         surface: parent.surface,
         most: points,
     };
+    let changes = changes(&edit, target, layout)?;
+    let mut mistakes = Mistakes::default();
     let stream = edit.stream.map(|it| stream::spec(it, "stream."));
-    Ok(EditSpec {
+    let request = EditRequest {
         name: edit.name,
-        // Too large for this machine is beyond every job.
-        iteration: edit
-            .iteration
-            .map(|k| usize::try_from(k).unwrap_or(usize::MAX)),
-        ephemeral: edit.ephemeral,
+        iteration: edit.iteration.map(IterationChoice::of),
+        ephemeral: Some(edit.ephemeral),
         session: edit.session,
-        points: changes,
-        weights: weights(edit.weights, parent).map_err(Into::into),
-        rational: rational(edit.rational).map_err(Into::into),
-        method: method::spec(edit.method, scope),
-        stop: stop(edit.stop),
-        stream: stream.transpose().map_err(Into::into),
-    })
+        points: Some(changes),
+        weights: mistakes.keep(weights(edit.weights, parent)).flatten(),
+        rational: mistakes.keep(rational(edit.rational)).flatten(),
+        method: mistakes.keep(method::input(edit.method, target)).flatten(),
+        stop: edit.stop.map(stop),
+        stream: mistakes.keep(stream.transpose()).flatten(),
+    };
+    mistakes.or(request)
 }
 
 /// The number of coordinates that moved points have.
@@ -68,20 +74,24 @@ fn dimension(edit: &pb::Edit) -> Result<usize, Mistake> {
 }
 
 /// All points that change: those that are moved, and those that get another weight.
-fn changes(edit: &pb::Edit, layout: &mut MessageLayout) -> Result<Vec<PointChange>, Mistake> {
+fn changes(
+    edit: &pb::Edit,
+    target: MethodTarget,
+    layout: &mut MessageLayout,
+) -> Result<Vec<Move>, Mistake> {
     if edit.weighted.len() != edit.point_weights.len() {
         let (given, needed) = (edit.point_weights.len(), edit.weighted.len());
         let detail = format!("{given} weights for {needed} points");
         return Err(Mistake::at_text("point_weights", detail));
     }
     let places = edit.points.chunks_exact(layout.dimension);
-    let mut changes: Vec<PointChange> = Vec::with_capacity(edit.moved.len() + edit.weighted.len());
+    let mut changes: Vec<Move> = Vec::with_capacity(edit.moved.len() + edit.weighted.len());
     let mut entries = HashMap::with_capacity(edit.moved.len());
     for (k, (&index, place)) in edit.moved.iter().zip(places).enumerate() {
         entries.insert(index, k);
         layout.changes.push((Some(k), None));
-        changes.push(PointChange {
-            index: Ok(index as usize),
+        changes.push(Move {
+            index: target.index(index),
             point: Coordinates::of(place),
             weight: None,
         });
@@ -94,8 +104,8 @@ fn changes(edit: &pb::Edit, layout: &mut MessageLayout) -> Result<Vec<PointChang
             continue;
         }
         layout.changes.push((None, Some(k)));
-        changes.push(PointChange {
-            index: Ok(*index as usize),
+        changes.push(Move {
+            index: target.index(*index),
             point: None,
             weight: Some(weight),
         });
@@ -103,7 +113,10 @@ fn changes(edit: &pb::Edit, layout: &mut MessageLayout) -> Result<Vec<PointChang
     Ok(changes)
 }
 
-fn weights(weights: Option<pb::Weights>, parent: &Outline) -> Result<Option<WeightSpec>, Mistake> {
+fn weights(
+    weights: Option<pb::Weights>,
+    parent: &Outline,
+) -> Result<Option<PerDirection<PointNumbers>>, Mistake> {
     let Some(weights) = weights else {
         return Ok(None);
     };
@@ -114,5 +127,5 @@ fn weights(weights: Option<pb::Weights>, parent: &Outline) -> Result<Option<Weig
         let detail = "the weights of a curve are a list of numbers";
         return Err(Mistake::at_text("weights", detail));
     }
-    Ok(Some(WeightSpec::List(weights.values)))
+    Ok(Some(PerDirection::Both(PointNumbers::Line(weights.values))))
 }

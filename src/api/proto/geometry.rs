@@ -20,6 +20,7 @@ use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::Status;
 use crate::model::stream::form::{Form, View};
+use crate::proto::job;
 use crate::proto::messages::{self as pb, iteration};
 use crate::proto::values::count;
 
@@ -94,7 +95,7 @@ pub fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content 
         state: names::state(status.state).into(),
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
-        rational: names::rational(problem).into(),
+        rational: job::rational_message(problem.request()).into(),
         u: Some(u),
         v,
         bad_weight: bad_weight(level),

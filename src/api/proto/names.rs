@@ -1,8 +1,5 @@
 //! Enumerations of the contract and what they stand for.
 
-use crate::fit::basis::Basis;
-use crate::fit::direction::Direction;
-use crate::fit::problem as fit;
 use crate::fit::warning::Warning;
 use crate::job::outline::Outline;
 use crate::job::state::{Reason, State};
@@ -59,26 +56,5 @@ pub fn kind(outline: &Outline) -> pb::GeometryKind {
     match outline.surface {
         false => pb::GeometryKind::Curve,
         true => pb::GeometryKind::Surface,
-    }
-}
-
-/// How the weights of a fit are used.
-pub fn rational(problem: &fit::Problem) -> pb::Rational {
-    if problem.is_homogeneous() {
-        pb::Rational::Homogeneous
-    } else if problem.directions().any(Direction::is_rational) {
-        pb::Rational::Fixed
-    } else {
-        pb::Rational::Unspecified
-    }
-}
-
-/// The kind of a basis.
-pub fn basis(basis: &Basis) -> pb::BasisKind {
-    match basis.name() {
-        "bernstein" => pb::BasisKind::Bernstein,
-        "said_ball" => pb::BasisKind::SaidBall,
-        "wang_ball" => pb::BasisKind::WangBall,
-        _ => pb::BasisKind::Bspline,
     }
 }

@@ -7,7 +7,7 @@ use super::bounds::{self, Bounded};
 use super::fields::MessageLayout;
 use crate::api::problem::{Kind, Problem};
 use crate::config::Config;
-use crate::model::job::JobSpec;
+use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
 
@@ -50,13 +50,16 @@ fn unreadable(error: &DecodeError) -> String {
 }
 
 /// The job that a body asks for, and where its parts stand.
-pub fn read(body: Bytes, config: &Config) -> Result<(JobSpec, MessageLayout), Problem> {
+pub fn read(body: Bytes, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
     let input = decode(body, config.max_points)?;
-    Ok(spec(input, config))
+    job(input, config)
 }
 
 /// The job that a message asks for, and where its parts stand, relative to the message.
-pub fn spec(input: pb::JobInput, config: &Config) -> (JobSpec, MessageLayout) {
+pub fn job(input: pb::JobInput, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
     let layout = MessageLayout::of(&input);
-    (job::spec(input, config.limits().points), layout)
+    match job::request(input, config.limits().points) {
+        Ok(request) => Ok((request, layout)),
+        Err(mistakes) => Err(Problem::of_mistakes(mistakes, &layout)),
+    }
 }

@@ -27,7 +27,7 @@ use crate::job::state::{Failure, Levels, Status};
 use crate::model::mistakes::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
-use crate::proto::{ends::rule, job, method, stream};
+use crate::proto::{basis, ends::rule, job, method, stream};
 
 /// The job as a resource.
 pub fn job(job: &Job) -> pb::Job {
@@ -159,14 +159,8 @@ fn problem(failure: Failure) -> pb::Problem {
 
 /// A comparison of bases.
 pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
-    let basis = |rate: &BasisRate| pb::BasisRate {
-        basis: match rate.basis {
-            "bernstein" => pb::BasisKind::Bernstein,
-            "said_ball" => pb::BasisKind::SaidBall,
-            "wang_ball" => pb::BasisKind::WangBall,
-            _ => pb::BasisKind::Bspline,
-        }
-        .into(),
+    let view = |rate: &BasisRate| pb::BasisRate {
+        basis: basis::kind(rate.basis).into(),
         degree: count(rate.degree),
         lambda_min: rate.lambda_min,
         rate: rate.rate,
@@ -175,7 +169,7 @@ pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
     pb::CompareBasesResponse {
         points: count(rates.points),
         tolerance: rates.tolerance,
-        bases: rates.bases.iter().map(basis).collect(),
+        bases: rates.bases.iter().map(view).collect(),
     }
 }
 
@@ -197,18 +191,18 @@ pub fn deviation(iteration: usize, deviation: Deviation, list: bool) -> pb::GetD
 
 /// A direction of what was fitted, with knots, weights and the parameters of the data or without them.
 fn direction(direction: &Direction, ends: Option<&Ends>, arrays: bool) -> pb::FittedDirection {
-    let basis = &direction.basis;
+    let fitted = &direction.basis;
     let rule = |end: fn(&Ends) -> &End| ends.map_or(pb::EndRule::Unspecified, |it| rule(end(it)));
     let list = |numbers: &dyn Fn() -> Vec<f64>| match arrays {
         true => numbers(),
         false => Vec::new(),
     };
     pb::FittedDirection {
-        basis: names::basis(basis).into(),
-        degree: count(basis.degree()),
+        basis: basis::kind(fitted.name()).into(),
+        degree: count(fitted.degree()),
         closed: direction.is_closed(),
-        control_points: count(basis.functions()),
-        knots: list(&|| basis.knots().unwrap_or_default().into_owned()),
+        control_points: count(fitted.functions()),
+        knots: list(&|| fitted.knots().unwrap_or_default().into_owned()),
         parameters: list(&|| direction.parameters.to_vec()),
         weights: list(&|| direction.weights().unwrap_or_default().to_vec()),
         start: rule(|it| &it.start).into(),
@@ -249,7 +243,7 @@ pub fn description(
         columns: count(outline.grid.columns),
         u: Some(u),
         v,
-        rational: names::rational(problem).into(),
+        rational: job::rational_message(problem.request()).into(),
         method: Some(method::message(&outline.method, outline.surface, forecast)),
         computed: Some(computed(outline, forecast)),
         predicted: Some(prediction(forecast, first)),

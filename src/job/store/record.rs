@@ -18,6 +18,7 @@ use crate::fit::bases::Bases;
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request};
 use crate::job::result::LastGeometry;
+use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
 
@@ -126,7 +127,7 @@ pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
     let (start, message) = parts(bytes).ok_or_else(|| damaged(&what, "its end is missing"))?;
     let start: Start = read(&what, start)?;
     let message = pb::JobInput::decode(message).map_err(|error| damaged(&what, error))?;
-    let request = job::spec(message, usize::MAX).request();
+    let request = job::request(message, usize::MAX).and_then(JobRequest::request);
     let request = Request {
         start: start.control_points,
         start_breaks: lists(start.breaks),

@@ -1,20 +1,24 @@
 //! What the event streams of a job are like, as far as a client says it.
 //!
-//! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it.
+//! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it;
+//! - `schema`: the schemas of its choices.
 
 pub mod choices;
 pub mod form;
 pub mod options;
+pub mod schema;
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::either::{Whole, object, read_at_most, whole};
+use super::either::{AtMost, Whole, object, whole};
 use super::named::{Named, named};
 use crate::fit::points::Grid;
 use form::not_samples;
+use schema::Milestone;
 
 /// The most milestones of a stream.
 pub const MOST_MILESTONES: usize = 100;
@@ -122,9 +126,11 @@ pub enum Samples {
     Grid(usize, usize),
 }
 
-/// What a client says of the streams of a job, or of one stream. What is not said is as usual.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self", default, deny_unknown_fields)]
+/// What the event streams of a job are like if they do not say it themselves. Some choices rule others out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(rename = "StreamDefaults")]
+#[schemars(extend("examples" = [{"view": "samples", "samples": 200, "every": 5}]))]
 pub struct StreamSpec {
     /// What the events show.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -133,19 +139,28 @@ pub struct StreamSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<Samples>,
     /// Only iterations that are multiples of this number, and the last.
-    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "whole")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "whole"
+    )]
+    #[schemars(range(min = 1, max = u64::MAX), extend("default" = 1))]
     pub every: Option<usize>,
     /// Only the first iteration whose largest error is within each of these distances, which decrease.
     #[serde(
+        default,
         skip_serializing_if = "Option::is_none",
         deserialize_with = "milestones"
     )]
+    #[schemars(with = "Option<Vec<Milestone>>", length(max = MOST_MILESTONES))]
+    #[schemars(extend("default" = []))]
     pub milestones: Option<Vec<f64>>,
     /// What a client gets that is slower than the fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pace: Option<Pace>,
     /// After a first complete event only control points that moved.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
     pub changed: Option<bool>,
     /// What the `job` event says of the job.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -163,23 +178,9 @@ pub struct StreamSpec {
 
 object!(StreamSpec, "an object");
 
-impl Serialize for StreamSpec {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
 fn milestones<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<f64>>, D::Error> {
-    struct Milestones(Vec<f64>);
-
-    impl<'de> Deserialize<'de> for Milestones {
-        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            read_at_most(deserializer, MOST_MILESTONES, "milestones").map(Self)
-        }
-    }
-
-    let milestones = Option::deserialize(deserializer)?;
-    Ok(milestones.map(|Milestones(milestones)| milestones))
+    let milestones: Option<AtMost<f64, MOST_MILESTONES>> = Option::deserialize(deserializer)?;
+    Ok(milestones.map(|AtMost(milestones)| milestones))
 }
 
 impl StreamSpec {

@@ -194,7 +194,7 @@ async fn errors_name_the_fields_that_are_wrong() {
         (
             local(&[3, 30]),
             "input.method.local.indices[1]",
-            "30 is not one of the 30 points",
+            "there are 30 points",
         ),
         (local(&[3, 3]), "input.method.local.indices[1]", "repeats"),
         (

@@ -11,7 +11,7 @@ use crate::api::json::view::to_bytes;
 use crate::api::problem::{Location, Problem, Words};
 use crate::fit::points::Grid;
 use crate::import::{Hints, Imported, Kind};
-use crate::model::job::{JobSpec, LONGEST_NAME};
+use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::short;
 
@@ -46,7 +46,7 @@ pub fn read(
     mut fields: Map<String, Value>,
     file: Imported,
     kind: Option<Kind>,
-) -> Result<(JobSpec, FileWords), Problem> {
+) -> Result<(JobRequest, FileWords), Problem> {
     let lines = Lines {
         columns: file.grid.map_or(1, |grid| grid.columns),
         lines: file.lines,

@@ -1,60 +1,114 @@
 //! Where in the JSON of a request the parts of the model stand.
 
-use super::ends::EndsForm;
-use super::method::{self, MethodForm};
-use crate::api::json::per_direction::direction;
 use crate::api::problem::{self, Words};
 use crate::fit::invalid::{Axis, Place as P};
 use crate::fit::points::Grid;
+use crate::model::edit::EditRequest;
+use crate::model::ends::{EndsForm, EndsInput};
+use crate::model::job::JobRequest;
+use crate::model::method::{self, MethodForm, MethodInput};
 use crate::model::mistakes::{ChangePart, SpecPart};
 use crate::model::named::Named;
+use crate::model::per_direction::{PerDirection, direction};
+use crate::model::scattered::SurfaceParameters;
+use crate::model::shape::{CurveInput, SurfaceInput};
+
+const CURVE: &str = "/curve";
+const SURFACE: &str = "/surface";
 
 /// Which parts of the request have a value for each direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Places {
     /// What the parts of the curve or surface stand in; they are fields of edits themselves.
-    pub(super) root: &'static str,
+    root: &'static str,
     /// The number of columns of a surface; `None` for a curve.
-    pub(super) columns: Option<usize>,
+    columns: Option<usize>,
     /// There is a degree instead of a basis.
-    pub(super) degree_alone: bool,
-    pub(super) basis_each: bool,
-    pub(super) parameters_each: bool,
-    pub(super) closed_each: bool,
-    pub(super) weights_each: bool,
-    pub(super) ends_each: bool,
+    degree_alone: bool,
+    basis_each: bool,
+    parameters_each: bool,
+    closed_each: bool,
+    weights_each: bool,
+    ends_each: bool,
     /// How the ends of u and v are written.
-    pub(super) ends: [EndsForm; 2],
+    ends: [EndsForm; 2],
     /// The points are scattered.
-    pub(super) scattered: bool,
+    scattered: bool,
     /// How the method is written.
-    pub(super) method: MethodForm,
+    method: MethodForm,
 }
 
 impl Places {
-    /// Of a curve with one value for everything.
-    pub fn of_curve() -> Self {
+    /// Those of a job.
+    pub fn of_job(request: &JobRequest) -> Self {
+        let places = match (&request.curve, &request.surface) {
+            (Some(curve), None) => Self::of_curve(curve),
+            (None, Some(surface)) => Self::of_surface(surface),
+            _ => Self::default(),
+        };
         Self {
-            root: "/curve",
+            method: method_form(request.method.as_ref()),
+            ..places
+        }
+    }
+
+    /// Those of an edit, of a surface with points in this grid or of a curve.
+    pub fn of_edit(request: &EditRequest, surface: Option<Grid>) -> Self {
+        Self {
+            columns: surface.and_then(columns),
+            weights_each: true,
+            method: method_form(request.method.as_ref()),
             ..Self::default()
         }
     }
 
-    /// Of a surface with one value for both directions.
-    pub fn of_surface(grid: Grid) -> Self {
+    fn of_curve(curve: &CurveInput) -> Self {
         Self {
-            root: "/surface",
-            columns: grid.is_rows().then_some(grid.columns),
+            root: CURVE,
+            degree_alone: curve.degree.is_some(),
+            ends: [ends_form(curve.ends.as_ref(), false), EndsForm::default()],
             ..Self::default()
+        }
+    }
+
+    fn of_surface(surface: &SurfaceInput) -> Self {
+        fn is_each<T>(value: &Option<PerDirection<T>>) -> bool {
+            value.as_ref().is_some_and(PerDirection::is_each)
+        }
+        let (ends_u, ends_v) = match &surface.ends {
+            None => (None, None),
+            Some(PerDirection::Both(ends)) => (ends.0.as_ref(), ends.0.as_ref()),
+            Some(PerDirection::Each { u, v }) => (u.0.as_ref(), v.0.as_ref()),
+        };
+        Self {
+            root: SURFACE,
+            columns: surface
+                .points
+                .as_ref()
+                .and_then(|points| columns(points.grid)),
+            degree_alone: surface.degree.is_some(),
+            basis_each: is_each(&surface.basis) || is_each(&surface.degree),
+            parameters_each: matches!(
+                &surface.parameters,
+                Some(SurfaceParameters::Grid(PerDirection::Each { .. }))
+            ),
+            scattered: surface.scattered.is_some(),
+            closed_each: is_each(&surface.closed),
+            weights_each: is_each(&surface.weights),
+            ends_each: is_each(&surface.ends),
+            ends: [ends_u, ends_v].map(|ends| ends_form(ends, true)),
+            method: MethodForm::default(),
         }
     }
 
     /// Of a job as it is shown, of whose parts only the bases are looked for.
     pub fn of_input(surface: Option<Grid>, basis_each: bool) -> Self {
         Self {
+            root: if surface.is_some() { SURFACE } else { CURVE },
+            columns: surface.and_then(columns),
             basis_each,
             scattered: surface.is_some_and(|grid| !grid.is_rows()),
-            ..surface.map_or_else(Self::of_curve, Self::of_surface)
+            ..Self::default()
         }
     }
 
@@ -141,6 +195,20 @@ impl Places {
             place => method::pointer(place, self.method),
         }
     }
+}
+
+/// The columns of points that are in rows.
+fn columns(grid: Grid) -> Option<usize> {
+    grid.is_rows().then_some(grid.columns)
+}
+
+/// How the ends of a direction are written.
+fn ends_form(ends: Option<&EndsInput>, surface: bool) -> EndsForm {
+    ends.map(|ends| ends.form(surface)).unwrap_or_default()
+}
+
+fn method_form(method: Option<&MethodInput>) -> MethodForm {
+    method.map(MethodInput::form).unwrap_or_default()
 }
 
 impl Words for Places {

@@ -3,18 +3,13 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::api::json::per_direction::PerDirection;
-use crate::api::json::request::method::counts::{
-    ControlPointCount, ControlPoints, MostControlPoints,
-};
-use crate::api::json::request::method::{MethodKind, VariantRequest, variant_name};
-use crate::fit::method::{
-    AS_MANY_AS_DATA, Adaptive, Convex, LeastSquares, Local, Method, Start, Sweeps, Threshold,
-    Weighted,
-};
+use crate::fit::method::{Adaptive, Convex, Local, Method, Start, Sweeps, Threshold, Weighted};
 use crate::fit::system::Forecast;
 use crate::job::outline::Outline;
 use crate::model::either::Whole;
+use crate::model::method::counts::{ControlPointCount, ControlPoints, MostControlPoints};
+use crate::model::method::{LeastSquaresInput, MethodKind, VariantKind};
+use crate::model::per_direction::PerDirection;
 
 /// The method of a job, with numbers that were computed for it.
 #[derive(Default, Serialize, JsonSchema)]
@@ -57,14 +52,14 @@ pub(super) struct AppliedMethod {
     /// Automatic least squares: the most control points.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "MostControlPoints")]
-    max_control_points: Option<PerDirection<usize>>,
+    max_control_points: Option<PerDirection<Whole>>,
     /// Automatic least squares: parameters move to the nearest points of the curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     correct_parameters: Option<bool>,
     /// Least squares: the step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "VariantRequest")]
-    variant: Option<&'static str>,
+    #[schemars(with = "VariantKind")]
+    variant: Option<VariantKind>,
     /// The least eigenvalue of the collocation matrix, where it is known; of local fits of few points
     /// that of their block.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -104,30 +99,12 @@ impl AppliedMethod {
                 view.start = Some(settings.start);
                 view.transformed_error = settings.transformed_error.then_some(true);
             }
-            Method::LeastSquares(LeastSquares {
-                u,
-                v,
-                variant,
-                automatic,
-                ..
-            }) => {
-                let counts = match outline.surface {
-                    false => PerDirection::Both(*u),
-                    true => PerDirection::Each { u: *u, v: *v },
-                };
-                match automatic {
-                    None => {
-                        view.control_points =
-                            Some(counts.map(|count| ControlPointCount(Some(Whole(count)))));
-                        view.variant = Some(variant_name(*variant));
-                    }
-                    Some(automatic) => {
-                        let auto = ControlPointCount(None);
-                        view.control_points = Some(PerDirection::Both(auto));
-                        view.max_control_points = (*u != AS_MANY_AS_DATA).then_some(counts);
-                        view.correct_parameters = automatic.correct_parameters.then_some(true);
-                    }
-                }
+            Method::LeastSquares(settings) => {
+                let asked = LeastSquaresInput::of(settings, outline.grid, outline.surface);
+                view.control_points = asked.control_points;
+                view.max_control_points = asked.max_control_points;
+                view.correct_parameters = asked.correct_parameters;
+                view.variant = asked.variant;
             }
             _ => {}
         }

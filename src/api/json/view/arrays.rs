@@ -6,7 +6,7 @@
 use schemars::{Schema, json_schema};
 use serde::{Serialize, Serializer};
 
-use crate::api::json::schema::schema_of;
+use crate::model::schema::schema_of;
 
 /// A placeholder for an array of a document.
 #[derive(Clone, Copy, Debug)]

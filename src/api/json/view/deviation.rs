@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::error::PointIndex;
-use crate::api::json::schema::plain::never_null;
+use super::error::index;
+use crate::api::json::plain::never_null;
 use crate::fit::foot::deviation::Deviation;
 use crate::fit::problem::Problem;
+use crate::model::settings::Index;
 
 /// Distances of the data from the nearest points of the curve or surface. They are never larger than the
 /// `error` of the iteration, which is taken at the parameters of the data.
@@ -24,7 +25,7 @@ pub struct DeviationView {
     /// The root mean square of the distances.
     rms: f64,
     /// The data point with the largest distance.
-    at: PointIndex,
+    at: Index,
     /// Distances that so many per cent of the data do not exceed.
     percentiles: Percentiles,
     /// The distance of each data point; with `list=true`.
@@ -76,7 +77,7 @@ impl DeviationView {
             iteration,
             max: deviation.max,
             rms: deviation.rms,
-            at: PointIndex::new(deviation.at, problem),
+            at: index(deviation.at, problem),
             percentiles: Percentiles {
                 half,
                 ninety,

@@ -2,39 +2,11 @@
 
 use schemars::json_schema;
 use serde::Serialize;
-use serde_json::{Value, json};
 
-use crate::api::json::per_direction::PerDirection;
-use crate::api::json::schema::schema_of;
 use crate::fit::ends::{End, Ends};
-use crate::fit::points::Points;
 use crate::fit::problem::Problem;
-
-/// The JSON that asks for these ends.
-pub(super) fn written(ends: Option<&Ends>, surface: bool) -> Value {
-    let Some(Ends { start, end }) = ends else {
-        return Value::Null;
-    };
-    let one = |vectors: &Points| {
-        let vector = |index| json!(vectors.point(index).collect::<Vec<f64>>());
-        match surface {
-            false => vector(0),
-            true => (0..vectors.len()).map(vector).collect(),
-        }
-    };
-    let side = |end: &End| match end {
-        End::Estimated | End::Repeated | End::Natural => json!(end.name()),
-        End::Derivatives(orders) => {
-            let orders: Vec<Value> = orders.iter().map(|it| one(it)).collect();
-            json!({"derivatives": orders})
-        }
-        End::Tangent(vectors) => json!({"tangent": one(vectors)}),
-    };
-    match (side(start), side(end)) {
-        (start, end) if start == end && start.is_string() => start,
-        (start, end) => json!({"start": start, "end": end}),
-    }
-}
+use crate::model::per_direction::PerDirection;
+use crate::model::schema::schema_of;
 
 /// The rules by which a direction ends; null where there is nothing to choose.
 #[derive(Serialize)]

@@ -6,17 +6,17 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
 
 use super::examples;
-use crate::api::json::request::settings::Index;
-use crate::api::json::schema::plain::never_null;
+use crate::api::json::plain::never_null;
 use crate::fit::method::Method;
 use crate::fit::norms;
 use crate::fit::problem::Problem;
 use crate::job::outline::Outline;
+use crate::model::settings::Index;
 
 /// How the data points of a job are numbered, and whether the fit is local.
 #[derive(Clone, Copy)]
 pub struct Arrangement {
-    /// On surfaces the number of columns.
+    /// The number of columns of points in rows.
     columns: Option<usize>,
     local: bool,
 }
@@ -54,7 +54,7 @@ pub struct ErrorView {
     /// The sum of the distances.
     sum: Distance,
     /// The data point with the largest distance.
-    at: PointIndex,
+    at: Index,
     /// Local fits: the largest distance of the points that are not adjusted.
     #[serde(skip_serializing_if = "Option::is_none")]
     fixed_max: Option<f64>,
@@ -70,6 +70,11 @@ pub struct ErrorView {
     transformed: Option<f64>,
 }
 
+/// The index of a data point of a problem.
+pub(super) fn index(index: usize, problem: &Problem) -> Index {
+    Index::new(index, Arrangement::from(problem).columns)
+}
+
 impl ErrorView {
     /// The distances of a level from the data.
     pub fn new(error: &norms::FitError, of: impl Into<Arrangement>) -> Self {
@@ -78,7 +83,7 @@ impl ErrorView {
             max: Distance(error.max),
             rms: Distance(error.rms),
             sum: Distance(error.sum),
-            at: PointIndex::new(error.at, of),
+            at: Index::new(error.at, of.columns),
             fixed_max: error.fixed_max.filter(|_| of.local),
             homogeneous: error.homogeneous,
             gradient: error.gradient,
@@ -102,36 +107,5 @@ impl JsonSchema for Distance {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({"type": ["number", "null"]})
-    }
-}
-
-/// The index of a data point: on surfaces `[row, column]`, but for scattered points.
-#[derive(Clone, Copy, Serialize)]
-#[serde(untagged)]
-pub enum PointIndex {
-    /// The number of a point on a curve.
-    OfCurve(usize),
-    /// Of a surface: row and column.
-    OfSurface([usize; 2]),
-}
-
-impl PointIndex {
-    /// The index of a point that is numbered row by row.
-    pub fn new(index: usize, of: impl Into<Arrangement>) -> Self {
-        match of.into().columns {
-            None => Self::OfCurve(index),
-            Some(columns) => Self::OfSurface([index / columns, index % columns]),
-        }
-    }
-}
-
-/// Points are numbered in answers as in requests.
-impl JsonSchema for PointIndex {
-    fn schema_name() -> Cow<'static, str> {
-        Index::schema_name()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        Index::json_schema(generator)
     }
 }

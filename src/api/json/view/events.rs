@@ -15,19 +15,19 @@ use super::ends::EndRules;
 use super::error::ErrorView;
 use super::job::{AppliedStop, GeometryKind, Links, Prediction, failure, path};
 use super::level::IterationEvent;
-use super::net::{each, fixed_weights, knots, parameters, rational};
+use super::net::{each, fixed_weights, knots, parameters};
 use super::warning::WarningView;
 use super::writer::Digits;
 use super::{examples, to_bytes};
-use crate::api::json::per_direction::{Count, PerDirection};
-use crate::api::json::schema::plain::never_null;
-use crate::api::json::schema::schema_of;
+use crate::api::json::plain::never_null;
 use crate::api::problem::ProblemBody;
 use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::state::{Levels, Reason, State, Status};
-use crate::model::shape::BasisKind;
+use crate::model::basis::BasisKind;
+use crate::model::per_direction::{Count, PerDirection};
+use crate::model::schema::schema_of;
 use crate::model::weights::Rational;
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
@@ -59,8 +59,7 @@ struct JobEvent<'a> {
     /// How it ends.
     ends: PerDirection<EndRules>,
     /// How weights are used, if there are any.
-    #[schemars(with = "Option<Rational>")]
-    rational: Option<&'static str>,
+    rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
     method: AppliedMethod,
     /// How fast it converges, by what is known at iteration 0.
@@ -115,7 +114,7 @@ pub fn description(
         degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
         ends: EndRules::of(problem),
-        rational: rational(problem),
+        rational: Rational::of(problem.request()),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
         predicted: Prediction::at_first(levels),
         stop: AppliedStop::new(outline),

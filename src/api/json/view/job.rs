@@ -9,12 +9,12 @@ use super::applied_method::AppliedMethod;
 use super::error::ErrorView;
 use super::examples;
 use super::warning::WarningView;
-use crate::api::json::schema::plain::never_null;
-use crate::api::json::schema::schema_of;
+use crate::api::json::plain::never_null;
 use crate::api::problem::{Problem, ProblemBody};
 use crate::job::Job;
 use crate::job::outline::Outline;
 use crate::job::state::{Levels, Reason, State, Status};
+use crate::model::schema::schema_of;
 use crate::model::stream::StreamSpec;
 
 /// A fit as it stands.

@@ -8,19 +8,20 @@ use serde::Serialize;
 use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray, point};
 use super::decimal::Rounding;
 use super::document::{BinaryEncoding, Document};
-use super::error::{ErrorView, PointIndex};
+use super::error::ErrorView;
 use super::examples;
 use super::net::{ArrayShape, BadWeight, ControlNet, knots};
 use super::writer::Digits;
-use crate::api::json::per_direction::PerDirection;
-use crate::api::json::schema::plain::never_null;
-use crate::api::json::schema::schema_of;
+use crate::api::json::plain::never_null;
 use crate::fit::geometry::Geometry;
 use crate::fit::iteration::Level;
 use crate::fit::problem::Problem;
 use crate::fit::samples::{Samples, Uniform};
 use crate::job::content::Content;
 use crate::job::frame::Frame;
+use crate::model::per_direction::PerDirection;
+use crate::model::schema::schema_of;
+use crate::model::settings::Index;
 use crate::model::stream::form::{self, Encoding, Form, View};
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
@@ -184,16 +185,16 @@ struct Changes(Vec<MovedPoint>);
 #[derive(Serialize)]
 #[serde(untagged)]
 enum MovedPoint {
-    Point(PointIndex, Vec<f64>),
-    Weighted(PointIndex, Vec<f64>, f64),
+    Point(Index, Vec<f64>),
+    Weighted(Index, Vec<f64>, f64),
 }
 
 impl Changes {
     fn new(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> Self {
         let change = |(row, column): (usize, usize)| {
             let place = match problem.v() {
-                None => PointIndex::OfCurve(row),
-                Some(_) => PointIndex::OfSurface([row, column]),
+                None => Index::new(row, None),
+                Some(_) => Index::pair(row, column),
             };
             let point = geometry.place(row, column).collect();
             match geometry.weight(row, column) {
@@ -213,14 +214,14 @@ schema_of!(Changes, "Changes", generator => json_schema!({
             {
                 "title": "Moved",
                 "type": "array",
-                "prefixItems": [generator.subschema_for::<PointIndex>(), point()],
+                "prefixItems": [generator.subschema_for::<Index>(), point()],
                 "minItems": 2,
                 "maxItems": 2,
             },
             {
                 "title": "Weighted",
                 "type": "array",
-                "prefixItems": [generator.subschema_for::<PointIndex>(), point(), {"type": "number"}],
+                "prefixItems": [generator.subschema_for::<Index>(), point(), {"type": "number"}],
                 "minItems": 3,
                 "maxItems": 3,
             },

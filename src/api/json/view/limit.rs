@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::error::PointIndex;
+use super::error::index;
 use crate::fit::limit::LocalLimit;
 use crate::fit::problem::Problem;
+use crate::model::settings::Index;
 
 /// Where the difference vectors of the fixed points of a local fit end.
 #[derive(Serialize, JsonSchema)]
@@ -13,7 +14,7 @@ use crate::fit::problem::Problem;
 #[schemars(extend("examples" = [{"points": [0, 3], "differences": [[0.0, 0.0], [0.1, -0.2]], "max": 0.223606797749979}]))]
 pub struct LimitView {
     /// The fixed data points.
-    points: Vec<PointIndex>,
+    points: Vec<Index>,
     /// Their difference vectors, from the limit to the data point, in the same order.
     differences: Vec<Vec<f64>>,
     /// The length of the longest of them.
@@ -26,7 +27,7 @@ impl LimitView {
         let indices = limit.fixed.iter();
         let vectors = (0..limit.differences.len()).map(|i| limit.differences.point(i));
         Self {
-            points: indices.map(|&i| PointIndex::new(i, problem)).collect(),
+            points: indices.map(|&i| index(i, problem)).collect(),
             max: vectors
                 .clone()
                 .map(|it| it.fold(0.0, f64::hypot))

@@ -8,14 +8,15 @@ use serde::Serialize;
 
 use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray};
 use super::document::Document;
-use super::error::PointIndex;
+use super::error::index;
 use super::source::{Along, NetPoints, NetWeights};
-use crate::api::json::per_direction::PerDirection;
 use crate::fit::direction::Direction;
 use crate::fit::invalid::Axis;
 use crate::fit::iteration::Level;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
+use crate::model::per_direction::PerDirection;
+use crate::model::settings::Index;
 
 /// The complete control net of a level.
 pub(super) struct ControlNet {
@@ -61,7 +62,7 @@ pub(super) struct ArrayShape(pub(super) Vec<usize>);
 #[schemars(extend("examples" = [{"control_point": 4, "weight": -0.01, "detail": "a weight of a control point is not positive at this level"}]))]
 pub(super) struct BadWeight {
     /// The control point, by the index of its data point.
-    control_point: PointIndex,
+    control_point: Index,
     /// Its weight.
     weight: f64,
     /// What is wrong with it.
@@ -73,7 +74,7 @@ impl BadWeight {
     pub(super) fn of(level: &Level, problem: &Problem) -> Option<Self> {
         let (index, weight) = level.bad_weight?;
         Some(Self {
-            control_point: PointIndex::new(index, problem),
+            control_point: self::index(index, problem),
             weight,
             detail: "a weight of a control point is not positive at this level",
         })
@@ -141,15 +142,4 @@ pub(super) fn fixed_weights(
             document.numbers(weights.count(), weights)
         })
     })
-}
-
-/// How weights are used.
-pub(super) fn rational(problem: &Problem) -> Option<&'static str> {
-    if problem.is_homogeneous() {
-        Some("homogeneous")
-    } else if problem.directions().any(Direction::is_rational) {
-        Some("fixed")
-    } else {
-        None
-    }
 }

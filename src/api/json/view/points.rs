@@ -1,15 +1,13 @@
 //! The JSON of the points of a file.
 
-use std::ops::Range;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
-use serde::ser::SerializeSeq;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
-use crate::api::json::points::{PointGrid, PointList};
-use crate::api::json::schema::plain::never_null;
-use crate::fit::points::{Grid, Points};
+use crate::api::json::plain::never_null;
 use crate::import::Imported;
+use crate::model::points::{PointGrid, PointList};
 
 /// The points of a file as a job has them: one of `curve` and `surface` is there.
 #[derive(Serialize, JsonSchema)]
@@ -35,8 +33,7 @@ pub struct PointsView {
 #[schemars(extend("examples" = [{"points": [[0, 0], [1, 2]]}]))]
 struct CurvePoints {
     /// The points in their order.
-    #[schemars(with = "PointList")]
-    points: List,
+    points: PointList,
     /// The curve is closed: the file had the first point at its end again, which is not among these.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     closed: bool,
@@ -47,8 +44,7 @@ struct CurvePoints {
 #[schemars(extend("examples" = [{"points": [[[0, 0, 0], [0, 1, 1]], [[1, 0, 1], [1, 1, 2]]]}]))]
 struct SurfacePoints {
     /// Rows of points.
-    #[schemars(with = "PointGrid")]
-    points: Rows,
+    points: PointGrid,
 }
 
 impl PointsView {
@@ -62,10 +58,11 @@ impl PointsView {
             notices,
             ..
         } = file;
+        let points = Arc::new(points);
         let (curve, surface) = match grid {
             None => (
                 Some(CurvePoints {
-                    points: List(points),
+                    points: PointList(points),
                     closed,
                 }),
                 None,
@@ -73,7 +70,11 @@ impl PointsView {
             Some(grid) => (
                 None,
                 Some(SurfacePoints {
-                    points: Rows(points, grid),
+                    points: PointGrid {
+                        points,
+                        missing: Vec::new(),
+                        grid,
+                    },
                 }),
             ),
         };
@@ -83,45 +84,5 @@ impl PointsView {
             surface,
             notices,
         }
-    }
-}
-
-struct List(Points);
-
-impl Serialize for List {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Part(&self.0, 0..self.0.len()).serialize(serializer)
-    }
-}
-
-struct Rows(Points, Grid);
-
-impl Serialize for Rows {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self(points, grid) = self;
-        let start = |row: usize| row * grid.columns;
-        serializer.collect_seq((0..grid.rows).map(|row| Part(points, start(row)..start(row + 1))))
-    }
-}
-
-/// Some of the points.
-struct Part<'a>(&'a Points, Range<usize>);
-
-impl Serialize for Part<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut list = serializer.serialize_seq(Some(self.1.len()))?;
-        for index in self.1.clone() {
-            list.serialize_element(&Point(self.0, index))?;
-        }
-        list.end()
-    }
-}
-
-struct Point<'a>(&'a Points, usize);
-
-impl Serialize for Point<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let lanes = self.0.lanes().iter();
-        serializer.collect_seq(lanes.filter_map(|lane| lane.get(self.1)))
     }
 }

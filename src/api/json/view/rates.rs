@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::api::rates::Rates;
-use crate::model::shape::BasisKind;
+use crate::model::basis::BasisKind;
 
 /// How fast classical PIA converges with each basis at the same parameters.
 #[derive(Serialize, JsonSchema)]

@@ -10,17 +10,15 @@ use super::error::ErrorView;
 use super::examples;
 use super::job::GeometryKind;
 use super::level::digits;
-use super::net::{
-    ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, parameters, rational,
-};
-use crate::api::json::per_direction::{Count, Pair, PerDirection};
-use crate::api::json::schema::plain::never_null;
-use crate::api::json::schema::schema_of;
+use super::net::{ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, parameters};
+use crate::api::json::plain::never_null;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::{State, Status};
-use crate::model::shape::BasisKind;
+use crate::model::basis::BasisKind;
+use crate::model::per_direction::{Count, Pair, PerDirection};
+use crate::model::schema::schema_of;
 use crate::model::stream::form::Form;
 use crate::model::weights::Rational;
 
@@ -51,8 +49,7 @@ pub struct FitResult<'a> {
     /// Whether it is periodic.
     closed: PerDirection<bool>,
     /// How weights are used, if there are any.
-    #[schemars(with = "Option<Rational>")]
-    rational: Option<&'static str>,
+    rational: Option<Rational>,
     /// A weight that no CAD kernel takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     bad_weight: Option<BadWeight>,
@@ -115,7 +112,7 @@ pub fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content
         basis: each(problem, |_, direction| direction.basis.name()),
         degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
-        rational: rational(problem),
+        rational: Rational::of(problem.request()),
         bad_weight: BadWeight::of(level, problem),
         knots,
         parameters,

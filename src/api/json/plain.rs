@@ -36,6 +36,7 @@ fn format_of(types: &Value) -> Option<&'static str> {
 fn set_format(fields: &mut Map<String, Value>, format: &str) {
     // No width that languages share.
     if fields.get("maximum").and_then(Value::as_u64) > Some(i64::MAX as u64) {
+        fields.remove("format");
         return;
     }
     let format = match fields.get("format").and_then(Value::as_str) {

@@ -1,54 +1,125 @@
-//! Reads points from JSON straight into the arrays that are computed with.
+//! Points, which are read from JSON straight into the arrays that are computed with.
 
 use std::cell::{Cell, RefCell};
 use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
 
-use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor,
-};
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
-use crate::fit::points::Points;
-use crate::model::edit::Coordinates;
-use crate::model::shape::MAX_DIMENSION;
+use super::shape::MAX_DIMENSION;
+use crate::fit::points::{Grid, Points};
 
 /// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
-#[derive(Debug)]
-pub struct PointList(pub Points);
-
-/// A list of scattered points, each with 1, 2 or 3 coordinates, all alike.
-#[derive(Debug)]
-pub struct ScatteredPoints(pub Points);
+#[derive(Clone, Debug)]
+pub struct PointList(pub Arc<Points>);
 
 /// Rows (u) of columns (v) of points, or of heights, which are points of one coordinate; `null` stands
 /// for a missing one.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PointGrid {
-    /// The points, row by row; missing ones at the origin.
-    pub points: Points,
-    /// The indices of missing points.
+    /// The points, row by row; what is at missing ones is not looked at.
+    pub points: Arc<Points>,
+    /// The indices of missing points, increasing.
     pub missing: Vec<usize>,
-    /// The number of rows.
-    pub rows: usize,
-    /// The number of columns.
-    pub columns: usize,
+    /// Rows and columns.
+    pub grid: Grid,
+}
+
+/// The coordinates of a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinates {
+    values: [f64; MAX_DIMENSION],
+    count: usize,
+}
+
+impl Coordinates {
+    /// The coordinates, if there are not too many.
+    pub fn of(coordinates: &[f64]) -> Option<Self> {
+        let count = coordinates.len();
+        let mut values = [0.0; MAX_DIMENSION];
+        values.get_mut(..count)?.copy_from_slice(coordinates);
+        Some(Self { values, count })
+    }
+
+    /// One after the other.
+    pub fn as_slice(&self) -> &[f64] {
+        self.values.get(..self.count).unwrap_or(&[])
+    }
+}
+
+impl Serialize for Coordinates {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(serializer)
+    }
+}
+
+impl Serialize for PointList {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Part(&self.0, 0..self.0.len(), &[]).serialize(serializer)
+    }
+}
+
+impl Serialize for PointGrid {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let start = |row: usize| row * self.grid.columns;
+        let rows = (0..self.grid.rows).map(|row| start(row)..start(row + 1));
+        serializer.collect_seq(rows.map(|row| Part(&self.points, row, &self.missing)))
+    }
+}
+
+/// Some of the points, of which those with these indices are missing.
+struct Part<'a>(&'a Points, Range<usize>, &'a [usize]);
+
+impl Serialize for Part<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self(points, indices, missing) = self;
+        let is_given = |index: &usize| missing.binary_search(index).is_err();
+        let point = |index| Point(points, index);
+        serializer.collect_seq(
+            indices
+                .clone()
+                .map(|index| Some(index).filter(is_given).map(point)),
+        )
+    }
+}
+
+struct Point<'a>(&'a Points, usize);
+
+impl Serialize for Point<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.point(self.1))
+    }
+}
+
+impl PointList {
+    /// The grid of a single column that they are.
+    pub fn grid(&self) -> Grid {
+        Grid {
+            rows: self.0.len(),
+            columns: 1,
+        }
+    }
+}
+
+/// As those of a grid with a single column.
+impl From<PointList> for PointGrid {
+    fn from(list: PointList) -> Self {
+        Self {
+            grid: list.grid(),
+            points: list.0,
+            missing: Vec::new(),
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for PointList {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(Self(list(Under::Curve, deserializer)?))
+        let gathered = RefCell::default();
+        Row(&gathered, Under::List).deserialize(deserializer)?;
+        Ok(Self(Arc::new(gathered.into_inner().points())))
     }
-}
-
-impl<'de> Deserialize<'de> for ScatteredPoints {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(Self(list(Under::Scattered, deserializer)?))
-    }
-}
-
-fn list<'de, D: Deserializer<'de>>(under: Under, deserializer: D) -> Result<Points, D::Error> {
-    let gathered = RefCell::default();
-    Row(&gathered, under).deserialize(deserializer)?;
-    Ok(gathered.into_inner().points())
 }
 
 impl<'de> Deserialize<'de> for PointGrid {
@@ -73,9 +144,11 @@ impl<'de> Deserialize<'de> for PointGrid {
                 let mut gathered = gathered.into_inner();
                 Ok(PointGrid {
                     missing: std::mem::take(&mut gathered.missing),
-                    points: gathered.points(),
-                    rows,
-                    columns: columns.unwrap_or(0),
+                    points: gathered.points().into(),
+                    grid: Grid {
+                        rows,
+                        columns: columns.unwrap_or(0),
+                    },
                 })
             }
         }
@@ -87,9 +160,8 @@ impl<'de> Deserialize<'de> for PointGrid {
 /// What points belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Under {
-    Curve,
+    List,
     Surface,
-    Scattered,
     Edit,
 }
 
@@ -155,8 +227,7 @@ impl<'de> Visitor<'de> for Row<'_> {
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.1 {
-            Under::Curve => "a list of points, [[x, y], …]",
-            Under::Scattered => "a list of points, [[x, y, z], …]",
+            Under::List => "a list of points, [[x, y], …]",
             Under::Surface | Under::Edit => "a row of points, [[x, y, z], …]",
         })
     }
@@ -313,11 +384,8 @@ impl<'de> Visitor<'de> for Coordinate {
 
     fn visit_seq<A: SeqAccess<'de>>(self, _: A) -> Result<f64, A::Error> {
         Err(A::Error::custom(match self.0 {
-            Under::Curve => {
-                "expected a number, found a list: rows of points are fitted by a \"surface\", not by a \"curve\""
-            }
-            Under::Scattered => {
-                "expected a number, found a list: rows of points are \"points\", scattered points have none"
+            Under::List => {
+                "expected a number, found a list: rows of points are the \"points\" of a \"surface\""
             }
             Under::Surface | Under::Edit => "expected a number, found a list",
         }))

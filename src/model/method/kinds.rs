@@ -2,15 +2,15 @@
 
 use schemars::{JsonSchema, json_schema};
 
-use crate::api::json::schema::{names as schema_of_names, schema_of};
 use crate::fit::method::{EndPoints, Start, Sweeps, Variant};
 use crate::model::named::{Named, names};
+use crate::model::schema::{names as schema_of_names, schema_of};
 
 /// A kind of method.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(rename = "MethodKind", example = &"global")]
-pub(in crate::api) enum MethodKind {
+pub(crate) enum MethodKind {
     Global,
     Weighted,
     Local,
@@ -29,7 +29,7 @@ pub(in crate::api) enum MethodKind {
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(rename = "LeastSquaresVariant", extend("default" = "cg"), example = &"cg")]
-pub(in crate::api) enum VariantRequest {
+pub(crate) enum VariantKind {
     Diagonal,
     Lspia,
     Cg,
@@ -57,7 +57,7 @@ names!(Sweeps, "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,
 ]);
-names!(VariantRequest, "variant of the method least_squares", [
+names!(VariantKind, "variant of the method least_squares", [
     "diagonal" => Diagonal,
     "lspia" => Lspia,
     "cg" => Cg,
@@ -68,23 +68,22 @@ names!(EndPoints, "choice of end points of the method least_squares", [
     "free" => Free,
 ]);
 
-/// The name of a least-squares variant.
-pub(in crate::api) fn variant_name(variant: Variant) -> &'static str {
-    match variant {
-        Variant::Diagonal => "diagonal",
-        Variant::Lspia { .. } => "lspia",
-        Variant::ConjugateGradients => "cg",
-        Variant::Direct => "direct",
+impl From<Variant> for VariantKind {
+    fn from(variant: Variant) -> Self {
+        match variant {
+            Variant::Diagonal => Self::Diagonal,
+            Variant::Lspia { .. } => Self::Lspia,
+            Variant::ConjugateGradients => Self::Cg,
+            Variant::Direct => Self::Direct,
+        }
     }
 }
 
 schema_of!(
     Start,
     "ExtendedStart",
-    schema_of_names(
-        "What iteration 0 of the extended method is: the transformed data, or the data themselves.",
-        "transformed",
-        &Start::names(),
+    schema_of_names::<Self>(
+        "What iteration 0 of the extended method is: the transformed data, or the data themselves."
     )
 );
 schema_of!(
@@ -100,9 +99,7 @@ schema_of!(
 schema_of!(
     EndPoints,
     "LeastSquaresEnds",
-    schema_of_names(
-        "Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others.",
-        "interpolated",
-        &EndPoints::names(),
+    schema_of_names::<Self>(
+        "Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others."
     )
 );

@@ -1,10 +1,10 @@
-//! Numbers of control points in JSON: given ones, or as few as will do.
+//! Numbers of control points: given ones, or as few as will do.
 
 use schemars::json_schema;
 
-use crate::api::json::per_direction::{Count, Pair, PerDirection};
-use crate::api::json::schema::schema_of;
 use crate::model::either::{Whole, number_or_word};
+use crate::model::per_direction::{Count, Pair, PerDirection};
+use crate::model::schema::schema_of;
 
 number_or_word!(
     /// A number of control points, or `"auto"`: as few as the tolerance needs.
@@ -14,7 +14,7 @@ number_or_word!(
 );
 
 /// What a request can say of the number of control points.
-pub(in crate::api::json) enum ControlPoints {}
+pub enum ControlPoints {}
 
 schema_of!(ControlPoints, "ControlPointCount", generator => {
     let count = json_schema!({"type": "integer", "minimum": 2});
@@ -30,7 +30,7 @@ schema_of!(ControlPoints, "ControlPointCount", generator => {
 });
 
 /// The most control points.
-pub(in crate::api::json) enum MostControlPoints {}
+pub enum MostControlPoints {}
 
 schema_of!(MostControlPoints, "MostControlPoints", generator => {
     let count = json_schema!({"type": "integer", "minimum": 2});

@@ -1,20 +1,18 @@
-//! The JSON of settings that are more than a number or a name: a relaxation, a matrix, the index of a
+//! Settings of methods that are more than a number or a name: a relaxation, a matrix, the index of a
 //! point.
 
 use std::fmt;
 use std::num::NonZeroU32;
-use std::sync::Arc;
 
 use schemars::json_schema;
-use serde::Deserialize;
-use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
 
-use crate::api::json::lists::WeightList;
-use crate::api::json::schema::schema_of;
-use crate::fit::method::{LARGEST, Threshold};
+use super::either::{AtMost, Whole, number_or_word};
+use super::lists::{Lists, PointNumbers};
+use super::schema::schema_of;
+use crate::fit::method::{self as fit, LARGEST, Threshold};
 use crate::fit::points::Grid;
-use crate::model::either::{Whole, number_or_word, read_at_most};
 
 number_or_word!(
     /// A relaxation: a number, or `"auto"` without one.
@@ -23,107 +21,82 @@ number_or_word!(
     "a number between 0 and 2, or \"auto\""
 );
 
+impl From<fit::Omega> for Omega {
+    fn from(omega: fit::Omega) -> Self {
+        Self(omega.given())
+    }
+}
+
 /// Thresholds: one for all points, or one for each.
-#[derive(Clone, Debug)]
-pub(in crate::api) enum Thresholds {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Thresholds {
+    /// One for all points.
     All(f64),
-    Each(WeightList),
+    /// One for each point.
+    Each(PointNumbers),
 }
 
 impl Thresholds {
     /// The thresholds of points that are arranged in a grid, row by row.
     pub(super) fn of_points(self, grid: Grid, surface: bool) -> Result<Threshold, String> {
-        match self {
-            Self::All(threshold) => Ok(Threshold::All(threshold)),
-            Self::Each(each) => each_point(each, grid, surface, "thresholds").map(Threshold::Each),
-        }
-    }
-}
-
-/// A number for each point of a curve, or rows of them for a surface. Whether a curve has as many of
-/// them as points is checked with the problem.
-pub(super) fn each_point(
-    list: WeightList,
-    grid: Grid,
-    surface: bool,
-    things: &str,
-) -> Result<Arc<[f64]>, String> {
-    match (list, surface && grid.is_rows()) {
-        (WeightList::Line(each), false) => Ok(each.into()),
-        (WeightList::Grid { values, columns }, true) => {
-            let rows = values.len() / columns.max(1);
-            if (rows, columns) == (grid.rows, grid.columns) {
-                return Ok(values.into());
+        Ok(match self {
+            Self::All(threshold) => Threshold::All(threshold),
+            Self::Each(each) => {
+                Threshold::Each(each.of_points(grid, surface, "thresholds")?.into())
             }
-            let Grid {
-                rows: needed,
-                columns: each,
-            } = grid;
-            Err(format!(
-                "{rows} rows of {columns} {things} for {needed} rows of {each} points"
-            ))
+        })
+    }
+
+    /// As they would be asked for.
+    pub(super) fn of(threshold: &Threshold, grid: Grid, surface: bool) -> Self {
+        match threshold {
+            Threshold::All(threshold) => Self::All(*threshold),
+            Threshold::Each(each) => Self::Each(PointNumbers::new(each.to_vec(), grid, surface)),
         }
-        (_, false) if surface => Err(format!(
-            "the {things} of scattered points are a list of numbers"
-        )),
-        (_, false) => Err(format!("the {things} of a curve are a list of numbers")),
-        (_, true) => Err(format!("the {things} of a surface are rows of numbers")),
     }
 }
 
 impl<'de> Deserialize<'de> for Thresholds {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ThresholdVisitor;
-
-        impl<'de> Visitor<'de> for ThresholdVisitor {
-            type Value = Thresholds;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or one for each point")
-            }
-
-            fn visit_f64<E: Error>(self, x: f64) -> Result<Thresholds, E> {
-                Ok(Thresholds::All(x))
-            }
-
-            fn visit_u64<E: Error>(self, x: u64) -> Result<Thresholds, E> {
-                self.visit_f64(x as f64)
-            }
-
-            fn visit_i64<E: Error>(self, x: i64) -> Result<Thresholds, E> {
-                self.visit_f64(x as f64)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Thresholds, A::Error> {
-                WeightList::deserialize(SeqAccessDeserializer::new(list)).map(Thresholds::Each)
-            }
+        let lists = Lists::read(deserializer, "a number, or one for each point", true)?;
+        match (&lists.lengths[..], &lists.values[..]) {
+            ([], [threshold]) => Ok(Self::All(*threshold)),
+            _ => PointNumbers::of(lists, "thresholds").map(Self::Each),
         }
-
-        deserializer.deserialize_any(ThresholdVisitor)
     }
 }
 
 /// The rows of a matrix.
-#[derive(Clone, Debug)]
-pub(in crate::api) struct Matrix(pub(in crate::api) Vec<Vec<f64>>);
-
-impl<'de> Deserialize<'de> for Matrix {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        read_at_most(deserializer, LARGEST, "rows").map(Self)
-    }
-}
+pub type Matrix = AtMost<Vec<f64>, LARGEST>;
 
 /// The index of a point: of a curve `i`, of a surface `[row, column]`. It takes eight bytes, since lists of
 /// them may be as long as a body allows: a column is kept as the number behind it, which is not zero.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::api) enum Index {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Index {
+    /// Of a curve, and of scattered points.
     Single(u32),
+    /// Of the points of a surface in rows: the row, and the number of columns up to this one.
     Pair(u32, NonZeroU32),
 }
 
 const _: () = assert!(size_of::<Index>() == 8);
 
 impl Index {
+    /// The index of a point in rows of so many `columns`, or without rows.
+    pub fn new(index: usize, columns: Option<usize>) -> Self {
+        match columns {
+            None => Self::Single(clamped(index)),
+            Some(columns) => Self::pair(index / columns.max(1), index % columns.max(1)),
+        }
+    }
+
+    /// The index of a row and a column.
+    pub fn pair(row: usize, column: usize) -> Self {
+        let behind = NonZeroU32::MIN.saturating_add(clamped(column));
+        Self::Pair(clamped(row), behind)
+    }
+
     /// The index in the list of all points, row by row. Whether a point of a curve exists is
     /// checked with the problem.
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
@@ -154,10 +127,24 @@ impl Index {
     }
 }
 
+/// An index in four bytes; one that needs more is beyond every job.
+fn clamped(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
 /// An index as it is kept, in four bytes.
 fn small<E: Error>(index: u64) -> Result<u32, E> {
     let detail = || format!("{index} is not the index of a point: no job has so many");
     u32::try_from(index).map_err(|_| E::custom(detail()))
+}
+
+impl Serialize for Index {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Single(index) => index.serialize(serializer),
+            Self::Pair(row, behind) => [*row, behind.get() - 1].serialize(serializer),
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for Index {
@@ -257,7 +244,7 @@ schema_of!(
 );
 
 /// How much data points count.
-pub(super) enum DataWeights {}
+pub enum DataWeights {}
 
 schema_of!(DataWeights, "DataWeights", {
     let number = json_schema!({"type": "number", "minimum": 0});

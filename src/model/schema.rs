@@ -1,10 +1,45 @@
-//! What the schemas of requests say of kinds and settings, and their examples.
+//! What the schemas of requests have in common, and their examples.
+//!
+//! Schemas of types with derived readers are derived, too. Where a reader is written by hand so is
+//! its schema.
 
-use schemars::Schema;
+use schemars::{Schema, json_schema};
 use serde_json::{Value, json};
 
+use super::named::Named;
 use crate::fit::about::About;
 use crate::fit::basis::BASES;
+
+/// Gives a type, or a name that stands for a schema, the schema that is written down.
+macro_rules! schema_of {
+    ($type:ty, $name:literal, $generator:ident => $schema:expr) => {
+        impl schemars::JsonSchema for $type {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                $name.into()
+            }
+
+            fn json_schema($generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                $schema
+            }
+        }
+    };
+    ($type:ty, $name:literal, $schema:expr) => {
+        schema_of!($type, $name, _generator => $schema);
+    };
+}
+pub(crate) use schema_of;
+
+/// One of the names of an enumeration.
+pub fn names<T: Named>(description: &str) -> Schema {
+    let names = T::names();
+    json_schema!({
+        "description": description,
+        "type": "string",
+        "enum": names,
+        "default": names.first(),
+        "examples": names.first().as_slice(),
+    })
+}
 
 /// Says which bases there are. Only B-splines have a degree and knots to choose.
 pub(super) fn basis(schema: &mut Schema) {

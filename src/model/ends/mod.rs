@@ -1,17 +1,17 @@
-//! The JSON of how a curve or a surface ends: a word, or an end for each side, which is a word or has
-//! vectors.
+//! How a curve or a surface ends, as it is asked for: a word, or an end for each side, which is a word or
+//! has vectors.
 
 mod schema;
 
-use serde::Deserialize;
 use serde::de::{Deserializer, Error};
+use serde::{Deserialize, Serialize, Serializer};
 
-use crate::api::json::lists::Vectors;
+use super::either::{Object, read_object, some};
+use super::lists::Vectors;
+use super::mistakes::{Mistake, SpecPart};
+use super::named::{Named, names};
 use crate::fit::ends::{End, Ends};
 use crate::fit::invalid::{Axis, Place, Side};
-use crate::model::either::{Object, read_object, some};
-use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
-use crate::model::named::{Named, names};
 
 pub(super) use schema::{CurveEnds, SurfaceEnds};
 
@@ -30,21 +30,21 @@ names!(EndWord, "rule for ends", [
 ]);
 
 /// How a direction ends.
-#[derive(Clone, Debug)]
-pub(in crate::api) struct EndsRequest {
-    start: Option<EndRequest>,
-    end: Option<EndRequest>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct EndsInput {
+    start: Option<EndInput>,
+    end: Option<EndInput>,
 }
 
 /// The ends of both sides.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BothEnds {
-    start: Option<EndRequest>,
-    end: Option<EndRequest>,
+    start: Option<EndInput>,
+    end: Option<EndInput>,
 }
 
-impl<'de> Object<'de> for EndsRequest {
+impl<'de> Object<'de> for EndsInput {
     const EXPECTED: &'static str =
         "\"estimated\", \"repeated\" or \"natural\", or {\"start\": …, \"end\": …}";
 
@@ -54,29 +54,30 @@ impl<'de> Object<'de> for EndsRequest {
     }
 
     fn of_name<E: Error>(name: &str) -> Result<Self, E> {
-        EndWord::read(name).map(Self::of)
+        EndWord::read(name).map(Self::of_word)
     }
 }
 
-impl<'de> Deserialize<'de> for EndsRequest {
+impl<'de> Deserialize<'de> for EndsInput {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         read_object(deserializer)
     }
 }
 
 /// How a direction of a surface ends; those that are closed are left out.
-#[derive(Clone, Debug)]
-pub(in crate::api) struct DirectionEnds(pub(super) Option<EndsRequest>);
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct DirectionEnds(pub Option<EndsInput>);
 
 impl<'de> Object<'de> for DirectionEnds {
-    const EXPECTED: &'static str = EndsRequest::EXPECTED;
+    const EXPECTED: &'static str = EndsInput::EXPECTED;
 
     fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
-        EndsRequest::of_fields(fields).map(|ends| Self(Some(ends)))
+        EndsInput::of_fields(fields).map(|ends| Self(Some(ends)))
     }
 
     fn of_name<E: Error>(name: &str) -> Result<Self, E> {
-        EndsRequest::of_name(name).map(|ends| Self(Some(ends)))
+        EndsInput::of_name(name).map(|ends| Self(Some(ends)))
     }
 
     fn of_nothing<E: Error>() -> Result<Self, E> {
@@ -91,8 +92,8 @@ impl<'de> Deserialize<'de> for DirectionEnds {
 }
 
 /// How a direction ends on one side.
-#[derive(Clone, Debug)]
-enum EndRequest {
+#[derive(Clone, Debug, PartialEq)]
+enum EndInput {
     Word(EndWord),
     /// The name of the field that has them, and the vectors.
     Vectors(&'static str, Vectors),
@@ -110,7 +111,7 @@ struct GivenEnd {
     tangent: Option<Vectors>,
 }
 
-impl<'de> Object<'de> for EndRequest {
+impl<'de> Object<'de> for EndInput {
     const EXPECTED: &'static str = "one of estimated, repeated, natural, or an object with a derivative, derivatives or a tangent";
 
     fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
@@ -130,15 +131,33 @@ impl<'de> Object<'de> for EndRequest {
     }
 }
 
-impl<'de> Deserialize<'de> for EndRequest {
+impl<'de> Deserialize<'de> for EndInput {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         read_object(deserializer)
     }
 }
 
+impl Serialize for EndInput {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Word(word) => word.serialize(serializer),
+            Self::Vectors(name, vectors) => serializer.collect_map([(name, vectors)]),
+        }
+    }
+}
+
+impl Serialize for EndsInput {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.word() {
+            Some(word) => word.serialize(serializer),
+            None => serializer.collect_map([("start", &self.start), ("end", &self.end)]),
+        }
+    }
+}
+
 /// How ends are written, for the places of mistakes.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct EndsForm {
+pub struct EndsForm {
     /// One word for both sides.
     one_word: bool,
     /// The fields of the vectors at the start and at the end.
@@ -149,7 +168,7 @@ pub(super) struct EndsForm {
 
 impl EndsForm {
     /// The pointer to a part of ends, below that of the ends.
-    pub(super) fn pointer(&self, place: Place) -> String {
+    pub fn pointer(&self, place: Place) -> String {
         let number = |side| usize::from(side == Side::End);
         match place {
             Place::End(_, side) if !self.one_word => format!("/{}", side.name()),
@@ -173,37 +192,65 @@ impl EndsForm {
     }
 }
 
-impl EndsRequest {
+impl EndsInput {
     /// The same word on both sides.
-    fn of(word: EndWord) -> Self {
+    fn of_word(word: EndWord) -> Self {
+        let end = || Some(EndInput::Word(word));
         Self {
-            start: Some(EndRequest::Word(word)),
-            end: Some(EndRequest::Word(word)),
+            start: end(),
+            end: end(),
+        }
+    }
+
+    /// The ends of a direction as they would be asked for.
+    pub fn of(ends: &Ends, is_surface: bool) -> Self {
+        let side = |end: &End| {
+            Some(match end {
+                End::Estimated => EndInput::Word(EndWord::Estimated),
+                End::Repeated => EndInput::Word(EndWord::Repeated),
+                End::Natural => EndInput::Word(EndWord::Natural),
+                End::Derivatives(orders) => {
+                    EndInput::Vectors("derivatives", Vectors::of(orders, is_surface, true))
+                }
+                End::Tangent(vectors) => {
+                    let vectors = std::slice::from_ref(vectors);
+                    EndInput::Vectors("tangent", Vectors::of(vectors, is_surface, false))
+                }
+            })
+        };
+        Self {
+            start: side(&ends.start),
+            end: side(&ends.end),
+        }
+    }
+
+    /// The word that both sides have.
+    fn word(&self) -> Option<EndWord> {
+        match (&self.start, &self.end) {
+            (Some(EndInput::Word(start)), Some(EndInput::Word(end))) => {
+                (start == end).then_some(*start)
+            }
+            _ => None,
         }
     }
 
     /// How it is written.
-    pub(super) fn form(&self, surface: bool) -> EndsForm {
-        let field = |end: &Option<EndRequest>| match end {
-            Some(EndRequest::Vectors(name, _)) => *name,
+    pub fn form(&self, surface: bool) -> EndsForm {
+        let field = |end: &Option<EndInput>| match end {
+            Some(EndInput::Vectors(name, _)) => *name,
             _ => "derivative",
         };
-        let word = |end: &Option<EndRequest>| match end {
-            Some(EndRequest::Word(word)) => Some(*word),
-            _ => None,
-        };
-        let words = word(&self.start).zip(word(&self.end));
         EndsForm {
-            one_word: words.is_some_and(|(start, end)| start == end),
+            one_word: self.word().is_some(),
             fields: [field(&self.start), field(&self.end)],
             surface,
         }
     }
 
     /// The ends that it asks for.
-    pub(super) fn spec(self, axis: Axis, is_surface: bool) -> OrMistakes<Ends> {
-        let side = |end: Option<EndRequest>, side| {
-            end.map_or(Ok(End::Estimated), |end| end.spec((axis, side), is_surface))
+    pub(super) fn ends(self, axis: Axis, is_surface: bool) -> Result<Ends, Mistake> {
+        let side = |end: Option<EndInput>, side| {
+            end.map_or(Ok(End::Estimated), |end| end.end((axis, side), is_surface))
         };
         Ok(Ends {
             start: side(self.start, Side::Start)?,
@@ -212,8 +259,8 @@ impl EndsRequest {
     }
 }
 
-impl EndRequest {
-    fn spec(self, (axis, side): (Axis, Side), is_surface: bool) -> Result<End, Mistake> {
+impl EndInput {
+    fn end(self, (axis, side): (Axis, Side), is_surface: bool) -> Result<End, Mistake> {
         let (name, vectors) = match self {
             Self::Word(EndWord::Estimated) => return Ok(End::Estimated),
             Self::Word(EndWord::Repeated) => return Ok(End::Repeated),

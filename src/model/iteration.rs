@@ -1,18 +1,24 @@
-//! The JSON of the iteration that an edit starts from.
+//! The iteration that an edit or foot points start from.
 
 use schemars::json_schema;
 
-use crate::api::json::schema::schema_of;
-use crate::model::either::{Whole, number_or_word};
+use super::either::{Whole, number_or_word};
+use super::schema::schema_of;
 
 number_or_word!(
-    /// The level of the parent to start from: a number or `"last"`.
-    IterationRequest(Whole),
+    /// The level of another job to start from: a number or `"last"`.
+    IterationChoice(Whole),
     "last",
     "the number of an iteration, or \"last\""
 );
 
-impl IterationRequest {
+impl IterationChoice {
+    /// The iteration with this number.
+    pub fn of(number: u64) -> Self {
+        // Too large for this machine is beyond every job.
+        Self(Some(Whole(usize::try_from(number).unwrap_or(usize::MAX))))
+    }
+
     /// The number; none of the last one.
     pub fn number(self) -> Option<usize> {
         self.0.map(|Whole(k)| k)
@@ -20,7 +26,7 @@ impl IterationRequest {
 }
 
 schema_of!(
-    IterationRequest,
+    IterationChoice,
     "IterationChoice",
     json_schema!({
         "description": "The number of an iteration, or the last one.",

@@ -1,70 +1,71 @@
-//! The JSON of places at which constraints hold.
-
-use std::fmt;
+//! Places at which constraints hold.
 
 use schemars::json_schema;
-use serde::Deserialize;
-use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserializer, Error, SeqAccess, Unexpected, Visitor};
+use serde::de::{Deserializer, Error, Unexpected};
+use serde::{Deserialize, Serialize, Serializer};
 
-use crate::api::json::request::settings::Index;
-use crate::api::json::schema::schema_of;
 use crate::fit::invalid::{Axis, Side};
 use crate::fit::method::At;
 use crate::fit::points::Grid;
-use crate::model::either::{Object, read_at_most, read_object, some};
+use crate::model::either::{Object, below, read_object, some};
+use crate::model::lists::Lists;
 use crate::model::named::{Named, names};
+use crate::model::schema::schema_of;
+use crate::model::settings::Index;
 
 /// Where a constraint holds.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum AtRequest {
+pub(crate) enum PlaceInput {
     Side(Side),
     Index(Index),
-    Parameter(ParameterRequest),
+    Parameter(Parameter),
     Boundary(Boundary),
 }
 
 /// A parameter of a curve, or both of a surface.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ParameterRequest {
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+pub(crate) enum Parameter {
     One(f64),
     Two(f64, f64),
 }
 
 /// A boundary of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Boundary {
-    UStart,
-    UEnd,
-    VStart,
-    VEnd,
+pub(crate) struct Boundary(pub(crate) Axis, pub(crate) Side);
+
+impl Boundary {
+    const U_START: Self = Self(Axis::U, Side::Start);
+    const U_END: Self = Self(Axis::U, Side::End);
+    const V_START: Self = Self(Axis::V, Side::Start);
+    const V_END: Self = Self(Axis::V, Side::End);
 }
 
 names!(Boundary, "boundary", [
-    "u_start" => UStart,
-    "u_end" => UEnd,
-    "v_start" => VStart,
-    "v_end" => VEnd,
+    "u_start" => U_START,
+    "u_end" => U_END,
+    "v_start" => V_START,
+    "v_end" => V_END,
 ]);
 
 /// A place as an object.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Place {
+struct Fields {
     #[serde(default, deserialize_with = "some")]
     index: Option<Index>,
     #[serde(default, deserialize_with = "some")]
-    parameter: Option<ParameterRequest>,
+    parameter: Option<Parameter>,
     #[serde(default, deserialize_with = "some")]
     boundary: Option<Boundary>,
 }
 
-impl<'de> Object<'de> for AtRequest {
+impl<'de> Object<'de> for PlaceInput {
     const EXPECTED: &'static str =
         "\"start\", \"end\", {\"index\": …}, {\"parameter\": …} or {\"boundary\": …}";
 
     fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
-        let place = Place::deserialize(fields)?;
+        let place = Fields::deserialize(fields)?;
         match (place.index, place.parameter, place.boundary) {
             (Some(index), None, None) => Ok(Self::Index(index)),
             (None, Some(parameter), None) => Ok(Self::Parameter(parameter)),
@@ -83,50 +84,37 @@ impl<'de> Object<'de> for AtRequest {
     }
 }
 
-impl<'de> Deserialize<'de> for AtRequest {
+impl<'de> Deserialize<'de> for PlaceInput {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         read_object(deserializer)
     }
 }
 
-impl<'de> Deserialize<'de> for ParameterRequest {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ParameterVisitor;
-
-        impl<'de> Visitor<'de> for ParameterVisitor {
-            type Value = ParameterRequest;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a parameter, or [u, v]")
-            }
-
-            fn visit_f64<E: Error>(self, t: f64) -> Result<ParameterRequest, E> {
-                Ok(ParameterRequest::One(t))
-            }
-
-            fn visit_u64<E: Error>(self, t: u64) -> Result<ParameterRequest, E> {
-                self.visit_f64(t as f64)
-            }
-
-            fn visit_i64<E: Error>(self, t: i64) -> Result<ParameterRequest, E> {
-                self.visit_f64(t as f64)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
-                let both: Vec<f64> =
-                    read_at_most(SeqAccessDeserializer::new(list), 2, "parameters")?;
-                match both[..] {
-                    [u, v] => Ok(ParameterRequest::Two(u, v)),
-                    _ => Err(A::Error::custom("a surface has two parameters, [u, v]")),
-                }
-            }
+impl Serialize for PlaceInput {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Side(side) => side.name().serialize(serializer),
+            Self::Index(index) => serializer.collect_map([("index", index)]),
+            Self::Parameter(parameter) => serializer.collect_map([("parameter", parameter)]),
+            Self::Boundary(boundary) => serializer.collect_map([("boundary", boundary)]),
         }
-
-        deserializer.deserialize_any(ParameterVisitor)
     }
 }
 
-schema_of!(AtRequest, "ConstraintPlace", generator => {
+impl<'de> Deserialize<'de> for Parameter {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        const TWO: &str = "a surface has two parameters, [u, v]";
+        let Lists { values, lengths } = Lists::read(deserializer, "a parameter, or [u, v]", true)?;
+        match (&values[..], &lengths[..]) {
+            ([t], []) => Ok(Self::One(*t)),
+            ([u, v], [_]) => Ok(Self::Two(*u, *v)),
+            (_, [count]) if *count > 2 => Err(below("/2", TWO)),
+            _ => Err(D::Error::custom(TWO)),
+        }
+    }
+}
+
+schema_of!(PlaceInput, "ConstraintPlace", generator => {
     let index = generator.subschema_for::<Index>();
     let place = |name: &str, what: &str, mut schema: schemars::Schema| {
         schema.insert("description".to_owned(), what.into());
@@ -154,28 +142,26 @@ schema_of!(AtRequest, "ConstraintPlace", generator => {
     })
 });
 
-impl AtRequest {
-    pub(super) fn of(self, grid: Grid, surface: bool) -> Result<At, String> {
+impl PlaceInput {
+    /// The place among data points that are arranged in a grid.
+    pub(super) fn at(self, grid: Grid, surface: bool) -> Result<At, String> {
         Ok(match self {
             Self::Side(side) => At::Side(side),
             Self::Index(index) => At::Index(index.of_point(grid, surface)?),
-            Self::Parameter(ParameterRequest::One(t)) => At::Parameter(t),
-            Self::Parameter(ParameterRequest::Two(u, v)) => At::Parameters(u, v),
-            Self::Boundary(boundary) => {
-                let (axis, side) = boundary.of();
-                At::Boundary(axis, side)
-            }
+            Self::Parameter(Parameter::One(t)) => At::Parameter(t),
+            Self::Parameter(Parameter::Two(u, v)) => At::Parameters(u, v),
+            Self::Boundary(Boundary(axis, side)) => At::Boundary(axis, side),
         })
     }
-}
 
-impl Boundary {
-    fn of(self) -> (Axis, Side) {
-        match self {
-            Self::UStart => (Axis::U, Side::Start),
-            Self::UEnd => (Axis::U, Side::End),
-            Self::VStart => (Axis::V, Side::Start),
-            Self::VEnd => (Axis::V, Side::End),
+    /// A place as it would be asked for; points of surfaces are in so many columns.
+    pub(super) fn of(at: At, columns: Option<usize>) -> Self {
+        match at {
+            At::Side(side) => Self::Side(side),
+            At::Index(point) => Self::Index(Index::new(point, columns)),
+            At::Parameter(t) => Self::Parameter(Parameter::One(t)),
+            At::Parameters(u, v) => Self::Parameter(Parameter::Two(u, v)),
+            At::Boundary(axis, side) => Self::Boundary(Boundary(axis, side)),
         }
     }
 }

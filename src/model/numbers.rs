@@ -1,11 +1,11 @@
-//! Points, weights and numbers.
+//! The schemas of points and weights.
 
 use schemars::json_schema;
 
-use super::schema_of;
-use crate::api::json::per_direction::Pair;
-use crate::api::json::points::{PointGrid, PointList, ScatteredPoints};
-use crate::model::shape::MAX_DIMENSION;
+use super::per_direction::Pair;
+use super::points::{PointGrid, PointList};
+use super::schema::schema_of;
+use super::shape::MAX_DIMENSION;
 
 /// A data point.
 pub enum Point {}
@@ -30,6 +30,9 @@ schema_of!(PointList, "Points", generator => json_schema!({
     "minItems": 2,
     "examples": [[[0, 0], [1, 2], [3, 1], [4, 3]]],
 }));
+
+/// The list of scattered points.
+pub enum ScatteredPoints {}
 
 schema_of!(ScatteredPoints, "ScatteredPoints", generator => json_schema!({
     "description": "The scattered data points of a surface, in any order.",

@@ -1,0 +1,173 @@
+//! Bases, knots and parameters as they are asked for.
+
+use schemars::{JsonSchema, json_schema};
+use serde::{Deserialize, Serialize};
+
+use super::either::{object, whole};
+use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::named::{Named, Rule, names, rules};
+use super::schema::{self, schema_of};
+use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
+use crate::fit::direction::BasisChoice;
+use crate::fit::invalid::{self as fit, Axis};
+use crate::fit::parameters::Parametrization;
+
+/// The degree of a B-spline if nobody says it.
+pub const DEFAULT_DEGREE: usize = 3;
+
+/// A kind of basis.
+#[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Eq)]
+#[schemars(rename_all = "snake_case")]
+#[schemars(example = &"bspline")]
+#[allow(missing_docs, reason = "schemas repeat what is said of a value")]
+pub enum BasisKind {
+    #[default]
+    Bspline,
+    Bernstein,
+    SaidBall,
+    WangBall,
+}
+
+names!(BasisKind, "kind of basis", [
+    "bspline" => Bspline,
+    "bernstein" => Bernstein,
+    "said_ball" => SaidBall,
+    "wang_ball" => WangBall,
+]);
+
+rules!(Knots, "rule for knots", [
+    "data" => Data,
+    "averaged" => Averaged,
+    "spread" => Spread,
+]);
+
+rules!(Parametrization, "rule for parameters", [
+    "chord_length" => ChordLength,
+    "centripetal" => Centripetal,
+    "uniform" => Uniform,
+]);
+
+/// The functions that are blended with the control points.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(transform = schema::basis, example = schema::example_basis())]
+pub struct Basis {
+    /// The kind of the basis.
+    pub kind: BasisKind,
+    /// The degree.
+    #[serde(
+        default,
+        deserialize_with = "whole",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
+    pub degree: Option<usize>,
+    /// Where the pieces meet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub knots: Option<Knots>,
+}
+
+object!(
+    Basis,
+    "an object with a kind, or the name of a kind",
+    "kind"
+);
+
+impl Basis {
+    /// A B-spline of this degree.
+    pub fn of_degree(degree: usize) -> Self {
+        Self {
+            degree: Some(degree),
+            ..Self::default()
+        }
+    }
+
+    /// The basis of a direction.
+    pub(super) fn choice(self, axis: Axis) -> OrMistakes<BasisChoice> {
+        let kind = match self.kind {
+            BasisKind::Bspline => {
+                return Ok(BasisChoice::BSpline {
+                    degree: self.degree.unwrap_or(DEFAULT_DEGREE),
+                    knots: self.knots.unwrap_or(Knots::Usual),
+                });
+            }
+            BasisKind::Bernstein => Polynomial::Bernstein,
+            BasisKind::SaidBall => Polynomial::SaidBall,
+            BasisKind::WangBall => Polynomial::WangBall,
+        };
+        let degree = self.degree.map(|_| ("degree", fit::Place::Degree(axis)));
+        let knots = self.knots.map(|_| ("knots", fit::Place::Knots(axis)));
+        let mut mistakes = Mistakes::default();
+        for (field, place) in degree.into_iter().chain(knots) {
+            let detail = format!(
+                "a {} basis has no {field} to choose: its degree is control points − 1",
+                self.kind.name()
+            );
+            mistakes.push(Mistake::at(SpecPart::Fit(place), detail));
+        }
+        mistakes.or(BasisChoice::Polynomial(kind))
+    }
+}
+
+/// As it would be asked for.
+impl From<&BasisChoice> for Basis {
+    fn from(choice: &BasisChoice) -> Self {
+        let kind = match choice {
+            BasisChoice::BSpline { degree, knots } => {
+                return Self {
+                    knots: Some(knots.clone()).filter(|knots| *knots != Knots::Usual),
+                    ..Self::of_degree(*degree)
+                };
+            }
+            BasisChoice::Polynomial(Polynomial::Bernstein) => BasisKind::Bernstein,
+            BasisChoice::Polynomial(Polynomial::SaidBall) => BasisKind::SaidBall,
+            BasisChoice::Polynomial(Polynomial::WangBall) => BasisKind::WangBall,
+        };
+        Self {
+            kind,
+            ..Self::default()
+        }
+    }
+}
+
+schema_of!(
+    Parametrization,
+    "ParameterChoice",
+    json_schema!({
+        "description": "How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first.",
+        "oneOf": [
+            {"type": "string", "enum": <Self as Rule>::names()},
+            {"type": "array", "items": {"type": "number"}, "minItems": 2},
+        ],
+        "default": "chord_length",
+        "examples": ["centripetal", [0, 0.2, 0.7, 1]],
+    })
+);
+
+/// The degree of a B-spline that is as usual otherwise.
+pub(super) enum Degree {}
+
+schema_of!(
+    Degree,
+    "Degree",
+    json_schema!({
+        "description": "The degree of a B-spline.",
+        "type": "integer",
+        "minimum": 1,
+        "maximum": MAX_DEGREE,
+        "examples": [3],
+    })
+);
+
+schema_of!(
+    Knots,
+    "KnotChoice",
+    json_schema!({
+        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\").",
+        "oneOf": [
+            {"type": "string", "enum": <Self as Rule>::names()},
+            {"type": "array", "items": {"type": "number"}, "minItems": 4},
+        ],
+        "examples": ["data", [0, 0, 0, 0, 1, 1, 1, 1]],
+    })
+);

@@ -1,0 +1,195 @@
+//! The settings of a least-squares fit as they are asked for.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::MethodForm;
+use super::constraint::ConstraintInput;
+use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
+use super::kinds::VariantKind;
+use crate::fit::invalid::{Place, Setting};
+use crate::fit::method::{
+    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant,
+};
+use crate::fit::points::Grid;
+use crate::model::either::{AtMost, Whole, whole};
+use crate::model::lists::PointNumbers;
+use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::per_direction::PerDirection;
+use crate::model::settings::DataWeights;
+
+/// The order of the derivative of fairness where none is given.
+const FAIRNESS_ORDER: usize = 2;
+
+/// The settings of least squares.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LeastSquaresInput {
+    /// The number of control points; on surfaces of both directions, or one for each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<ControlPoints>")]
+    pub control_points: Option<PerDirection<ControlPointCount>>,
+    /// With control_points `auto`: the most control points. Without it as many as data points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<MostControlPoints>")]
+    pub max_control_points: Option<PerDirection<Whole>>,
+    /// With control_points `auto`, for curves: whether the parameters of the data move to the points of the curve that are nearest to them, so that errors are distances from the curve. Without it false.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correct_parameters: Option<bool>,
+    /// The step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) variant: Option<VariantKind>,
+    /// The length of the step; without one 1 / (largest column sum).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub mu: Option<f64>,
+    /// Whether it passes through its end points at every iteration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_points: Option<EndPoints>,
+    /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
+    /// negative, of a surface rows of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<DataWeights>")]
+    pub data_weights: Option<PointNumbers>,
+    /// How smooth it is to be: a multiple of the integral of the squared derivative is added to the sum
+    /// of squares. It is free of units: with n data points whose parameters have the range l, the
+    /// multiple is `fairness · l^(2r − 1) / n` on curves and `fairness · (l_u l_v)^(r − 1) / n` on
+    /// surfaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub fairness: Option<f64>,
+    /// The order r of that derivative.
+    #[serde(
+        default,
+        deserialize_with = "whole",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(range(min = 2, max = 3), extend("default" = 2))]
+    pub fairness_order: Option<usize>,
+    /// What every iteration obeys: points to pass through and derivatives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<Vec<ConstraintInput>>", length(min = 1, max = MOST_CONDITIONS))]
+    pub(crate) constraints: Option<AtMost<ConstraintInput, MOST_CONDITIONS>>,
+}
+
+impl LeastSquaresInput {
+    /// How they are written.
+    pub(super) fn form(&self) -> MethodForm {
+        let most = self.max_control_points;
+        MethodForm {
+            each: self.control_points.is_some_and(|count| count.is_each())
+                || most.is_some_and(|most| most.is_each()),
+            limited: most.is_some(),
+        }
+    }
+
+    /// The settings for data points arranged in `grid`.
+    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
+        let wrong = |setting, detail: &str| {
+            let place = SpecPart::Fit(Place::Setting(setting));
+            Mistake::at(place, detail)
+        };
+        if self.mu.is_some() && self.variant != Some(VariantKind::Lspia) {
+            let detail = "mu is a setting of the variant \"lspia\"";
+            return Err(wrong(Setting::Mu, detail).into());
+        }
+        let (u, v, automatic) = self.counts(surface)?;
+        if self.fairness_order.is_some() && self.fairness.is_none() {
+            let detail = "fairness_order is that of fairness, which is not given";
+            return Err(wrong(Setting::FairnessOrder, detail).into());
+        }
+        let weights = self.data_weights.map(|weights| {
+            let weights = weights.of_points(grid, surface, "weights of data");
+            weights.map_err(|detail| wrong(Setting::DataWeights, &detail))
+        });
+        let constraints = self.constraints.map_or_else(Vec::new, |it| it.0);
+        let constraints = constraints.into_iter().enumerate().map(|(index, it)| {
+            let wrong = |detail| Mistake::at(SpecPart::Fit(Place::Constraint(index)), detail);
+            it.constraint(grid, surface).map_err(wrong)
+        });
+        let constraints: Result<Vec<Constraint>, Mistake> = constraints.collect();
+        Ok(LeastSquares {
+            variant: match self.variant {
+                None | Some(VariantKind::Cg) => Variant::ConjugateGradients,
+                Some(VariantKind::Diagonal) => Variant::Diagonal,
+                Some(VariantKind::Lspia) => Variant::Lspia { mu: self.mu },
+                Some(VariantKind::Direct) => Variant::Direct,
+            },
+            ends: self.end_points.unwrap_or(EndPoints::Usual),
+            constraints: constraints?.into(),
+            fairness: self.fairness.map(|value| Fairness {
+                value,
+                order: self.fairness_order.unwrap_or(FAIRNESS_ORDER),
+            }),
+            data_weights: weights.transpose()?.map(Into::into),
+            automatic,
+            ..LeastSquares::new(u, v)
+        })
+    }
+
+    /// The numbers of control points of both directions, or the most of an automatic fit.
+    fn counts(&self, surface: bool) -> Result<(usize, usize, Option<Automatic>), Mistake> {
+        let wrong = |name, detail: &str| Mistake::at_text(format!("/method/{name}"), detail);
+        let (counts, most) = (self.control_points, self.max_control_points);
+        let each = [
+            ("control_points", counts.is_some_and(|it| it.is_each())),
+            ("max_control_points", most.is_some_and(|it| it.is_each())),
+        ];
+        if let Some((name, _)) = each.iter().find(|(_, each)| *each && !surface) {
+            return Err(wrong(*name, "a curve has one number of control points"));
+        }
+        let given = counts.map_or(Ok(Some((BY_KNOTS, BY_KNOTS))), given);
+        let given = given.map_err(|detail| wrong("control_points", detail))?;
+        let Some((u, v)) = given else {
+            let most = most.map(|most| most.map(|Whole(count)| count).split());
+            let (u, v) = most.unwrap_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA));
+            let correct_parameters = self.correct_parameters.unwrap_or(false);
+            return Ok((u, v, Some(Automatic { correct_parameters })));
+        };
+        let unused = [
+            ("max_control_points", most.is_some()),
+            ("correct_parameters", self.correct_parameters.is_some()),
+        ];
+        if let Some((name, _)) = unused.iter().find(|(_, given)| *given) {
+            let detail = format!("{name} is a setting of fits with control_points \"auto\"");
+            return Err(wrong(*name, &detail));
+        }
+        Ok((u, v, None))
+    }
+
+    /// Settings that are not the usual ones, as they would be asked for.
+    pub fn of(settings: &LeastSquares, grid: Grid, surface: bool) -> Self {
+        let counts = match surface {
+            false => PerDirection::Both(Whole(settings.u)),
+            true => PerDirection::Each {
+                u: Whole(settings.u),
+                v: Whole(settings.v),
+            },
+        };
+        let automatic = settings.automatic.as_ref();
+        let limited = automatic.is_some() && settings.u != AS_MANY_AS_DATA;
+        let corrected = automatic.is_some_and(|it| it.correct_parameters);
+        let constraints = settings.constraints.iter();
+        let constraints = constraints.map(|it| ConstraintInput::of(it, grid, surface));
+        let weights = settings.data_weights.as_deref();
+        Self {
+            control_points: Some(match automatic {
+                None => counts.map(|count| ControlPointCount(Some(count))),
+                Some(_) => PerDirection::Both(ControlPointCount(None)),
+            }),
+            max_control_points: limited.then_some(counts),
+            correct_parameters: corrected.then_some(true),
+            variant: automatic.is_none().then(|| settings.variant.into()),
+            mu: match settings.variant {
+                Variant::Lspia { mu } => mu,
+                _ => None,
+            },
+            end_points: Some(settings.ends).filter(|ends| *ends != EndPoints::Usual),
+            data_weights: weights.map(|it| PointNumbers::new(it.to_vec(), grid, surface)),
+            fairness: settings.fairness.map(|fairness| fairness.value),
+            fairness_order: settings.fairness.map(|fairness| fairness.order),
+            constraints: Some(AtMost(constraints.collect())).filter(|it| !it.0.is_empty()),
+        }
+    }
+}
