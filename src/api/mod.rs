@@ -19,7 +19,7 @@ pub mod fuzzing;
 mod grpc;
 pub(crate) mod http;
 mod jobs;
-pub mod json;
+pub(crate) mod json;
 mod language;
 mod levels;
 mod openapi;

@@ -16,18 +16,18 @@
 //! values of a function (one coordinate) have no place in space, and weights must be positive.
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
-pub mod csv;
+pub(crate) mod csv;
 mod deviation;
 mod dxf;
-pub mod error;
+pub(crate) mod error;
 mod fitted;
-pub mod format;
+pub(crate) mod format;
 mod gltf;
 mod iges;
 mod mesh;
 pub mod nurbs;
 mod obj;
-pub mod options;
+pub(crate) mod options;
 mod sampling;
 mod step;
 mod stl;

@@ -33,7 +33,7 @@ pub(crate) mod reader_budget;
 pub(crate) mod recent;
 pub(crate) mod replay;
 pub(crate) mod resources;
-pub mod result;
+pub(crate) mod result;
 pub(crate) mod run;
 #[cfg(test)]
 mod samples;

@@ -5,13 +5,13 @@
 //!
 //! Requests, answers and the store use the same messages.
 
-pub mod basis;
-pub mod ends;
-pub mod job;
+pub(crate) mod basis;
+pub(crate) mod ends;
+pub(crate) mod job;
 mod least_squares;
-pub mod method;
-pub mod stream;
-pub mod values;
+pub(crate) mod method;
+pub(crate) mod stream;
+pub(crate) mod values;
 
 /// What is generated from the contract; the contract documents it.
 #[allow(

@@ -13,7 +13,7 @@ mod activity;
 mod connection;
 pub(crate) mod limits;
 pub mod listen;
-pub mod local;
+pub(crate) mod local;
 mod log_throttle;
 pub mod proxy;
 mod request_body;

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use jiff::Timestamp;
-use piad::api::json::request::job;
 use piad::config::Config;
 use piad::export::nurbs::KnotVector;
 use piad::export::{Fitted, Nurbs};
@@ -15,6 +14,7 @@ use piad::fit::points::Points;
 use piad::fit::problem::Problem;
 use piad::fit::samples::Uniform;
 use piad::fit::system::System;
+use piad::model::job::JobRequest;
 use piad::model::scattered::no_base;
 use serde_json::{Value, json};
 
@@ -29,9 +29,8 @@ pub struct Fit {
 impl Fit {
     pub fn new(job: &Value) -> Self {
         let config = Config::standard();
-        let read = job::read(job.to_string().into());
-        let (spec, _) = read.unwrap_or_else(|problem| panic!("{job}: {problem:?}"));
-        let valid = spec.validate(config.limits(), Err(no_base()));
+        let request: JobRequest = serde_json::from_value(job.clone()).unwrap();
+        let valid = request.validate(config.limits(), Err(no_base()));
         let job = valid.unwrap_or_else(|mistakes| panic!("{job}: {mistakes:?}"));
         let problem = Arc::new(job.problem);
         let mut iteration = Iteration::start(Arc::new(System::new(Arc::clone(&problem))));

@@ -3,7 +3,7 @@
 //! - [`service`]: the calls; [`mount`]: the service next to the resources, with reflection and health;
 //! - [`errors`]: problems as gRPC statuses; [`malformed`]: messages that cannot be read.
 
-pub mod errors;
+pub(crate) mod errors;
 mod malformed;
-pub mod mount;
-pub mod service;
+pub(crate) mod mount;
+pub(crate) mod service;

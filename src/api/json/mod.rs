@@ -4,7 +4,7 @@
 //! - [`request`]: the body of a job or an edit;
 //! - [`view`]: the JSON of answers; [`plain`]: schemas that generators of clients understand.
 
-pub mod plain;
-pub mod read;
-pub mod request;
-pub mod view;
+pub(crate) mod plain;
+pub(crate) mod read;
+pub(crate) mod request;
+pub(crate) mod view;

@@ -7,8 +7,8 @@
 //! - [`page`]: the reference.
 
 mod operation;
-pub mod page;
-pub mod resources;
+pub(crate) mod page;
+pub(crate) mod resources;
 
 use std::sync::{Arc, OnceLock};
 

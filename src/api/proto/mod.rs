@@ -4,10 +4,10 @@
 //!   message a part of the model is;
 //! - [`view`], [`geometry`]: answers as messages; [`names`]: their enumerations.
 
-pub mod bounds;
-pub mod edit;
-pub mod fields;
-pub mod geometry;
-pub mod names;
-pub mod request;
-pub mod view;
+pub(crate) mod bounds;
+pub(crate) mod edit;
+pub(crate) mod fields;
+pub(crate) mod geometry;
+pub(crate) mod names;
+pub(crate) mod request;
+pub(crate) mod view;

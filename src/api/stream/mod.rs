@@ -6,8 +6,8 @@
 //!   messages;
 //! - [`sending`]: what goes out on a connection.
 
-pub mod encode;
-pub mod encoded;
-pub mod feed;
-pub mod milestones;
-pub mod sending;
+pub(crate) mod encode;
+pub(crate) mod encoded;
+pub(crate) mod feed;
+pub(crate) mod milestones;
+pub(crate) mod sending;

@@ -30,7 +30,7 @@ mod copies;
 mod estimate;
 pub(super) mod line;
 pub(super) mod offsets;
-pub mod rules;
+pub(crate) mod rules;
 
 pub use rules::{End, Ends};
 

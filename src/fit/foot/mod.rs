@@ -14,7 +14,7 @@
 //! tree O(log n) for n cells.
 
 mod cells;
-pub mod deviation;
+pub(crate) mod deviation;
 mod patch;
 
 use rayon::prelude::*;

@@ -15,17 +15,17 @@
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod band;
-pub mod banded;
+pub(crate) mod banded;
 mod bordered;
-pub mod columns;
+pub(crate) mod columns;
 mod dense;
 mod elimination;
 mod inverse;
-pub mod lu;
+pub(crate) mod lu;
 mod map;
 mod pack;
-pub mod qr;
-pub mod triangular;
+pub(crate) mod qr;
+pub(crate) mod triangular;
 
 pub use band::folded;
 pub(super) use dense::DenseMap;

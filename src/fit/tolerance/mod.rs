@@ -45,23 +45,23 @@
 //! parametric B-spline curves and surfaces*, CAGD 4 (1987).
 
 mod attempt;
-pub mod correction;
-pub mod equations;
+pub(crate) mod correction;
+pub(crate) mod equations;
 mod gram;
-pub mod growth;
-pub mod insertion;
-pub mod line;
-pub mod minimax;
-pub mod monitor;
+pub(crate) mod growth;
+pub(crate) mod insertion;
+pub(crate) mod line;
+pub(crate) mod minimax;
+pub(crate) mod monitor;
 pub(super) mod placed;
-pub mod placement;
+pub(crate) mod placement;
 mod pruning;
-pub mod schedule;
-pub mod steps;
-pub mod surface;
+pub(crate) mod schedule;
+pub(crate) mod steps;
+pub(crate) mod surface;
 #[cfg(test)]
 mod tests;
-pub mod values;
+pub(crate) mod values;
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 //! - `shared`: the system that it iterates;
 //! - [`attached`]: a reader's hold on it.
 
-pub mod attached;
+pub(crate) mod attached;
 mod shared;
 mod state;
 

@@ -3,11 +3,11 @@
 //! - [`creating`]: accepts jobs; [`refused`]: why not;
 //! - `lifecycle`: takes a job from the queue to its end.
 
-pub mod creating;
-pub mod ephemeral;
+pub(crate) mod creating;
+pub(crate) mod ephemeral;
 mod lifecycle;
-pub mod refused;
-pub mod sessions;
+pub(crate) mod refused;
+pub(crate) mod sessions;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

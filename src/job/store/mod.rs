@@ -10,7 +10,7 @@
 //!   ended to forget.
 
 mod change;
-pub mod crash_recovery;
+pub(crate) mod crash_recovery;
 mod database;
 mod ended;
 mod error;

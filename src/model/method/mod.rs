@@ -6,7 +6,7 @@
 
 mod choice;
 mod constraint;
-pub mod counts;
+pub(crate) mod counts;
 mod kinds;
 mod least_squares;
 

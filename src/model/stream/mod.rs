@@ -3,10 +3,10 @@
 //! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it;
 //! - `schema`: the schemas of its choices.
 
-pub mod choices;
-pub mod form;
-pub mod options;
-pub mod schema;
+pub(crate) mod choices;
+pub(crate) mod form;
+pub(crate) mod options;
+pub(crate) mod schema;
 
 use std::fmt;
 

@@ -4,8 +4,8 @@
 //!   another one;
 //! - [`places`]: where a part of the model stands.
 
-pub mod edit;
-pub mod file;
-pub mod job;
-pub mod path;
-pub mod places;
+pub(crate) mod edit;
+pub(crate) mod file;
+pub(crate) mod job;
+pub(crate) mod path;
+pub(crate) mod places;

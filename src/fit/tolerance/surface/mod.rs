@@ -23,11 +23,11 @@
 mod attempt;
 mod follow;
 mod gradients;
-pub mod grid;
+pub(crate) mod grid;
 mod lines;
 mod rows;
-pub mod scattered;
-pub mod schedule;
+pub(crate) mod scattered;
+pub(crate) mod schedule;
 mod search;
 
 use std::fmt::Debug;
