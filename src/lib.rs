@@ -32,7 +32,7 @@ pub mod config;
 pub mod export;
 pub mod fit;
 pub(crate) mod import;
-pub mod job;
+pub(crate) mod job;
 pub mod model;
 pub(crate) mod proto;
 pub mod server;

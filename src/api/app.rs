@@ -10,7 +10,7 @@ use crate::job::service::Jobs;
 
 /// The state of all handlers.
 #[derive(Clone)]
-pub struct App {
+pub(crate) struct App {
     pub(in crate::api) jobs: Arc<Jobs>,
     pub(in crate::api) config: Arc<Config>,
     pub(in crate::api) stopping: watch::Receiver<bool>,
@@ -19,7 +19,7 @@ pub struct App {
 
 impl App {
     /// An application over `jobs`; streams end when `stopping` becomes true.
-    pub fn new(jobs: Arc<Jobs>, config: Config, stopping: watch::Receiver<bool>) -> Self {
+    pub(crate) fn new(jobs: Arc<Jobs>, config: Config, stopping: watch::Receiver<bool>) -> Self {
         Self {
             jobs,
             config: Arc::new(config),

@@ -11,12 +11,12 @@ use crate::job::state::{Failure, State};
 use crate::job::store::Selection;
 
 /// The number of jobs on a page by default.
-pub const DEFAULT_PAGE: usize = 50;
+pub(super) const DEFAULT_PAGE: usize = 50;
 /// The most jobs of a page.
 pub(super) const LARGEST_PAGE: usize = 1000;
 
 /// Checks the number of jobs that a page may have.
-pub fn check_limit(limit: usize) -> Result<(), String> {
+pub(super) fn check_limit(limit: usize) -> Result<(), String> {
     match (1..=LARGEST_PAGE).contains(&limit) {
         true => Ok(()),
         false => Err(format!("{limit} does not lie between 1 and {LARGEST_PAGE}")),
@@ -24,7 +24,7 @@ pub fn check_limit(limit: usize) -> Result<(), String> {
 }
 
 /// A page of the list, and whether there are more.
-pub async fn page(
+pub(super) async fn page(
     app: &App,
     state: Option<State>,
     before: Option<Uuid>,
@@ -43,7 +43,7 @@ pub async fn page(
 }
 
 /// Cancels a job.
-pub async fn end(job: &Job) -> Result<(), Problem> {
+pub(super) async fn end(job: &Job) -> Result<(), Problem> {
     job.request_cancel();
     let status = job.ended().await;
     if status.state == State::Cancelled {
@@ -54,7 +54,7 @@ pub async fn end(job: &Job) -> Result<(), Problem> {
 }
 
 /// Deletes a job.
-pub async fn forget(app: &App, id: &str) -> Result<(), Problem> {
+pub(super) async fn forget(app: &App, id: &str) -> Result<(), Problem> {
     let existed = app.jobs.delete(job_id(id)?).await?;
     existed
         .then_some(())
@@ -62,13 +62,13 @@ pub async fn forget(app: &App, id: &str) -> Result<(), Problem> {
 }
 
 /// The job that a path names.
-pub async fn find(app: &App, id: &str) -> Result<Arc<Job>, Problem> {
+pub(super) async fn find(app: &App, id: &str) -> Result<Arc<Job>, Problem> {
     let job = known(app, id).await?;
     job.ok_or_else(|| Problem::unknown_job(id))
 }
 
 /// The job with this id, if there is one.
-pub async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Problem> {
+pub(super) async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Problem> {
     match Uuid::try_parse(id) {
         Ok(id) => Ok(app.jobs.find(id).await?),
         Err(_) => Ok(None),
@@ -77,7 +77,7 @@ pub async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Problem> {
 
 /// Checks that a job can have had an iteration that a client says it has seen. A job that runs again after a
 /// restart, or that was cancelled then, may have come further before.
-pub fn check_seen(job: &Job, k: usize) -> Result<(), String> {
+pub(super) fn check_seen(job: &Job, k: usize) -> Result<(), String> {
     let status = job.status();
     let ended_by_itself = match status.state {
         State::Converged | State::Exhausted | State::Stalled => true,

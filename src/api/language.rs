@@ -1,17 +1,17 @@
 //! The languages in which requests and answers are written, and how the events of a stream are framed.
 
 /// The media type of JSON.
-pub const JSON: &str = "application/json";
+pub(super) const JSON: &str = "application/json";
 /// The media type of server-sent events.
-pub const SSE: &str = "text/event-stream";
+pub(super) const SSE: &str = "text/event-stream";
 /// The media type of a JSON object a line.
-pub const NDJSON: &str = "application/x-ndjson";
+pub(super) const NDJSON: &str = "application/x-ndjson";
 /// Protobuf messages.
-pub const PROTOBUF: &str = "application/x-protobuf";
+pub(super) const PROTOBUF: &str = "application/x-protobuf";
 
 /// How the events of a stream are framed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Framing {
+pub(crate) enum Framing {
     /// Server-sent events.
     Sse,
     /// One JSON object a line.
@@ -22,7 +22,7 @@ pub enum Framing {
 
 impl Framing {
     /// Whether events are protobuf messages.
-    pub fn is_protobuf(self) -> bool {
+    pub(crate) fn is_protobuf(self) -> bool {
         self == Self::Protobuf
     }
 
@@ -38,7 +38,7 @@ impl Framing {
 
 /// What bodies are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Language {
+pub(crate) enum Language {
     Json,
     /// A protobuf message.
     Protobuf,
@@ -46,7 +46,7 @@ pub enum Language {
 
 impl Language {
     /// What it is called in headers.
-    pub fn media_type(self) -> &'static str {
+    pub(crate) fn media_type(self) -> &'static str {
         match self {
             Self::Json => JSON,
             Self::Protobuf => PROTOBUF,
@@ -54,7 +54,7 @@ impl Language {
     }
 
     /// How the names of files with it end.
-    pub fn extension(self) -> &'static str {
+    pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::Json => "json",
             Self::Protobuf => "binpb",

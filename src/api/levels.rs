@@ -32,11 +32,11 @@ const BYTES_PER_DISTANCE: usize = 64;
 const OPERATIONS_PER_DISTANCE: usize = 5000;
 
 /// How long an iteration is waited for that has not been reached, if the client does not say it.
-pub const WAIT: Duration = Duration::from_secs(10);
+pub(super) const WAIT: Duration = Duration::from_secs(10);
 
 /// The frame of a level, or without a number that of the last level so far. It is waited for as long as the
 /// client wants; one that was reached before is computed again, which ends by itself.
-pub async fn frame(
+pub(super) async fn frame(
     app: &App,
     job: &Arc<Job>,
     k: Option<usize>,
@@ -91,7 +91,7 @@ fn not_yet(status: &Status, k: usize) -> Problem {
 }
 
 /// How far the data are from a level, or without a number from the last level so far.
-pub async fn deviation(
+pub(super) async fn deviation(
     app: &App,
     job: &Arc<Job>,
     k: Option<usize>,
@@ -113,7 +113,7 @@ pub async fn deviation(
 }
 
 /// The job as it was accepted, as JSON or as the bytes of a message.
-pub async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content, Problem> {
+pub(super) async fn input_content(job: &Arc<Job>, language: Language) -> Result<Content, Problem> {
     // An input is made as a whole, so it needs memory for files.
     let room = &job.resources().memory.files;
     let permit = room
@@ -149,7 +149,7 @@ pub(super) async fn end(job: &Job) -> Result<(Status, Arc<Frame>), Problem> {
 }
 
 /// The final geometry in a form, as JSON or as the bytes of a message.
-pub async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Problem> {
+pub(super) async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content, Problem> {
     let (status, frame) = end(job).await?;
     if form.view != View::ControlPoints && !form.is_protobuf() {
         return Ok(encode::frame(job, &frame, &form).await?);

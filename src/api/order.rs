@@ -35,16 +35,16 @@ use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
-pub const PARSED_AT_ONCE: usize = 4 * 1024;
+pub(super) const PARSED_AT_ONCE: usize = 4 * 1024;
 
 /// Problems of up to so many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
 
 /// The most characters of an idempotency key.
-pub const LONGEST_KEY: usize = 255;
+pub(super) const LONGEST_KEY: usize = 255;
 
 /// A job that can be made.
-pub struct Order {
+pub(super) struct Order {
     label: Label,
     problem: fit::Problem,
     /// The system of a job with the same collocation matrix, if one is at hand.
@@ -52,7 +52,7 @@ pub struct Order {
 }
 
 /// An edit that can be made.
-pub struct EditOrder {
+pub(super) struct EditOrder {
     pub order: Order,
     /// The level of the parent that it starts from.
     before: Arc<Frame>,
@@ -62,7 +62,7 @@ pub struct EditOrder {
 
 impl Order {
     /// A new job, from a body of so many bytes.
-    pub async fn new<W: Words + Send + 'static>(
+    pub(super) async fn new<W: Words + Send + 'static>(
         app: &App,
         bytes: usize,
         read: impl FnOnce(&Config) -> Result<(JobRequest, W), Problem> + Send + 'static,
@@ -103,12 +103,12 @@ impl Order {
     }
 
     /// Whether it is about a surface.
-    pub fn is_surface(&self) -> bool {
+    pub(super) fn is_surface(&self) -> bool {
         self.problem.v().is_some()
     }
 
     /// Checks that a stream of the job can go like that, before there is a job.
-    pub fn check_stream(
+    pub(super) fn check_stream(
         &self,
         request: &StreamSpec,
         framing: Framing,
@@ -122,7 +122,11 @@ impl Order {
     }
 
     /// Begins the fit for one answer, without making a job that is kept.
-    pub async fn begin(self, app: &App, turn: Option<SessionTurn>) -> Result<Ephemeral, Problem> {
+    pub(super) async fn begin(
+        self,
+        app: &App,
+        turn: Option<SessionTurn>,
+    ) -> Result<Ephemeral, Problem> {
         let (label, problem, similar) = (self.label, self.problem, self.similar);
         Ok(app
             .jobs
@@ -131,7 +135,11 @@ impl Order {
     }
 
     /// Makes the job, unless there is one for the same key.
-    pub async fn make(self, app: &App, key: Option<IdempotencyKey>) -> Result<Accepted, Problem> {
+    pub(super) async fn make(
+        self,
+        app: &App,
+        key: Option<IdempotencyKey>,
+    ) -> Result<Accepted, Problem> {
         let (label, problem, similar) = (self.label, self.problem, self.similar);
         Ok(app.jobs.create(label, problem, similar, key).await?)
     }
@@ -139,7 +147,7 @@ impl Order {
 
 impl EditOrder {
     /// A job that starts from the control points of another one.
-    pub async fn new(
+    pub(super) async fn new(
         app: &App,
         parent: &Arc<Job>,
         edit: EditRequest,
@@ -199,19 +207,19 @@ impl EditOrder {
 
     /// Begins the fit for one stream, without making a job that is kept; also the level of the parent
     /// that it starts from, which the client has.
-    pub async fn begin(self, app: &App) -> Result<(Ephemeral, Arc<Frame>), Problem> {
+    pub(super) async fn begin(self, app: &App) -> Result<(Ephemeral, Arc<Frame>), Problem> {
         Ok((self.order.begin(app, self.turn).await?, self.before))
     }
 }
 
 /// Refuses an ephemeral edit that is not asked for with its stream.
-pub fn no_stream(words: &impl Words) -> Problem {
+pub(super) fn no_stream(words: &impl Words) -> Problem {
     let detail = "all that there is of an ephemeral edit is its stream: ask for a stream, with POST /v1/jobs/{id}/edits/stream or the Accept header";
     Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
 }
 
 /// Reads a body of so many bytes.
-pub async fn read<T: Send + 'static>(
+pub(super) async fn read<T: Send + 'static>(
     app: &App,
     bytes: usize,
     read: impl FnOnce() -> Result<T, Problem> + Send + 'static,
@@ -220,7 +228,7 @@ pub async fn read<T: Send + 'static>(
 }
 
 /// Refuses new jobs while the server stops.
-pub fn check_open(app: &App) -> Result<(), Problem> {
+pub(super) fn check_open(app: &App) -> Result<(), Problem> {
     if *app.stopping.borrow() {
         return Err(stopping());
     }
@@ -228,12 +236,12 @@ pub fn check_open(app: &App) -> Result<(), Problem> {
 }
 
 /// The server stops.
-pub fn stopping() -> Problem {
+pub(super) fn stopping() -> Problem {
     Problem::new(Kind::Stopping, "the server is stopping").retry_after(5)
 }
 
 /// What is wrong with the name of an idempotency key.
-pub fn check_key(name: &str) -> Result<(), String> {
+pub(super) fn check_key(name: &str) -> Result<(), String> {
     let visible = name.bytes().all(|byte| (b' '..=b'~').contains(&byte));
     if name.is_empty() || name.len() > LONGEST_KEY || !visible {
         return Err(format!(
@@ -245,7 +253,7 @@ pub fn check_key(name: &str) -> Result<(), String> {
 
 /// The key with a digest of the request: where it went and what it said. Each peer has keys of its own, so
 /// that nobody sits on those of another one.
-pub async fn key(
+pub(super) async fn key(
     app: &App,
     name: String,
     path: String,
@@ -266,7 +274,10 @@ pub async fn key(
 }
 
 /// The job that was made for a key before.
-pub async fn known(app: &App, key: Option<&IdempotencyKey>) -> Result<Option<Accepted>, Problem> {
+pub(super) async fn known(
+    app: &App,
+    key: Option<&IdempotencyKey>,
+) -> Result<Option<Accepted>, Problem> {
     match key {
         None => Ok(None),
         Some(key) => Ok(app.jobs.find_by_key(key).await?),

@@ -7,17 +7,17 @@ use crate::fit::invalid::{Invalid, Place};
 use crate::fit::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 
 /// The part of an error that is left, if nothing else is asked for.
-pub const USUAL_TOLERANCE: f64 = 1e-6;
+pub(super) const USUAL_TOLERANCE: f64 = 1e-6;
 
 /// The number of points, if nothing else is asked for: that of DP07, Table 1.
-pub const USUAL_POINTS: usize = 11;
+pub(super) const USUAL_POINTS: usize = 11;
 
 /// The degree of the B-splines, if nothing else is asked for.
-pub const USUAL_DEGREE: usize = 3;
+pub(super) const USUAL_DEGREE: usize = 3;
 
 /// What is asked for.
 #[derive(Clone, Debug, Default)]
-pub struct RatesRequest {
+pub(super) struct RatesRequest {
     /// The number of points; it follows from explicit parameters.
     pub points: Option<usize>,
     /// Explicit parameters; equal steps without them.
@@ -30,7 +30,7 @@ pub struct RatesRequest {
 
 /// A comparison.
 #[derive(Clone, Debug)]
-pub struct Rates {
+pub(crate) struct Rates {
     /// The number of points.
     pub points: usize,
     /// To which part an error is reduced.
@@ -41,10 +41,10 @@ pub struct Rates {
 
 /// What is wrong with a request: the name of a part, which is the same in both languages, and why.
 #[derive(Debug)]
-pub struct WrongPart(pub &'static str, pub String);
+pub(super) struct WrongPart(pub &'static str, pub String);
 
 /// Compares on the compute pool, as eigenvalues take long. `wrong` says how an error names a part.
-pub async fn rates(
+pub(super) async fn rates(
     app: &App,
     request: RatesRequest,
     wrong: fn(WrongPart) -> Problem,

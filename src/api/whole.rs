@@ -4,7 +4,7 @@
 pub(super) const LARGEST: u64 = (1 << 53) - 1;
 
 /// A whole number in decimal digits, without signs or leading zeros.
-pub fn plain_number(text: &str) -> Option<usize> {
+pub(super) fn plain_number(text: &str) -> Option<usize> {
     let number: usize = text.parse().ok()?;
     let small = number < usize::MAX / 4 && number as u64 <= LARGEST;
     (small && number.to_string() == text).then_some(number)

@@ -29,16 +29,16 @@ Examples:
 pub struct FitArguments {
     /// File of points or of a job; - is the standard input.
     #[arg(value_name = "INPUT", value_hint = ValueHint::FilePath)]
-    pub input: PathBuf,
+    pub(crate) input: PathBuf,
 
     /// File to write, of the format of its ending; - is the standard output. May be given several times.
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub output: Vec<PathBuf>,
+    pub(crate) output: Vec<PathBuf>,
 
     /// Format of the output, whatever its name ends with: json, step, iges, obj, gltf, stl, dxf, svg or csv
     /// [default: that of the ending; json on the standard output].
     #[arg(long, value_name = "FORMAT")]
-    pub format: Option<String>,
+    pub(crate) format: Option<String>,
 
     /// Largest allowed distance from the data, in their units [default: a millionth of their diagonal].
     #[arg(
@@ -47,81 +47,81 @@ pub struct FitArguments {
         allow_negative_numbers = true,
         help_heading = "Fit"
     )]
-    pub tolerance: Option<String>,
+    pub(crate) tolerance: Option<String>,
 
     /// Method: global, weighted, local, adaptive, extended, transpose, convex, chebyshev, direct or
     /// least_squares [default: global, or least_squares with --control-points].
     #[arg(long, value_name = "METHOD", help_heading = "Fit")]
-    pub method: Option<String>,
+    pub(crate) method: Option<String>,
 
     /// Degree; of a surface also in each direction, such as 3,2 [default: 3].
     #[arg(long, value_name = "DEGREE", help_heading = "Fit")]
-    pub degree: Option<String>,
+    pub(crate) degree: Option<String>,
 
     /// The points are of a surface, with so many rows and columns, such as 40x60; without a value the file
     /// shows them.
     #[arg(long, value_name = "ROWSxCOLUMNS", num_args = 0..=1, value_parser = size, help_heading = "Fit")]
-    pub surface: Option<Option<String>>,
+    pub(crate) surface: Option<Option<String>>,
 
     /// Basis: bspline, bernstein, said_ball or wang_ball [default: bspline].
     #[arg(long, value_name = "BASIS", help_heading = "Fit")]
-    pub basis: Option<String>,
+    pub(crate) basis: Option<String>,
 
     /// Number of control points of a least-squares fit, such as 20, or 20x30 on surfaces; auto takes as few
     /// as the tolerance needs.
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
-    pub control_points: Option<String>,
+    pub(crate) control_points: Option<String>,
 
     /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
-    pub ends: Option<String>,
+    pub(crate) ends: Option<String>,
 
     /// Last iteration that is computed [default: 1000].
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
-    pub max_iterations: Option<String>,
+    pub(crate) max_iterations: Option<String>,
 
     /// A periodic fit; the first point is not repeated at the end.
     #[arg(long, help_heading = "Fit")]
-    pub closed: bool,
+    pub(crate) closed: bool,
 
     /// Any other field of a job, by its path, such as curve.parameters=centripetal or method.omega=1.2.
     /// May be given several times.
     #[arg(long, value_name = "PATH=VALUE", help_heading = "Fit")]
-    pub set: Vec<String>,
+    pub(crate) set: Vec<String>,
 
     /// File with fields of a job in JSON, which flags and --set override.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Fit")]
-    pub json: Option<PathBuf>,
+    pub(crate) json: Option<PathBuf>,
 
     /// Unit of length that STEP and IGES files declare [default: mm].
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::names()))]
-    pub units: Option<String>,
+    pub(crate) units: Option<String>,
 
     /// Directory for a file of each iteration, in the format of the first output: iteration-0.step and so
     /// on. It is made if it is missing.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
-    pub iterations: Option<PathBuf>,
+    pub(crate) iterations: Option<PathBuf>,
 
     /// With --iterations: only each so many iterations, and the last [default: as few as it takes for at
     /// most 1000 files].
     #[arg(long, value_name = "NUMBER", requires = "iterations", value_parser = clap::value_parser!(u32).range(1..))]
-    pub every: Option<u32>,
+    pub(crate) every: Option<u32>,
 
     /// Drawing (SVG) of the fit, coloured by its distance from the data.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub plot: Option<PathBuf>,
+    pub(crate) plot: Option<PathBuf>,
 
     /// Tell nothing but errors.
     #[arg(short, long)]
-    pub quiet: bool,
+    pub(crate) quiet: bool,
 
     /// Fit on this server instead of in this process.
     #[arg(long, value_name = "URL", value_hint = ValueHint::Url)]
-    pub server: Option<String>,
+    pub(crate) server: Option<String>,
 
     /// File with the bearer token for the server.
     #[arg(long, value_name = "FILE", requires = "server", value_hint = ValueHint::FilePath)]
-    pub token_file: Option<PathBuf>,
+    pub(crate) token_file: Option<PathBuf>,
 }
 
 /// Rows and columns, such as 40x60.

@@ -35,7 +35,7 @@ const NOT_TRUSTED: &str = "its certificate is signed by an authority that is not
 const AUTHORITY: &str = "its certificate is that of an authority (CA:TRUE), and not of a server: let that authority sign one for the server";
 
 /// A server.
-pub struct Client {
+pub(super) struct Client {
     door: Door,
     /// The path of the job that is followed, once it is known.
     pub job: OnceLock<String>,
@@ -52,7 +52,7 @@ enum Door {
 
 impl Client {
     /// A server in this process. It listens on no port and keeps nothing on disk.
-    pub async fn here(many_iterations: bool) -> Result<Self, Failure> {
+    pub(super) async fn here(many_iterations: bool) -> Result<Self, Failure> {
         let failed = |reason: io::Error| Failure::Failed(reason.to_string());
         let mut config = Config::standard();
         config.data_dir = DataDir::Memory;
@@ -73,7 +73,7 @@ impl Client {
     }
 
     /// A server at a URL, which may have a path before those of the API.
-    pub fn there(url: &str, token: Option<&str>) -> Result<Self, Failure> {
+    pub(super) fn there(url: &str, token: Option<&str>) -> Result<Self, Failure> {
         let wrong = |detail: &str| Failure::usage(format!("--server {url}: {detail}"));
         let uri: Uri = url.parse().map_err(|_| wrong("it is no URL"))?;
         if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none() {
@@ -104,12 +104,12 @@ impl Client {
     }
 
     /// Whether it is another process.
-    pub fn is_remote(&self) -> bool {
+    pub(super) fn is_remote(&self) -> bool {
         matches!(self.door, Door::There { .. })
     }
 
     /// The address of a path.
-    pub fn address(&self, path: &str) -> String {
+    pub(super) fn address(&self, path: &str) -> String {
         match &self.door {
             Door::Here(_) => path.to_owned(),
             Door::There { base, .. } => format!("{base}{path}"),
@@ -117,7 +117,7 @@ impl Client {
     }
 
     /// Posts a body; the answer comes as events, a line of JSON each.
-    pub async fn post(
+    pub(super) async fn post(
         &self,
         path: &str,
         media_type: &'static str,
@@ -132,7 +132,7 @@ impl Client {
     }
 
     /// Gets what is at a path.
-    pub async fn get(
+    pub(super) async fn get(
         &self,
         path: &str,
         accept: &'static str,
@@ -142,7 +142,7 @@ impl Client {
     }
 
     /// Stops the job that is followed on another server; one in this process ends with it.
-    pub async fn cancel(&self) -> Result<(), Failure> {
+    pub(super) async fn cancel(&self) -> Result<(), Failure> {
         if let Some(job) = self.job.get().filter(|_| self.is_remote()) {
             let path = format!("{job}/cancel");
             let request = Request::builder().method(Method::POST);

@@ -18,7 +18,7 @@ const ATTEMPTS: u32 = 6;
 /// An event.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "event", content = "data", rename_all = "lowercase")]
-pub enum Event {
+pub(super) enum Event {
     /// What does not change.
     Job(Box<JobEvent>),
     /// An iteration.
@@ -29,7 +29,7 @@ pub enum Event {
 
 /// What is said of a job.
 #[derive(Debug, Deserialize)]
-pub struct JobEvent {
+pub(super) struct JobEvent {
     id: String,
     pub kind: String,
     pub points: usize,
@@ -44,24 +44,24 @@ pub struct JobEvent {
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Predicted {
+pub(super) struct Predicted {
     pub iterations: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Stop {
+pub(super) struct Stop {
     pub tolerance: f64,
     pub max_iterations: usize,
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Warning {
+pub(super) struct Warning {
     pub detail: String,
 }
 
 /// What is said of an iteration.
 #[derive(Clone, Debug, Deserialize)]
-pub struct IterationEvent {
+pub(super) struct IterationEvent {
     pub iteration: usize,
     pub error: Distances,
     pub rate: Option<f64>,
@@ -70,14 +70,14 @@ pub struct IterationEvent {
 
 /// Distances from the data; none where they are infinite.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Distances {
+pub(super) struct Distances {
     pub max: Option<f64>,
     pub rms: Option<f64>,
 }
 
 /// What is said in the end.
 #[derive(Debug, Deserialize)]
-pub struct EndEvent {
+pub(super) struct EndEvent {
     pub state: String,
     pub detail: Option<String>,
     pub iterations: usize,
@@ -88,12 +88,12 @@ pub struct EndEvent {
 
 /// Why a job failed.
 #[derive(Debug, Deserialize)]
-pub struct Why {
+pub(super) struct Why {
     pub detail: String,
 }
 
 /// The events of a job, in order.
-pub struct Events<'a> {
+pub(super) struct Events<'a> {
     client: &'a Client,
     body: Body,
     /// What has come of the next lines, and how much of that has no end of a line.
@@ -105,7 +105,7 @@ pub struct Events<'a> {
 
 impl<'a> Events<'a> {
     /// The events in an answer.
-    pub fn new(client: &'a Client, body: Body) -> Self {
+    pub(super) fn new(client: &'a Client, body: Body) -> Self {
         Self {
             client,
             body,
@@ -117,7 +117,7 @@ impl<'a> Events<'a> {
     }
 
     /// The next event.
-    pub async fn next(&mut self) -> Result<Event, Failure> {
+    pub(super) async fn next(&mut self) -> Result<Event, Failure> {
         loop {
             if let Some(event) = self.take_line()? {
                 self.note(&event);

@@ -4,11 +4,11 @@ use std::fmt::Display;
 use std::io;
 
 /// The status of a command that was asked for something that makes no sense.
-pub const USAGE: u8 = 2;
+pub(super) const USAGE: u8 = 2;
 
 /// Why a command has failed, in lines for people.
 #[derive(Debug)]
-pub enum Failure {
+pub(super) enum Failure {
     /// What was asked for, or the data, is wrong.
     Usage(Vec<String>),
     /// It could not be done.
@@ -19,17 +19,17 @@ pub enum Failure {
 
 impl Failure {
     /// Something is wrong with what was asked for.
-    pub fn usage(line: impl Into<String>) -> Self {
+    pub(super) fn usage(line: impl Into<String>) -> Self {
         Self::Usage(vec![line.into()])
     }
 
     /// Something could not be done with a file.
-    pub fn of_file(name: impl Display, reason: &io::Error) -> Self {
+    pub(super) fn of_file(name: impl Display, reason: &io::Error) -> Self {
         Self::Failed(format!("{name}: {reason}"))
     }
 
     /// The status that the program ends with.
-    pub fn status(&self) -> u8 {
+    pub(super) fn status(&self) -> u8 {
         match self {
             Self::Usage(_) => USAGE,
             Self::Failed(_) | Self::Closed => 1,
@@ -37,7 +37,7 @@ impl Failure {
     }
 
     /// Tells it on the standard error.
-    pub fn tell(&self) {
+    pub(super) fn tell(&self) {
         match self {
             // Each line begins with the file, as those of compilers do.
             Self::Usage(lines) => lines.iter().for_each(|line| eprintln!("{line}")),

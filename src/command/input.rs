@@ -13,7 +13,7 @@ use crate::import::{self, Hints};
 
 /// What an input is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
+pub(super) enum Content {
     /// Points as text, which `import` reads.
     Text,
     /// A JSON array of points.
@@ -24,7 +24,7 @@ pub enum Content {
 
 /// What is fitted.
 #[derive(Debug)]
-pub struct Input {
+pub(super) struct Input {
     /// The name of the file, for people.
     pub name: String,
     /// What is in it.
@@ -35,7 +35,7 @@ pub struct Input {
 
 impl Input {
     /// Reads a file, or the standard input.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let (name, bytes) = match path.to_str() {
             Some("-") => ("<stdin>".to_owned(), standard_input()),
             _ => (path.display().to_string(), fs::read(path)),
@@ -55,12 +55,12 @@ impl Input {
     }
 
     /// The JSON that it is.
-    pub fn value(&self) -> Result<Value, Failure> {
+    pub(super) fn value(&self) -> Result<Value, Failure> {
         serde_json::from_slice(self.json()).map_err(|error| self.not_json(&error))
     }
 
     /// Its bytes without a mark before them.
-    pub fn json(&self) -> &[u8] {
+    pub(super) fn json(&self) -> &[u8] {
         without_mark(&self.bytes)
     }
 
@@ -70,7 +70,7 @@ impl Input {
 }
 
 /// What is wrong with a file of JSON, at its line.
-pub fn not_json(name: &str, error: &serde_json::Error) -> Failure {
+pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     let line = error.line().max(1);
     // The line and column are told at the end, too.
     let told = error.to_string();
@@ -79,7 +79,7 @@ pub fn not_json(name: &str, error: &serde_json::Error) -> Failure {
 }
 
 /// What is found out about a file of points, in sentences.
-pub fn notices(bytes: &[u8], hints: &Hints) -> Vec<String> {
+pub(super) fn notices(bytes: &[u8], hints: &Hints) -> Vec<String> {
     let read = import::read(&String::from_utf8_lossy(bytes), hints);
     read.map(|read| read.notices).unwrap_or_default()
 }

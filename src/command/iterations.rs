@@ -12,7 +12,7 @@ use super::outputs::{OutputFormat, Place, write};
 const MOST: usize = 1000;
 
 /// Makes the directory, so that it is known to be there before the fit begins.
-pub fn prepare(directory: &Path) -> Result<(), Failure> {
+pub(super) fn prepare(directory: &Path) -> Result<(), Failure> {
     match fs::create_dir(directory) {
         Err(_) if directory.is_dir() => Ok(()),
         Err(reason) => Err(Failure::usage(format!(
@@ -24,7 +24,7 @@ pub fn prepare(directory: &Path) -> Result<(), Failure> {
 }
 
 /// Writes iterations of a job up to the last one; tells how many, and their bytes.
-pub async fn write_all(
+pub(super) async fn write_all(
     client: &Client,
     arguments: &FitArguments,
     directory: &Path,

@@ -14,11 +14,11 @@ use crate::import::{self, Hints};
 use crate::model::stream::Samples;
 
 /// The field of a request with a file of points that says how many rows and columns there are.
-pub const SIZE: &str = "surface.size";
+pub(super) const SIZE: &str = "surface.size";
 
 /// What the flags ask for.
 #[derive(Debug, Default)]
-pub struct Asked {
+pub(super) struct Asked {
     /// Fields of a job, without points.
     pub fields: Map<String, Value>,
     /// Rows and columns.
@@ -29,7 +29,7 @@ pub struct Asked {
 
 impl Asked {
     /// What the flags say of a file of points.
-    pub fn hints(&self) -> Hints {
+    pub(super) fn hints(&self) -> Hints {
         let size = match self.size.as_deref().and_then(Samples::of_text) {
             Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
             _ => None,
@@ -38,7 +38,7 @@ impl Asked {
     }
 
     /// What the flags ask of an input.
-    pub fn of(arguments: &FitArguments, input: &Input) -> Result<Self, Failure> {
+    pub(super) fn of(arguments: &FitArguments, input: &Input) -> Result<Self, Failure> {
         let mut asked = Self::default();
         asked.take_settings(arguments)?;
         for text in &arguments.set {
@@ -162,7 +162,7 @@ impl Asked {
 }
 
 /// Puts fields over others. A method of another kind has other settings, so it replaces the method.
-pub fn merge(fields: &mut Map<String, Value>, over: Map<String, Value>) {
+pub(super) fn merge(fields: &mut Map<String, Value>, over: Map<String, Value>) {
     for (name, value) in over {
         let before = fields.get_mut(&name);
         match (before.and_then(Value::as_object_mut), value) {
@@ -200,7 +200,7 @@ fn shape(input: &Input) -> Result<&'static str, Failure> {
 }
 
 /// Whether an array of points is one of rows of points.
-pub fn is_grid(points: &Value) -> bool {
+pub(super) fn is_grid(points: &Value) -> bool {
     points[0][0].is_array()
 }
 

@@ -16,7 +16,7 @@ use crate::export::Format;
 
 /// The format of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutputFormat {
+pub(super) enum OutputFormat {
     /// The JSON of a result.
     Json,
     /// A file.
@@ -33,7 +33,7 @@ impl OutputFormat {
     }
 
     /// The ending of its names.
-    pub fn ending(self) -> &'static str {
+    pub(super) fn ending(self) -> &'static str {
         match self {
             Self::Json => "json",
             Self::File(format) => format.extension(),
@@ -41,7 +41,7 @@ impl OutputFormat {
     }
 
     /// What follows the path of a result or an iteration.
-    pub fn suffix(self, units: Option<&str>) -> String {
+    pub(super) fn suffix(self, units: Option<&str>) -> String {
         match (self, units) {
             (Self::Json, _) => String::new(),
             (Self::File(format), Some(units)) if format.has_unit() => {
@@ -54,7 +54,7 @@ impl OutputFormat {
 
 /// Where something goes.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Place {
+pub(super) enum Place {
     /// The standard output.
     Standard,
     /// A file.
@@ -72,7 +72,7 @@ impl fmt::Display for Place {
 
 /// An output.
 #[derive(Clone, Debug)]
-pub struct Output {
+pub(super) struct Output {
     /// Where it goes.
     pub place: Place,
     /// Its format.
@@ -80,7 +80,7 @@ pub struct Output {
 }
 
 /// The outputs that are asked for, if all of them can be written by what is known before the fit.
-pub fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
+pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
     let given = arguments.format.as_deref();
     let given = given.map(|name| {
         let no_format = || Failure::usage(format!("--format {name}: {}", formats("there are")));
@@ -174,7 +174,7 @@ fn directory(path: &Path) -> &Path {
 }
 
 /// Writes a body; tells how many bytes it has.
-pub async fn write(place: &Place, mut body: Body) -> Result<u64, Failure> {
+pub(super) async fn write(place: &Place, mut body: Body) -> Result<u64, Failure> {
     let failed = |reason: &io::Error| match (place, reason.kind()) {
         (Place::Standard, io::ErrorKind::BrokenPipe) => Failure::Closed,
         _ => Failure::of_file(place, reason),

@@ -1,7 +1,7 @@
 //! The line at which a part of a JSON text stands.
 
 /// The line, from 1, of the value at a JSON pointer (RFC 6901), or of the nearest part that it is in.
-pub fn line(text: &[u8], pointer: &str) -> usize {
+pub(super) fn line(text: &[u8], pointer: &str) -> usize {
     let mut scanner = Scanner { text, at: 0 };
     let mut place = scanner.value();
     for name in pointer.split('/').skip(1) {

@@ -11,7 +11,7 @@ use super::events::{IterationEvent, JobEvent};
 const PAUSE: Duration = Duration::from_secs(2);
 
 /// What is told, and how.
-pub enum Progress {
+pub(super) enum Progress {
     /// Nothing.
     Silent,
     /// A bar, with the number of the last iteration at its right end.
@@ -27,7 +27,7 @@ pub enum Progress {
 
 impl Progress {
     /// Nothing if it is to be quiet, a bar if somebody looks at the standard error.
-    pub fn new(quiet: bool) -> Self {
+    pub(super) fn new(quiet: bool) -> Self {
         if quiet {
             return Self::Silent;
         }
@@ -47,7 +47,7 @@ impl Progress {
     }
 
     /// The job has begun.
-    pub fn begin(&mut self, job: &JobEvent) {
+    pub(super) fn begin(&mut self, job: &JobEvent) {
         let most = job.stop.max_iterations;
         let expected = job.predicted.iterations.map(|it| it.min(most));
         match self {
@@ -58,7 +58,7 @@ impl Progress {
     }
 
     /// An iteration has been computed.
-    pub fn step(&mut self, level: &IterationEvent) {
+    pub(super) fn step(&mut self, level: &IterationEvent) {
         match self {
             Self::Silent => {}
             Self::Bar(bar) => {
@@ -81,7 +81,7 @@ impl Progress {
     }
 
     /// The job has ended.
-    pub fn end(&self) {
+    pub(super) fn end(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }

@@ -10,7 +10,7 @@ use super::pointer;
 
 /// A problem object, as far as the command needs it.
 #[derive(Debug, Default, Deserialize)]
-pub struct Refusal {
+pub(super) struct Refusal {
     /// The status of the answer.
     #[serde(skip)]
     pub status: StatusCode,
@@ -31,7 +31,7 @@ struct Mistake {
 
 impl Refusal {
     /// Reads the answer of a server.
-    pub fn read(status: StatusCode, body: &[u8]) -> Self {
+    pub(super) fn read(status: StatusCode, body: &[u8]) -> Self {
         let read: Option<Self> = serde_json::from_slice(body).ok();
         let mut refusal = read.unwrap_or_default();
         refusal.status = status;
@@ -42,7 +42,7 @@ impl Refusal {
     }
 
     /// The refusal of a fit.
-    pub fn of_fit(self, input: &Input, asked: &Asked) -> Failure {
+    pub(super) fn of_fit(self, input: &Input, asked: &Asked) -> Failure {
         let about_the_request = matches!(
             self.status,
             StatusCode::BAD_REQUEST

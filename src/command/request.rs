@@ -9,14 +9,14 @@ use super::input::{Content, Input};
 use super::options::{Asked, SIZE, is_grid, merge};
 
 /// Streams of progress: no geometry, and no iteration that is out of date.
-pub const PROGRESS: &str = "view=errors&pace=latest";
+pub(super) const PROGRESS: &str = "view=errors&pace=latest";
 
 /// The longest address: URIs are shorter than 64 KiB.
 const LONGEST: usize = 60_000;
 
 /// A body with its address.
 #[derive(Debug)]
-pub struct Request {
+pub(super) struct Request {
     /// The path and the query.
     pub path: String,
     /// The media type of the body.
@@ -27,7 +27,7 @@ pub struct Request {
 
 impl Request {
     /// The request for a fit of an input with these options.
-    pub fn new(input: &Input, asked: &Asked) -> Result<Self, Failure> {
+    pub(super) fn new(input: &Input, asked: &Asked) -> Result<Self, Failure> {
         match input.content {
             Content::Text => Self::of_text(input, asked),
             Content::Points => {

@@ -7,7 +7,7 @@ use super::events::{Distances, EndEvent, JobEvent};
 
 /// What a result says of its control points, if they are binary.
 #[derive(Debug, Deserialize)]
-pub struct Shape {
+pub(super) struct Shape {
     shape: Vec<usize>,
 }
 
@@ -24,12 +24,12 @@ impl Shape {
 }
 
 /// Whether the number of control points is known only in the end.
-pub fn is_automatic(job: &JobEvent) -> bool {
+pub(super) fn is_automatic(job: &JobEvent) -> bool {
     job.method["control_points"] == "auto"
 }
 
 /// What was fitted, and how it ended.
-pub fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
+pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
     for warning in &job.warnings {
         eprintln!("{name}: warning: {}", warning.detail);
     }
@@ -67,7 +67,7 @@ pub fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
 }
 
 /// A file that was written.
-pub fn tell_written(place: &str, bytes: u64) {
+pub(super) fn tell_written(place: &str, bytes: u64) {
     eprintln!("wrote {place} ({})", bytesize::ByteSize(bytes));
 }
 

@@ -21,13 +21,13 @@ const CHUNK: usize = 256;
 /// A table that is written in parts: a line with names (`t,x,y` of a curve, `u,v,x,y,z` of a
 /// surface), then one for each sample, at equal steps of the parameters; on surfaces row by row.
 #[derive(Debug)]
-pub struct Table {
+pub(crate) struct Table {
     samples: Samples,
 }
 
 impl Table {
     /// The table of a level.
-    pub fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
+    pub(crate) fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
         let grid = fitted.options.samples.unwrap_or(match fitted.problem.v() {
             None => Grid {
                 rows: CURVE,
@@ -45,12 +45,12 @@ impl Table {
     }
 
     /// How many lines follow the names.
-    pub fn lines(&self) -> usize {
+    pub(crate) fn lines(&self) -> usize {
         self.samples.count()
     }
 
     /// The line with the names.
-    pub fn names(&self) -> Vec<u8> {
+    pub(crate) fn names(&self) -> Vec<u8> {
         let mut text = Text::default();
         text.push(if self.samples.v.is_some() { "u,v" } else { "t" });
         for name in &COORDINATES[..self.samples.dimension()] {
@@ -61,7 +61,7 @@ impl Table {
     }
 
     /// The lines of these samples.
-    pub fn part(&self, lines: Range<usize>) -> Vec<u8> {
+    pub(crate) fn part(&self, lines: Range<usize>) -> Vec<u8> {
         let columns = self.samples.columns();
         let mut text = Text::default();
         each(&self.samples, lines, |index, point| {

@@ -97,7 +97,11 @@ impl Lane {
 
 /// Makes `count` lanes of a length by `lane`, long ones by several threads: the first use of memory
 /// takes longer than writing it, as the operating system clears every page.
-pub fn lanes(count: usize, length: usize, lane: impl Fn(usize) -> Lane + Send + Sync) -> Vec<Lane> {
+pub(crate) fn lanes(
+    count: usize,
+    length: usize,
+    lane: impl Fn(usize) -> Lane + Send + Sync,
+) -> Vec<Lane> {
     if length < PARALLEL {
         (0..count).map(lane).collect()
     } else {

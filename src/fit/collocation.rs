@@ -19,7 +19,7 @@ use super::linear::columns::Columns;
 use super::linear::qr::Orthogonal;
 
 /// Eigenvalues of matrices with more columns are known to fewer digits, as nobody needs them.
-pub const LONG: usize = 1000;
+pub(crate) const LONG: usize = 1000;
 
 /// The collocation matrix of one direction.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use std::panic::resume_unwind;
 use std::sync::Arc;
 
 /// Whether the computation is not wanted any more.
-pub type IsOver = Arc<dyn Fn() -> bool + Send + Sync>;
+pub(crate) type IsOver = Arc<dyn Fn() -> bool + Send + Sync>;
 
 thread_local! {
     static CURRENT: RefCell<Option<IsOver>> = const { RefCell::new(None) };
@@ -17,7 +17,7 @@ thread_local! {
 
 /// What unwinds the stack.
 #[derive(Debug)]
-pub struct Interrupted;
+pub(crate) struct Interrupted;
 
 /// Takes the rule away, also if the stack is unwound.
 struct Scope(Option<IsOver>);
@@ -30,7 +30,7 @@ impl Drop for Scope {
 
 /// Computes something on this thread that is given up as soon as `is_over`. Then the stack is unwound with
 /// [`Interrupted`].
-pub fn until<T>(is_over: IsOver, compute: impl FnOnce() -> T) -> T {
+pub(crate) fn until<T>(is_over: IsOver, compute: impl FnOnce() -> T) -> T {
     let _scope = Scope(CURRENT.replace(Some(is_over)));
     compute()
 }
@@ -42,7 +42,7 @@ pub(super) fn rule() -> Option<IsOver> {
 
 /// Gives up if the computation is not wanted any more. It takes nanoseconds, but is not for the innermost
 /// loops.
-pub fn check() {
+pub(crate) fn check() {
     let over = CURRENT.with_borrow(|rule| rule.as_ref().is_some_and(|is_over| is_over()));
     if over {
         resume_unwind(Box::new(Interrupted));

@@ -15,14 +15,14 @@ use super::iteration::Iteration;
 use super::points::Points;
 
 /// The most adjusted points for which the limit is computed: it takes O(n³).
-pub const MOST_ADJUSTED: usize = 1000;
+pub(crate) const MOST_ADJUSTED: usize = 1000;
 
 /// The most multiplications of the limit, of the LU decomposition of B_II.
-pub const LIMIT_COST: usize = MOST_ADJUSTED.pow(3) / 3;
+pub(crate) const LIMIT_COST: usize = MOST_ADJUSTED.pow(3) / 3;
 
 /// Where the difference vectors of the fixed points end.
 #[derive(Clone, Debug)]
-pub struct LocalLimit {
+pub(crate) struct LocalLimit {
     /// The fixed points, by index.
     pub fixed: Vec<usize>,
     /// Their difference vectors, in homogeneous coordinates if the fit is.
@@ -31,7 +31,7 @@ pub struct LocalLimit {
 
 /// Why there is no limit to be had.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoLimit {
+pub(crate) enum NoLimit {
     /// The method is not local.
     NotLocal,
     /// Too many points are adjusted.
@@ -45,7 +45,7 @@ pub enum NoLimit {
 /// # Errors
 ///
 /// The method is not local, it adjusts more than [`MOST_ADJUSTED`] points, or B_II is singular.
-pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
+pub(crate) fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let system = start.system();
     let problem = system.problem();
     let adjusted = problem.method().scheme().adjusted(problem.setup());

@@ -17,10 +17,10 @@ use super::points::{Grid, Points};
 use super::spectrum;
 
 /// The most points of a comparison.
-pub const MOST_POINTS: usize = 500;
+pub(crate) const MOST_POINTS: usize = 500;
 
 /// The highest degree of its B-splines.
-pub const MOST_DEGREE: usize = 100;
+pub(crate) const MOST_DEGREE: usize = 100;
 
 /// Dense matrices up to this number of rows have their eigenvalues computed, in O(n³).
 const DENSE: usize = 100;
@@ -33,7 +33,7 @@ const MOST_ITERATIONS: f64 = 1e15;
 
 /// What is known of classical PIA with a basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BasisRate {
+pub(crate) struct BasisRate {
     /// The name of the basis.
     pub basis: &'static str,
     /// Its degree.
@@ -48,7 +48,7 @@ pub struct BasisRate {
 impl BasisRate {
     /// How many iterations reduce an error to the part `tolerance` of it, by the rate:
     /// `ln(tolerance) / ln(rate)`, rounded up. `None` if errors do not fall, or nobody could wait.
-    pub fn iterations(&self, tolerance: f64) -> Option<u64> {
+    pub(crate) fn iterations(&self, tolerance: f64) -> Option<u64> {
         // Near one the rate has lost the digits that the eigenvalue has.
         let exact = self
             .lambda_min
@@ -76,7 +76,7 @@ impl BasisRate {
 /// let bernstein = rates[0].lambda_min.unwrap();
 /// assert!((bernstein - 0.5).abs() < 1e-15); // 2! / 2²
 /// ```
-pub fn compare(
+pub(crate) fn compare(
     count: usize,
     parameters: Option<&[f64]>,
     degree: usize,

@@ -27,7 +27,7 @@ const MOST_MISTAKES: usize = 10;
 
 /// What is known of a file beside what is in it.
 #[derive(Clone, Copy, Debug)]
-pub struct Hints {
+pub(crate) struct Hints {
     /// Whether it is a curve or a surface; the file shows it where nobody says it.
     pub kind: Option<Kind>,
     /// How many rows and columns a surface has.
@@ -40,7 +40,7 @@ pub struct Hints {
 
 /// What points are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Of a curve, in their order.
     Curve,
     /// Of a surface, row by row.
@@ -49,7 +49,7 @@ pub enum Kind {
 
 /// The points of a file.
 #[derive(Debug, PartialEq)]
-pub struct Imported {
+pub(crate) struct Imported {
     /// The points; those of a grid row by row.
     pub points: Points,
     /// The rows and columns of a surface.
@@ -90,7 +90,7 @@ impl Mistake {
 }
 
 /// Reads a file of points; tells the first mistakes.
-pub fn read(text: &str, hints: &Hints) -> Result<Imported, Vec<Mistake>> {
+pub(crate) fn read(text: &str, hints: &Hints) -> Result<Imported, Vec<Mistake>> {
     let table = table::read(text, hints.most)?;
     let table = airfoil::around(table);
     lattice::arranged(table, hints).map_err(|mistake| vec![mistake])

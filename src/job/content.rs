@@ -21,7 +21,7 @@ const FEWEST: usize = 4;
 
 /// A body, an event or a file for the wire.
 #[derive(Clone, Debug)]
-pub struct Content {
+pub(crate) struct Content {
     /// The first bytes; all of them, if there is no rest.
     pub head: Bytes,
     /// What follows the head.
@@ -40,7 +40,7 @@ impl From<Bytes> for Content {
 
 impl Content {
     /// A content of a head and what follows it.
-    pub fn new(head: Bytes, rest: Option<Arc<Pieces>>) -> Self {
+    pub(crate) fn new(head: Bytes, rest: Option<Arc<Pieces>>) -> Self {
         Self {
             head,
             rest,
@@ -50,7 +50,7 @@ impl Content {
     }
 
     /// The same content, which holds this memory until it is sent.
-    pub fn with_permit(mut self, permit: Option<Permit>) -> Self {
+    pub(crate) fn with_permit(mut self, permit: Option<Permit>) -> Self {
         self.permit = permit.map(Arc::new);
         self
     }
@@ -66,13 +66,13 @@ impl Content {
     }
 
     /// The number of bytes, if it is known without making them.
-    pub fn length(&self) -> Option<usize> {
+    pub(crate) fn length(&self) -> Option<usize> {
         let rest = self.rest.as_ref();
         Some(self.head.len() + rest.map_or(Some(0), |rest| rest.length)?)
     }
 
     /// All bytes, made on this thread.
-    pub fn whole(self) -> Bytes {
+    pub(crate) fn whole(self) -> Bytes {
         match self.rest {
             None => self.head,
             Some(rest) => rest.whole(&self.head),
@@ -81,7 +81,7 @@ impl Content {
 }
 
 /// A part of a large content.
-pub enum Piece {
+pub(crate) enum Piece {
     /// Its bytes.
     Made(Bytes),
     /// Makes its bytes, as often as they are needed.
@@ -89,7 +89,7 @@ pub enum Piece {
 }
 
 /// The parts of a large content, shared by all who send it.
-pub struct Pieces {
+pub(crate) struct Pieces {
     pieces: Vec<Piece>,
     /// The number of bytes, if it is known without making them.
     length: Option<usize>,
@@ -109,7 +109,7 @@ struct CachedPiece {
 
 impl Pieces {
     /// Nothing is made yet.
-    pub fn new(pieces: Vec<Piece>, length: Option<usize>) -> Self {
+    pub(crate) fn new(pieces: Vec<Piece>, length: Option<usize>) -> Self {
         Self {
             pieces,
             length,
@@ -119,12 +119,16 @@ impl Pieces {
     }
 
     /// How many pieces there are.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.pieces.len()
     }
 
     /// The bytes of a piece, made on the compute pool unless they are cached.
-    pub async fn piece(self: &Arc<Self>, index: usize, pool: &Scheduler) -> Result<Bytes, Broken> {
+    pub(crate) async fn piece(
+        self: &Arc<Self>,
+        index: usize,
+        pool: &Scheduler,
+    ) -> Result<Bytes, Broken> {
         if let Piece::Made(bytes) = &self.pieces[index] {
             return Ok(bytes.clone());
         }
@@ -154,7 +158,7 @@ impl Pieces {
     }
 
     /// The bytes of a piece, made on this thread.
-    pub fn make(&self, index: usize) -> Bytes {
+    pub(crate) fn make(&self, index: usize) -> Bytes {
         match &self.pieces[index] {
             Piece::Made(bytes) => bytes.clone(),
             Piece::Later(make) => make(),

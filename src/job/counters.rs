@@ -10,7 +10,7 @@ use super::state::State;
 
 /// Counters from the start of the server on, and gauges.
 #[derive(Clone, Debug, Default)]
-pub struct Counters {
+pub(crate) struct Counters {
     /// Levels computed by all runs of all jobs.
     pub iterations: Counter,
     /// Frames encoded: one for each frame and form, however many clients read it.
@@ -34,7 +34,7 @@ pub struct Counters {
 /// Counts a stream, a connection or a running job until it is dropped.
 #[derive(Debug)]
 #[must_use]
-pub struct Open(Gauge);
+pub(crate) struct Open(Gauge);
 
 impl Open {
     fn new(gauge: &Gauge) -> Self {
@@ -56,33 +56,33 @@ struct EndLabel {
 
 impl Counters {
     /// Counts the end of a job.
-    pub fn count_end(&self, state: State) {
+    pub(crate) fn count_end(&self, state: State) {
         let state = state.name();
         self.ended.get_or_create(&EndLabel { state }).inc();
     }
 
     /// Counts a stream of events while it is open.
-    pub fn open_stream(&self) -> Open {
+    pub(crate) fn open_stream(&self) -> Open {
         Open::new(&self.streams)
     }
 
     /// Counts a connection while it is open.
-    pub fn open_connection(&self) -> Open {
+    pub(crate) fn open_connection(&self) -> Open {
         Open::new(&self.connections)
     }
 
     /// Counts a job while it is running.
-    pub fn run_job(&self) -> Open {
+    pub(crate) fn run_job(&self) -> Open {
         Open::new(&self.running)
     }
 
     /// How many jobs are running.
-    pub fn running(&self) -> usize {
+    pub(crate) fn running(&self) -> usize {
         usize::try_from(self.running.get()).unwrap_or(0)
     }
 
     /// Registers the counters under their names.
-    pub fn register(&self, registry: &mut Registry) {
+    pub(crate) fn register(&self, registry: &mut Registry) {
         let plain = [
             ("iterations", "Levels computed", &self.iterations),
             ("encodings", "Frames encoded", &self.encodings),

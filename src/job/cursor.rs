@@ -16,7 +16,7 @@ use super::store::StoreError;
 
 /// What a reader gets next.
 #[derive(Debug)]
-pub enum Next {
+pub(crate) enum Next {
     /// The next frame.
     Frame(Arc<Frame>),
     /// There are no more; the job has ended with this status.
@@ -27,7 +27,7 @@ pub enum Next {
 ///
 /// At most a few frames are computed ahead of a reader, and none are kept for it: a reader that falls
 /// out of the ring of its run goes on with a run of its own.
-pub struct Cursor {
+pub(crate) struct Cursor {
     job: Arc<Job>,
     next: usize,
     run: Option<Attached>,
@@ -43,7 +43,7 @@ pub struct Cursor {
 
 impl Cursor {
     /// A reader whose first frame is `next`, for the peer of the current task.
-    pub fn new(job: Arc<Job>, next: usize) -> Self {
+    pub(crate) fn new(job: Arc<Job>, next: usize) -> Self {
         let status = job.status.subscribe();
         let live = !status.borrow().state.is_final();
         Self {
@@ -59,7 +59,7 @@ impl Cursor {
     }
 
     /// A reader that is attached to a run of the job already.
-    pub fn attached(job: Arc<Job>, run: Attached) -> Self {
+    pub(crate) fn attached(job: Arc<Job>, run: Attached) -> Self {
         Self {
             run: Some(run),
             ..Self::new(job, 0)
@@ -68,23 +68,23 @@ impl Cursor {
 
     /// From now on the reader skips to the newest frame whose level is a multiple of `every`; when the
     /// job has ended, to the last frame.
-    pub fn only_latest(&mut self, every: usize) {
+    pub(crate) fn only_latest(&mut self, every: usize) {
         self.latest = Some(every);
     }
 
     /// The next frame to read will be `index`.
-    pub fn seek(&mut self, index: usize) {
+    pub(crate) fn seek(&mut self, index: usize) {
         self.next = index;
     }
 
     /// Skips all remaining frames: the end comes next.
-    pub fn only_end(&mut self) {
+    pub(crate) fn only_end(&mut self) {
         self.next = usize::MAX;
         self.run = None;
     }
 
     /// The next frame, or the end. It is cancel-safe: a future that is dropped loses no frame.
-    pub async fn next(&mut self) -> Result<Next, StoreError> {
+    pub(crate) async fn next(&mut self) -> Result<Next, StoreError> {
         loop {
             let status = self.status.borrow_and_update().clone();
             let job_ended = status.state.is_final();

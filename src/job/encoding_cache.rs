@@ -17,7 +17,7 @@ const MOST: usize = 4;
 
 /// The encodings by the names of their forms, the oldest first.
 #[derive(Debug, Default)]
-pub struct EncodingCache(Mutex<VecDeque<(Arc<str>, Encoding)>>);
+pub(crate) struct EncodingCache(Mutex<VecDeque<(Arc<str>, Encoding)>>);
 
 type Made = Result<Content, StoreError>;
 
@@ -32,7 +32,7 @@ enum Encoding {
 impl EncodingCache {
     /// The content in this form, which `encode` makes if nobody has before. It is kept while there is
     /// room in the cache.
-    pub async fn get<F: Future<Output = Made> + Send + 'static>(
+    pub(crate) async fn get<F: Future<Output = Made> + Send + 'static>(
         &self,
         form: &Arc<str>,
         cache: &Arc<Cache>,

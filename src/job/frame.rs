@@ -13,7 +13,7 @@ use crate::fit::problem::Problem;
 
 /// One level of a fit.
 #[derive(Debug)]
-pub struct Frame {
+pub(crate) struct Frame {
     /// The level and its errors.
     pub level: Level,
     /// What is fitted, with the bases of this level.
@@ -49,7 +49,7 @@ impl Frame {
     }
 
     /// The last level of a fit, with control points that are not counted in the cache.
-    pub fn last(level: Level, problem: Arc<Problem>, control_points: Arc<Points>) -> Self {
+    pub(crate) fn last(level: Level, problem: Arc<Problem>, control_points: Arc<Points>) -> Self {
         let known = !problem.is_automatic();
         Self {
             level,
@@ -66,7 +66,7 @@ impl Frame {
 
     /// The same level, with what is different from another fit with these bases as what has moved; with
     /// all of it, if the other one has other control points.
-    pub fn since(&self, before: &Self) -> Self {
+    pub(crate) fn since(&self, before: &Self) -> Self {
         let old = Geometry::new(&before.problem, &before.control_points);
         let new = Geometry::new(&self.problem, &self.control_points);
         Self {
@@ -87,7 +87,9 @@ impl Frame {
     }
 
     /// The frame in one of its forms, made by its first reader and shared with the others.
-    pub async fn encoded<F: Future<Output = Result<Content, StoreError>> + Send + 'static>(
+    pub(crate) async fn encoded<
+        F: Future<Output = Result<Content, StoreError>> + Send + 'static,
+    >(
         &self,
         form: &Arc<str>,
         cache: &Arc<Cache>,

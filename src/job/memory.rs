@@ -16,11 +16,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-pub use super::share::{Permit, Share};
+pub(crate) use super::share::{Permit, Share};
 
 /// The memory of a server: its parts as in the table above.
 #[derive(Debug)]
-pub struct Memory {
+pub(crate) struct Memory {
     limit: usize,
     pub(super) heavy: Share,
     pub(super) quick: Share,
@@ -51,12 +51,12 @@ impl Memory {
     }
 
     /// All of it, in bytes.
-    pub fn limit(&self) -> usize {
+    pub(crate) fn limit(&self) -> usize {
         self.limit
     }
 
     /// Bytes in use, of the shares and of the cache.
-    pub fn used(&self) -> usize {
+    pub(crate) fn used(&self) -> usize {
         let shares = [
             &self.heavy,
             &self.quick,
@@ -72,14 +72,14 @@ impl Memory {
 
 /// Counts the bytes that are kept to save time.
 #[derive(Debug)]
-pub struct Cache {
+pub(crate) struct Cache {
     limit: usize,
     used: AtomicUsize,
 }
 
 impl Cache {
     /// Counts these bytes until the charge is dropped.
-    pub fn charge(self: &Arc<Self>, bytes: usize) -> Charge {
+    pub(crate) fn charge(self: &Arc<Self>, bytes: usize) -> Charge {
         self.used.fetch_add(bytes, Ordering::Relaxed);
         Charge {
             cache: Arc::clone(self),
@@ -88,7 +88,7 @@ impl Cache {
     }
 
     /// Whether nothing more should be kept.
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit
     }
 
@@ -100,7 +100,7 @@ impl Cache {
 
 /// Bytes that are counted in the cache.
 #[derive(Debug)]
-pub struct Charge {
+pub(crate) struct Charge {
     cache: Arc<Cache>,
     bytes: usize,
 }

@@ -22,7 +22,7 @@
 
 mod checkpoints;
 pub(crate) mod content;
-pub mod counters;
+pub(crate) mod counters;
 pub(crate) mod cursor;
 pub(crate) mod encoding_cache;
 pub(crate) mod frame;
@@ -42,7 +42,7 @@ pub(crate) mod service;
 pub(crate) mod share;
 pub(crate) mod slots;
 pub(crate) mod state;
-pub mod store;
+pub(crate) mod store;
 mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -71,10 +71,10 @@ use store::{Record, Store, StoreError};
 const HELD: usize = 256 * 1024;
 
 /// The system of a job, if a stream holds it until it ends.
-pub type Held = Option<Arc<SharedSystem>>;
+pub(crate) type Held = Option<Arc<SharedSystem>>;
 
 /// A job: a problem and what has become of it. Its points are in memory only while it runs or is read.
-pub struct Job {
+pub(crate) struct Job {
     outline: Outline,
     /// How many crashes of the process are counted for it.
     crashes: u32,
@@ -121,17 +121,17 @@ impl Job {
     }
 
     /// What it is, without its points.
-    pub fn outline(&self) -> &Outline {
+    pub(crate) fn outline(&self) -> &Outline {
         &self.outline
     }
 
     /// The id; ids grow with time.
-    pub fn id(&self) -> Uuid {
+    pub(crate) fn id(&self) -> Uuid {
         self.outline.id
     }
 
     /// Whether it is in the store. An ephemeral edit is nowhere but in its stream.
-    pub fn is_kept(&self) -> bool {
+    pub(crate) fn is_kept(&self) -> bool {
         self.store.is_some()
     }
 
@@ -141,12 +141,12 @@ impl Job {
     }
 
     /// The fitting problem, read from the store if it is not in memory.
-    pub async fn problem(&self) -> Result<Arc<Problem>, StoreError> {
+    pub(crate) async fn problem(&self) -> Result<Arc<Problem>, StoreError> {
         Ok(Arc::clone(self.system().await?.problem()))
     }
 
     /// The system of the problem, shared by all who need it; read from the store if nobody has it.
-    pub async fn system(&self) -> Result<Arc<SharedSystem>, StoreError> {
+    pub(crate) async fn system(&self) -> Result<Arc<SharedSystem>, StoreError> {
         if let Some(system) = self.system.lock().upgrade() {
             return Ok(system);
         }
@@ -164,7 +164,7 @@ impl Job {
 
     /// The system of a small job that has begun, for its streams to hold: so they come to their end
     /// even if the job is deleted meanwhile.
-    pub async fn held(&self) -> Result<Held, StoreError> {
+    pub(crate) async fn held(&self) -> Result<Held, StoreError> {
         let is_small = self.outline.memory <= HELD;
         let waits = self.status.borrow().state == State::Queued;
         if is_small && !waits {
@@ -174,7 +174,7 @@ impl Job {
     }
 
     /// The status, with the level that a running job has reached by now.
-    pub fn status(&self) -> Status {
+    pub(crate) fn status(&self) -> Status {
         let mut status = self.status.borrow().clone();
         if status.state == State::Running
             && let Some(run) = self.primary.lock().upgrade()
@@ -185,14 +185,14 @@ impl Job {
     }
 
     /// Whether the job has ended at this level.
-    pub fn has_ended_at(&self, iteration: usize) -> bool {
+    pub(crate) fn has_ended_at(&self, iteration: usize) -> bool {
         let status = self.status.borrow();
         let last = status.levels.map(|levels| levels.last.iteration);
         status.state.is_final() && last == Some(iteration)
     }
 
     /// The last frame again, once the job has ended at this level; `None` if it has no geometry.
-    pub async fn last_frame(&self, level: Level) -> Result<Option<Arc<Frame>>, StoreError> {
+    pub(crate) async fn last_frame(&self, level: Level) -> Result<Option<Arc<Frame>>, StoreError> {
         let Some(result) = self.result().await? else {
             return Ok(None);
         };
@@ -219,7 +219,7 @@ impl Job {
     }
 
     /// Waits until the job has ended.
-    pub async fn ended(&self) -> Status {
+    pub(crate) async fn ended(&self) -> Status {
         let mut watcher = self.status.subscribe();
         match watcher.wait_for(|status| status.state.is_final()).await {
             Ok(status) => status.clone(),
@@ -229,7 +229,7 @@ impl Job {
     }
 
     /// Asks the job to end as soon as its current step is done.
-    pub fn request_cancel(&self) {
+    pub(crate) fn request_cancel(&self) {
         self.cancel_requested.store(true, Ordering::Release);
         self.cancel.notify_waiters();
         if let Some(run) = self.primary.lock().upgrade() {
@@ -255,7 +255,9 @@ impl Job {
     }
 
     /// The data of the `job` event in this form, made once by `encode`.
-    pub async fn description<F: Future<Output = Result<Content, StoreError>> + Send + 'static>(
+    pub(crate) async fn description<
+        F: Future<Output = Result<Content, StoreError>> + Send + 'static,
+    >(
         &self,
         form: &'static str,
         encode: impl FnOnce() -> F,
@@ -265,7 +267,7 @@ impl Job {
     }
 
     /// What the job's runs share with those of other jobs.
-    pub fn resources(&self) -> &Resources {
+    pub(crate) fn resources(&self) -> &Resources {
         &self.resources
     }
 

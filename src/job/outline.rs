@@ -15,53 +15,53 @@ use crate::model::stream::StreamSpec;
 
 /// A job without its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Outline {
+pub(crate) struct Outline {
     /// The id; ids grow with time.
-    pub id: Uuid,
+    pub(crate) id: Uuid,
     /// Name, parent and stream defaults, as the client gave them.
-    pub label: Label,
+    pub(crate) label: Label,
     /// When it was accepted.
-    pub created: Timestamp,
+    pub(crate) created: Timestamp,
     /// Whether it is a surface.
-    pub surface: bool,
+    pub(crate) surface: bool,
     /// The arrangement of the data points.
-    pub grid: Grid,
+    pub(crate) grid: Grid,
     #[serde(with = "super::store::record::method")]
-    pub method: Method,
+    pub(crate) method: Method,
     /// Local fits: how many control points may move.
-    pub adjusted: Option<usize>,
+    pub(crate) adjusted: Option<usize>,
     /// The largest allowed distance of the curve from a data point, in data units.
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     /// The last level that is computed.
-    pub max_iterations: usize,
+    pub(crate) max_iterations: usize,
     /// Bytes that running it takes.
-    pub memory: usize,
+    pub(crate) memory: usize,
     /// Multiplications of one iteration.
-    pub step_cost: usize,
+    pub(crate) step_cost: usize,
     /// The warnings when it was accepted.
     pub(super) warnings: Vec<Warning>,
     /// Surfaces: the bases of both directions were asked for separately.
-    pub bases_differ: bool,
+    pub(crate) bases_differ: bool,
 }
 
 /// What a client says about a job besides the problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Label {
+pub(crate) struct Label {
     /// The client's name for the job.
-    pub name: Option<String>,
+    pub(crate) name: Option<String>,
     /// The job and level that it started from, if it is an edit.
-    pub parent: Option<Parent>,
+    pub(crate) parent: Option<Parent>,
     /// The defaults of its streams.
-    pub stream: Option<Arc<StreamSpec>>,
+    pub(crate) stream: Option<Arc<StreamSpec>>,
 }
 
 /// The level of another job from whose control points a job has started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Parent {
+pub(crate) struct Parent {
     /// The other job.
-    pub id: Uuid,
+    pub(crate) id: Uuid,
     /// Its level.
-    pub iteration: usize,
+    pub(crate) iteration: usize,
 }
 
 impl Outline {
@@ -89,7 +89,7 @@ impl Outline {
     }
 
     /// All warnings so far; some are found only when the job runs.
-    pub fn warnings(&self, levels: Option<&Levels>) -> impl Iterator<Item = Warning> {
+    pub(crate) fn warnings(&self, levels: Option<&Levels>) -> impl Iterator<Item = Warning> {
         let found = levels.map(|levels| {
             let Levels {
                 forecast, first, ..

@@ -17,11 +17,11 @@ task_local! {
 /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
 /// machine chooses its address itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Peer(IpAddr);
+pub(crate) struct Peer(IpAddr);
 
 impl Peer {
     /// The peer at an address.
-    pub fn at(address: IpAddr) -> Self {
+    pub(crate) fn at(address: IpAddr) -> Self {
         match address.to_canonical() {
             IpAddr::V6(address) if !address.is_loopback() => {
                 let network = address.to_bits() >> 64 << 64;
@@ -32,17 +32,17 @@ impl Peer {
     }
 
     /// The peer for whom the current task works.
-    pub fn current() -> Option<Self> {
+    pub(crate) fn current() -> Option<Self> {
         CURRENT.try_with(|peer| *peer).ok().flatten()
     }
 
     /// Calls a function for a peer.
-    pub fn sync_scope<T>(peer: Option<Self>, function: impl FnOnce() -> T) -> T {
+    pub(crate) fn sync_scope<T>(peer: Option<Self>, function: impl FnOnce() -> T) -> T {
         CURRENT.sync_scope(peer, function)
     }
 
     /// Runs a future for a peer.
-    pub async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
+    pub(crate) async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
         CURRENT.scope(peer, future).await
     }
 }

@@ -19,7 +19,7 @@ const REGAINED: f64 = 0.1;
 
 /// How long each peer has made others wait.
 #[derive(Debug, Default)]
-pub struct ReaderBudget(Mutex<HashMap<Option<Peer>, Spent>>);
+pub(crate) struct ReaderBudget(Mutex<HashMap<Option<Peer>, Spent>>);
 
 #[derive(Clone, Copy, Debug)]
 struct Spent {

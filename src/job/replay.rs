@@ -23,7 +23,7 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// The replays that hold memory of this budget.
 #[derive(Debug, Default)]
-pub struct Replays(Mutex<Vec<Weak<Run>>>);
+pub(crate) struct Replays(Mutex<Vec<Weak<Run>>>);
 
 impl Replays {
     /// Waits for memory, and ends a run that may be ended to get it.

@@ -7,7 +7,7 @@ use super::scheduler::Scheduler;
 
 /// What all jobs of a server share.
 #[derive(Debug)]
-pub struct Resources {
+pub(crate) struct Resources {
     /// The compute pool.
     pub scheduler: Scheduler,
     /// The memory for all of them.
@@ -24,7 +24,7 @@ pub struct Resources {
 
 impl Resources {
     /// Resources with this many bytes of memory.
-    pub fn new(scheduler: Scheduler, memory: usize, ring_bytes: usize) -> Self {
+    pub(crate) fn new(scheduler: Scheduler, memory: usize, ring_bytes: usize) -> Self {
         Self {
             scheduler,
             memory: Memory::new(memory),
@@ -36,7 +36,7 @@ impl Resources {
     }
 
     /// The same for a server that clients see below this path.
-    pub fn below(self, base_path: &str) -> Self {
+    pub(crate) fn below(self, base_path: &str) -> Self {
         Self {
             base_path: base_path.to_owned(),
             ..self

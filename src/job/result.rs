@@ -10,7 +10,7 @@ use crate::fit::problem::Problem;
 
 /// The geometry of the last level of a job.
 #[derive(Clone, Debug)]
-pub struct LastGeometry {
+pub(crate) struct LastGeometry {
     /// The free control points.
     pub control_points: Arc<Points>,
     /// The knots, of a fit that has chosen them by itself.

@@ -39,7 +39,7 @@ const LONG: usize = 100_000_000;
 
 /// Which threads do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WorkLane {
+pub(crate) enum WorkLane {
     /// For small steps.
     Quick,
     /// For large steps.
@@ -52,7 +52,7 @@ pub enum WorkLane {
 
 impl WorkLane {
     /// The lane of work whose indivisible steps take `operations` elementary operations.
-    pub fn of(operations: usize) -> Self {
+    pub(crate) fn of(operations: usize) -> Self {
         if operations <= QUICK {
             Self::Quick
         } else {
@@ -69,7 +69,7 @@ impl WorkLane {
     }
 
     /// The lane of reading a request or encoding an answer, which takes so many operations.
-    pub fn of_wire(operations: usize) -> Self {
+    pub(crate) fn of_wire(operations: usize) -> Self {
         match Self::of(operations) {
             Self::Quick => Self::Quick,
             _ => Self::Wire,
@@ -101,7 +101,7 @@ pub(super) trait Work: Send + Sync {
 pub struct Broken;
 
 /// The compute pool. Its threads end when it is closed, or dropped.
-pub struct Scheduler(Arc<Queues>);
+pub(crate) struct Scheduler(Arc<Queues>);
 
 #[derive(Default)]
 struct Queues {
@@ -169,7 +169,7 @@ impl QueueState {
 
 impl Scheduler {
     /// Starts `workers` threads for each lane.
-    pub fn new(workers: usize) -> std::io::Result<Self> {
+    pub(crate) fn new(workers: usize) -> std::io::Result<Self> {
         let scheduler = Self(Arc::default());
         for (lane, name) in LANES {
             for index in 0..workers {
@@ -189,7 +189,7 @@ impl Scheduler {
 
     /// Computes a value for the current peer in the pool, off the threads that serve the network. It is
     /// given up if nobody waits for it any more.
-    pub async fn compute<T: Send + 'static>(
+    pub(crate) async fn compute<T: Send + 'static>(
         &self,
         lane: WorkLane,
         function: impl FnOnce() -> T + Send + 'static,
@@ -213,7 +213,7 @@ impl Scheduler {
     }
 
     /// Ends the threads after their current slices. Work that is waiting, or comes later, is dropped.
-    pub fn close(&self) {
+    pub(crate) fn close(&self) {
         for (lane, _) in LANES {
             self.0.of(lane).close();
         }

@@ -29,7 +29,7 @@ const LITTLE: u32 = 32;
 
 /// A part of the memory.
 #[derive(Debug)]
-pub struct Share {
+pub(crate) struct Share {
     pages: u32,
     state: Arc<Mutex<ShareState>>,
 }
@@ -76,7 +76,7 @@ struct Overdue {
 
 /// Memory that was taken; given back when it is dropped.
 #[derive(Debug)]
-pub struct Permit {
+pub(crate) struct Permit {
     share: Arc<Mutex<ShareState>>,
     peer: Option<Peer>,
     pages: u32,
@@ -101,7 +101,7 @@ impl Share {
     }
 
     /// All of it, in bytes.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.pages as usize * PAGE
     }
 
@@ -126,12 +126,12 @@ impl Share {
     }
 
     /// Waits until a peer gets this many bytes. There is always a permit in the end.
-    pub async fn take(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
+    pub(crate) async fn take(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
         self.wait(self.piece(peer, bytes)).await
     }
 
     /// Waits until a permit is for so many bytes more, or for all of the share.
-    pub async fn extend(&self, permit: &mut Permit, bytes: usize) {
+    pub(crate) async fn extend(&self, permit: &mut Permit, bytes: usize) {
         let more = self.piece(permit.peer, bytes);
         let piece = Piece {
             pages: more.pages.min(self.pages - permit.pages),

@@ -9,7 +9,7 @@ use super::peer::Peer;
 
 /// A number of slots, with a limit for each peer.
 #[derive(Debug)]
-pub struct Slots {
+pub(crate) struct Slots {
     all: usize,
     per_peer: Quota,
     taken: Mutex<Taken>,
@@ -17,7 +17,7 @@ pub struct Slots {
 
 /// How many slots one peer may have.
 #[derive(Clone, Copy, Debug)]
-pub enum Quota {
+pub(crate) enum Quota {
     /// So many.
     Fixed(usize),
     /// Half of those that the others leave: so there is one for somebody who comes later, however many
@@ -34,7 +34,7 @@ struct Taken {
 /// A slot that is taken until this is dropped.
 #[derive(Debug)]
 #[must_use]
-pub struct Slot {
+pub(crate) struct Slot {
     slots: Arc<Slots>,
     peer: Option<Peer>,
 }
@@ -50,7 +50,7 @@ pub enum NoSlot {
 
 impl Slots {
     /// Nothing is taken yet.
-    pub fn new(all: usize, per_peer: Quota) -> Arc<Self> {
+    pub(crate) fn new(all: usize, per_peer: Quota) -> Arc<Self> {
         Arc::new(Self {
             all,
             per_peer,
@@ -65,7 +65,7 @@ impl Slots {
     }
 
     /// A slot for a peer, if there is one left.
-    pub fn take(self: &Arc<Self>, peer: Option<Peer>) -> Result<Slot, NoSlot> {
+    pub(crate) fn take(self: &Arc<Self>, peer: Option<Peer>) -> Result<Slot, NoSlot> {
         let mut taken = self.taken.lock();
         if taken.all >= self.all {
             return Err(NoSlot::All(self.all));
@@ -86,7 +86,7 @@ impl Slots {
     }
 
     /// How many slots are taken.
-    pub fn taken(&self) -> usize {
+    pub(crate) fn taken(&self) -> usize {
         self.taken.lock().all
     }
 

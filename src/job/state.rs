@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::outline::Outline;
 use crate::fit::iteration::Level;
 use crate::fit::system::Forecast;
-pub use crate::fit::termination::Reason;
+pub(crate) use crate::fit::termination::Reason;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum State {
+pub(crate) enum State {
     /// Accepted, and waiting for memory.
     Queued,
     /// Being computed.
@@ -32,7 +32,7 @@ pub enum State {
 
 impl State {
     /// All states, in the order of a job's life.
-    pub const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Queued,
         Self::Running,
         Self::Converged,
@@ -43,7 +43,7 @@ impl State {
     ];
 
     /// The name on the wire.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Queued => "queued",
             Self::Running => "running",
@@ -56,7 +56,7 @@ impl State {
     }
 
     /// Whether the job has ended.
-    pub fn is_final(self) -> bool {
+    pub(crate) fn is_final(self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }
 }
@@ -94,29 +94,29 @@ pub enum Failure {
 
 /// The first and the last level that a job has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Levels {
+pub(crate) struct Levels {
     /// Level 0.
-    pub first: Level,
+    pub(crate) first: Level,
     /// The last level so far.
-    pub last: Level,
+    pub(crate) last: Level,
     /// What is known about the convergence.
-    pub forecast: Forecast,
+    pub(crate) forecast: Forecast,
 }
 
 /// The state of a job and its progress.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Status {
-    pub state: State,
+pub(crate) struct Status {
+    pub(crate) state: State,
     /// The levels reached, if any.
-    pub levels: Option<Levels>,
+    pub(crate) levels: Option<Levels>,
     /// When it began to run.
-    pub started: Option<Timestamp>,
+    pub(crate) started: Option<Timestamp>,
     /// When it ended.
-    pub finished: Option<Timestamp>,
+    pub(crate) finished: Option<Timestamp>,
     /// Why it ended, where the state does not say it.
-    pub reason: Option<Reason>,
+    pub(crate) reason: Option<Reason>,
     /// Why it failed.
-    pub failure: Option<Failure>,
+    pub(crate) failure: Option<Failure>,
 }
 
 /// Why a job ended, in words, with the largest distance that is left.
@@ -148,7 +148,7 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
 
 impl Status {
     /// The status of a job that was just accepted.
-    pub const QUEUED: Self = Self {
+    pub(crate) const QUEUED: Self = Self {
         state: State::Queued,
         levels: None,
         started: None,
@@ -158,7 +158,7 @@ impl Status {
     };
 
     /// The status of a job that begins to run now.
-    pub fn running() -> Self {
+    pub(crate) fn running() -> Self {
         Self {
             state: State::Running,
             started: Some(Timestamp::now()),
@@ -167,14 +167,14 @@ impl Status {
     }
 
     /// Why it ended, in words, where the state does not say it.
-    pub fn detail(&self, outline: &Outline) -> Option<String> {
+    pub(crate) fn detail(&self, outline: &Outline) -> Option<String> {
         let (reason, levels) = self.reason.zip(self.levels)?;
         Some(detail(reason, self, &levels, outline))
     }
 
     /// How far the fit has come, in [0, 1]. As PIA converges geometrically, this is
     /// `log(e₀/e) / log(e₀/tolerance)` with a tolerance; without one, the share of `max_iterations`.
-    pub fn progress(&self, outline: &Outline) -> f64 {
+    pub(crate) fn progress(&self, outline: &Outline) -> f64 {
         if matches!(
             self.state,
             State::Converged | State::Exhausted | State::Stalled

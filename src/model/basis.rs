@@ -13,14 +13,14 @@ use crate::fit::invalid::{self as fit, Axis};
 use crate::fit::parameters::Parametrization;
 
 /// The degree of a B-spline if nobody says it.
-pub const DEFAULT_DEGREE: usize = 3;
+pub(crate) const DEFAULT_DEGREE: usize = 3;
 
 /// A kind of basis.
 #[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"bspline")]
 #[allow(missing_docs, reason = "schemas repeat what is said of a value")]
-pub enum BasisKind {
+pub(crate) enum BasisKind {
     #[default]
     Bspline,
     Bernstein,
@@ -51,7 +51,7 @@ rules!(Parametrization, "rule for parameters", [
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(transform = schema::basis, example = schema::example_basis())]
-pub struct Basis {
+pub(crate) struct Basis {
     /// The kind of the basis.
     pub kind: BasisKind,
     /// The degree.
@@ -75,7 +75,7 @@ object!(
 
 impl Basis {
     /// A B-spline of this degree.
-    pub fn of_degree(degree: usize) -> Self {
+    pub(crate) fn of_degree(degree: usize) -> Self {
         Self {
             degree: Some(degree),
             ..Self::default()

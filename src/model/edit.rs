@@ -26,14 +26,14 @@ use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request, Weights};
 
 /// The most characters of the name of a drag.
-pub const LONGEST_SESSION: usize = 100;
+pub(crate) const LONGEST_SESSION: usize = 100;
 
 /// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
 /// `method` and `stop` is given.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_edit())]
-pub struct EditRequest {
+pub(crate) struct EditRequest {
     /// A name of the new job.
     #[schemars(length(max = LONGEST_NAME), example = &"wing section, thicker")]
     pub name: Option<String>,
@@ -66,7 +66,7 @@ pub struct EditRequest {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_move())]
-pub struct Move {
+pub(crate) struct Move {
     /// Which data point.
     pub index: Index,
     /// Where it goes.
@@ -81,7 +81,7 @@ object!(EditRequest, "an object");
 object!(Move, "an object with an index and a point or a weight");
 
 /// What an edit starts from.
-pub struct ParentFit<'a> {
+pub(crate) struct ParentFit<'a> {
     /// The problem of the parent.
     pub problem: &'a Problem,
     /// Its control points at the level that the edit starts from.
@@ -94,7 +94,7 @@ pub struct ParentFit<'a> {
 
 impl EditRequest {
     /// The problem with the changes, starting from the parent's control points.
-    pub fn apply(self, parent: &ParentFit<'_>, limits: Limits) -> OrMistakes<ValidJob> {
+    pub(crate) fn apply(self, parent: &ParentFit<'_>, limits: Limits) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         mistakes.keep(check_name(self.name.as_deref()));
         mistakes.keep(self.check_some());

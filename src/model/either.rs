@@ -18,15 +18,15 @@ use serde::de::{
 use serde_json::value::RawValue;
 
 /// Encloses a JSON pointer in the text of an error, see [`below`].
-pub const MARK: char = '\u{1}';
+pub(crate) const MARK: char = '\u{1}';
 
 /// An error at a place below the value that is read, which no deserializer has seen.
-pub fn below<E: Error>(pointer: &str, error: impl fmt::Display) -> E {
+pub(crate) fn below<E: Error>(pointer: &str, error: impl fmt::Display) -> E {
     E::custom(format_args!("{MARK}{pointer}{MARK}{error}"))
 }
 
 /// A JSON pointer (RFC 6901) to a place as serde_path_to_error tells it.
-pub fn pointer(path: &serde_path_to_error::Path) -> String {
+pub(crate) fn pointer(path: &serde_path_to_error::Path) -> String {
     use serde_path_to_error::Segment;
     let step = |segment: &Segment| match segment {
         Segment::Seq { index } => format!("/{index}"),
@@ -42,7 +42,7 @@ pub(super) fn step(name: &str) -> String {
 }
 
 /// A type that is read from objects, and maybe from names that are short for one.
-pub trait Object<'de>: Sized {
+pub(crate) trait Object<'de>: Sized {
     /// What it should be.
     const EXPECTED: &'static str;
 
@@ -61,7 +61,7 @@ pub trait Object<'de>: Sized {
 }
 
 /// Reads an object.
-pub fn read_object<'de, T: Object<'de>, D: Deserializer<'de>>(
+pub(crate) fn read_object<'de, T: Object<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<T, D::Error> {
     struct ObjectVisitor<T>(PhantomData<T>);
@@ -124,14 +124,14 @@ pub(crate) use object;
 /// A whole number, zero or greater: 3.0 and 3e0 are 3, as in JSON schemas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
-pub struct Whole(pub usize);
+pub(crate) struct Whole(pub usize);
 
 impl Whole {
     /// What a reader of it expects.
-    pub const EXPECTED: &'static str = "a whole number, zero or greater";
+    pub(crate) const EXPECTED: &'static str = "a whole number, zero or greater";
 
     /// The whole number that this is. One that is too large for this machine is too large for anything.
-    pub fn of<E: Error>(x: f64, expected: &dyn serde::de::Expected) -> Result<usize, E> {
+    pub(crate) fn of<E: Error>(x: f64, expected: &dyn serde::de::Expected) -> Result<usize, E> {
         /// Up to here every whole number is a number of its own.
         const EXACT: f64 = 9_007_199_254_740_992.0;
         match (0.0..=EXACT).contains(&x) && x.fract() == 0.0 {
@@ -166,13 +166,15 @@ impl<'de> Deserialize<'de> for Whole {
 }
 
 /// Reads a field that is a whole number, if it is there.
-pub fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<usize>, D::Error> {
+pub(crate) fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<usize>, D::Error> {
     let whole = Option::<Whole>::deserialize(deserializer)?;
     Ok(whole.map(|Whole(n)| n))
 }
 
 /// Reads a field that may be left out, but not null.
-pub fn some<'de, T: Deserialize<'de>, D: Deserializer<'de>>(d: D) -> Result<Option<T>, D::Error> {
+pub(crate) fn some<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    d: D,
+) -> Result<Option<T>, D::Error> {
     T::deserialize(d).map(Some)
 }
 
@@ -209,7 +211,7 @@ fn name_with<'de, K: DeserializeSeed<'de>, E: Error>(seed: K, name: String) -> R
 }
 
 /// The fields of an object whose `kind` has been read: those before it are kept as they are written.
-pub struct Kept<'de, A> {
+pub(crate) struct Kept<'de, A> {
     before: std::vec::IntoIter<(String, &'de RawValue)>,
     /// The field whose name was read last.
     value: Option<(String, &'de RawValue)>,
@@ -218,7 +220,7 @@ pub struct Kept<'de, A> {
 
 impl<'de, A: MapAccess<'de>> Kept<'de, A> {
     /// Reads the kind, wherever it stands.
-    pub fn read<T: Deserialize<'de>>(mut map: A) -> Result<(T, Self), A::Error> {
+    pub(crate) fn read<T: Deserialize<'de>>(mut map: A) -> Result<(T, Self), A::Error> {
         let mut before = Vec::new();
         while let Some(name) = map.next_key::<String>()? {
             if name == "kind" {
@@ -263,7 +265,7 @@ macro_rules! number_or_word {
     ($(#[$about:meta])* $type:ident($number:ty), $word:literal, $expected:literal) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub struct $type(pub Option<$number>);
+        pub(crate) struct $type(pub(crate) Option<$number>);
 
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
@@ -284,7 +286,7 @@ macro_rules! number_or_word {
 pub(crate) use number_or_word;
 
 /// Reads a number, or a word that stands for none.
-pub fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+pub(crate) fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     word: &'static str,
     expected: &'static str,
@@ -327,7 +329,7 @@ pub fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 /// A list of at most so many elements, which is longer in no request that could be right.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct AtMost<T, const MOST: usize>(pub Vec<T>);
+pub(crate) struct AtMost<T, const MOST: usize>(pub Vec<T>);
 
 impl<'de, T: Deserialize<'de>, const MOST: usize> Deserialize<'de> for AtMost<T, MOST> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

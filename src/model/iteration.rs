@@ -14,13 +14,13 @@ number_or_word!(
 
 impl IterationChoice {
     /// The iteration with this number.
-    pub fn of(number: u64) -> Self {
+    pub(crate) fn of(number: u64) -> Self {
         // Too large for this machine is beyond every job.
         Self(Some(Whole(usize::try_from(number).unwrap_or(usize::MAX))))
     }
 
     /// The number; none of the last one.
-    pub fn number(self) -> Option<usize> {
+    pub(crate) fn number(self) -> Option<usize> {
         self.0.map(|Whole(k)| k)
     }
 }

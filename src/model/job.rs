@@ -32,25 +32,25 @@ pub struct JobRequest {
     /// A name for people. Answers and files repeat it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(max = LONGEST_NAME), example = &"wing section")]
-    pub name: Option<String>,
+    pub(crate) name: Option<String>,
     /// The curve to fit.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub curve: Option<CurveInput>,
+    pub(crate) curve: Option<CurveInput>,
     /// The surface to fit.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub surface: Option<SurfaceInput>,
+    pub(crate) surface: Option<SurfaceInput>,
     /// How weights are used; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rational: Option<Rational>,
+    pub(crate) rational: Option<Rational>,
     /// The method; without one `global`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub method: Option<MethodInput>,
+    pub(crate) method: Option<MethodInput>,
     /// When the iteration ends.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub stop: Option<StopRules>,
+    pub(crate) stop: Option<StopRules>,
     /// What the event streams of the job are like if they do not say it themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub stream: Option<StreamSpec>,
+    pub(crate) stream: Option<StreamSpec>,
 }
 
 object!(JobRequest, "an object");
@@ -70,17 +70,17 @@ pub struct ValidJob {
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// The most data points.
-    pub points: usize,
+    pub(crate) points: usize,
     /// The most iterations.
-    pub iterations: usize,
+    pub(crate) iterations: usize,
     /// What a fit may take.
-    pub admission: Admission,
+    pub(crate) admission: Admission,
 }
 
 impl JobRequest {
     /// What would ask for the same problem again. The start of an edit is not a part of it: that is its
     /// iteration 0.
-    pub fn of(name: Option<String>, stream: Option<StreamSpec>, request: &Request) -> Self {
+    pub(crate) fn of(name: Option<String>, stream: Option<StreamSpec>, request: &Request) -> Self {
         Self {
             name,
             curve: request.v.is_none().then(|| CurveInput::of(request)),
@@ -93,7 +93,7 @@ impl JobRequest {
     }
 
     /// The job on whose surface scattered points have their foot points.
-    pub fn base(&self) -> Option<&FootPoints> {
+    pub(crate) fn base(&self) -> Option<&FootPoints> {
         self.surface.as_ref().and_then(SurfaceInput::base)
     }
 
@@ -111,7 +111,7 @@ impl JobRequest {
     }
 
     /// The problem of a job that was accepted before: no limit is looked at.
-    pub fn request(self) -> OrMistakes<Request> {
+    pub(crate) fn request(self) -> OrMistakes<Request> {
         let mut mistakes = Mistakes::default();
         match self.problem(usize::MAX, usize::MAX, Err(no_base()), &mut mistakes) {
             Some(request) => mistakes.or(request),

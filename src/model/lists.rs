@@ -13,7 +13,7 @@ use crate::fit::points::{Grid, Points};
 
 /// A number, or numbers in lists within lists, all of a level of the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Lists {
+pub(crate) struct Lists {
     /// The numbers, in their order.
     pub values: Vec<f64>,
     /// The lengths of the lists, from the outermost to those of numbers; none of a number alone.
@@ -24,11 +24,11 @@ pub struct Lists {
 const DEEPEST: usize = 3;
 
 /// What lists without numbers of their own are expected to be.
-pub const LISTS: &str = "a list of numbers, or of lists of them";
+pub(crate) const LISTS: &str = "a list of numbers, or of lists of them";
 
 impl Lists {
     /// Reads lists, or a number where that is one of the things that are `expected`.
-    pub fn read<'de, D: Deserializer<'de>>(
+    pub(crate) fn read<'de, D: Deserializer<'de>>(
         deserializer: D,
         expected: &'static str,
         may_be_number: bool,
@@ -178,7 +178,7 @@ impl Serialize for Part<'_> {
 /// Vectors: lists of numbers, none of which is empty.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct Vectors(Lists);
+pub(crate) struct Vectors(Lists);
 
 impl<'de> Deserialize<'de> for Vectors {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -192,7 +192,7 @@ impl<'de> Deserialize<'de> for Vectors {
 
 impl Vectors {
     /// One vector.
-    pub fn one(vector: &[f64]) -> Self {
+    pub(crate) fn one(vector: &[f64]) -> Self {
         Self(Lists {
             values: vector.to_vec(),
             lengths: vec![vector.len()],
@@ -201,7 +201,7 @@ impl Vectors {
 
     /// Vectors of orders, of a boundary of one data point or of many; of a single order without a list
     /// of orders.
-    pub fn of(orders: &[Arc<Points>], is_surface: bool, are_many: bool) -> Self {
+    pub(crate) fn of(orders: &[Arc<Points>], is_surface: bool, are_many: bool) -> Self {
         let points = || {
             orders
                 .iter()
@@ -223,7 +223,7 @@ impl Vectors {
 
     /// The vectors of each order, of a boundary of one data point or of many; none if these are other
     /// lists.
-    pub fn orders(self, is_surface: bool, are_many: bool) -> Option<Vec<Arc<Points>>> {
+    pub(crate) fn orders(self, is_surface: bool, are_many: bool) -> Option<Vec<Arc<Points>>> {
         let Self(Lists { values, lengths }) = self;
         let mut lengths = lengths.into_iter().rev();
         let dimension = lengths.next()?;
@@ -242,7 +242,7 @@ impl Vectors {
 
 /// Numbers of data points: a list, or rows of them.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PointNumbers {
+pub(crate) enum PointNumbers {
     /// A list.
     Line(Vec<f64>),
     /// Rows of equal length.
@@ -256,7 +256,7 @@ pub enum PointNumbers {
 
 impl PointNumbers {
     /// Those of points, row by row, in rows if the points of a surface are.
-    pub fn new(values: Vec<f64>, grid: Grid, is_surface: bool) -> Self {
+    pub(crate) fn new(values: Vec<f64>, grid: Grid, is_surface: bool) -> Self {
         match is_surface && grid.is_rows() {
             true => Self::Grid {
                 values,

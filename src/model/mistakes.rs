@@ -9,7 +9,7 @@ use super::stream::Choice;
 use crate::fit::invalid as fit;
 
 /// The most mistakes that are told at once.
-pub const MOST_MISTAKES: usize = 16;
+pub(crate) const MOST_MISTAKES: usize = 16;
 
 /// A part of a job or an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl Mistake {
 }
 
 /// What was read of a part of a request, or all that is wrong with it.
-pub type OrMistakes<T> = Result<T, Mistakes>;
+pub(crate) type OrMistakes<T> = Result<T, Mistakes>;
 
 /// All mistakes that were found, as far as one does not follow from another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

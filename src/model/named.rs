@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer};
 use super::short::quoted;
 
 /// A value with a name.
-pub trait Named: Copy + PartialEq + 'static {
+pub(crate) trait Named: Copy + PartialEq + 'static {
     /// What a value is: "kind of basis".
     const WHAT: &'static str = "choice";
 
@@ -55,7 +55,9 @@ fn unknown<E: Error>(name: &str, what: &str, names: &[&str]) -> E {
 }
 
 /// Reads a value by its name.
-pub fn deserialize<'de, T: Named, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+pub(crate) fn deserialize<'de, T: Named, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
     struct NameVisitor<T>(PhantomData<T>);
 
     impl<T: Named> Visitor<'_> for NameVisitor<T> {
@@ -111,7 +113,7 @@ macro_rules! named {
 pub(crate) use named;
 
 /// A rule that has a name, or explicit numbers.
-pub trait Rule: Clone + PartialEq + 'static {
+pub(crate) trait Rule: Clone + PartialEq + 'static {
     /// What a rule is: "rule for knots".
     const WHAT: &'static str;
 
@@ -134,7 +136,9 @@ pub trait Rule: Clone + PartialEq + 'static {
 }
 
 /// Reads a rule by its name, or explicit numbers.
-pub fn read_rule<'de, T: Rule, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+pub(crate) fn read_rule<'de, T: Rule, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
     struct RuleVisitor<T>(PhantomData<T>);
 
     impl<'de, T: Rule> Visitor<'de> for RuleVisitor<T> {

@@ -8,7 +8,7 @@ use super::schema::schema_of;
 use super::shape::MAX_DIMENSION;
 
 /// A data point.
-pub enum Point {}
+pub(crate) enum Point {}
 
 schema_of!(
     Point,
@@ -32,7 +32,7 @@ schema_of!(PointList, "Points", generator => json_schema!({
 }));
 
 /// The list of scattered points.
-pub enum ScatteredPoints {}
+pub(crate) enum ScatteredPoints {}
 
 schema_of!(ScatteredPoints, "ScatteredPoints", generator => json_schema!({
     "description": "The scattered data points of a surface, in any order.",
@@ -65,7 +65,7 @@ schema_of!(
 );
 
 /// Weights of a curve, or of a direction.
-pub enum CurveWeights {}
+pub(crate) enum CurveWeights {}
 
 schema_of!(
     CurveWeights,
@@ -80,7 +80,7 @@ schema_of!(
 );
 
 /// Weights of a surface.
-pub enum SurfaceWeights {}
+pub(crate) enum SurfaceWeights {}
 
 schema_of!(SurfaceWeights, "SurfaceWeights", generator => {
     let line = generator.subschema_for::<CurveWeights>();
@@ -95,7 +95,7 @@ schema_of!(SurfaceWeights, "SurfaceWeights", generator => {
 });
 
 /// Weights in an edit, of a curve or of a surface.
-pub enum NewWeights {}
+pub(crate) enum NewWeights {}
 
 schema_of!(NewWeights, "NewWeights", generator => json_schema!({
     "description": "New weights of all data points: of a curve a list, of a surface as in a job.",

@@ -152,7 +152,7 @@ fn given<'de, T: Deserialize<'de>, E: Error>(value: Option<T>, name: &'static st
 }
 
 /// The schema of a whole number, zero or greater, where a name is needed for it.
-pub enum Count {}
+pub(crate) enum Count {}
 
 impl JsonSchema for Count {
     fn inline_schema() -> bool {
@@ -169,7 +169,7 @@ impl JsonSchema for Count {
 }
 
 /// What a JSON pointer has for a direction, if there is one value for each.
-pub fn direction(each: bool, axis: Axis) -> &'static str {
+pub(crate) fn direction(each: bool, axis: Axis) -> &'static str {
     match (each, axis) {
         (false, _) => "",
         (true, Axis::U) => "/u",
@@ -210,7 +210,7 @@ fn one_of(mut schema: Schema, reference: Schema) -> Vec<Value> {
 
 /// The schema of a value for each direction, under a name of its own: generated clients have a type
 /// for it.
-pub struct Pair<T>(PhantomData<T>);
+pub(crate) struct Pair<T>(PhantomData<T>);
 
 impl<T: JsonSchema> JsonSchema for Pair<T> {
     fn schema_name() -> Cow<'static, str> {

@@ -13,12 +13,12 @@ use crate::fit::points::{Grid, Points};
 
 /// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
 #[derive(Clone, Debug)]
-pub struct PointList(pub Arc<Points>);
+pub(crate) struct PointList(pub Arc<Points>);
 
 /// Rows (u) of columns (v) of points, or of heights, which are points of one coordinate; `null` stands
 /// for a missing one.
 #[derive(Clone, Debug)]
-pub struct PointGrid {
+pub(crate) struct PointGrid {
     /// The points, row by row; what is at missing ones is not looked at.
     pub points: Arc<Points>,
     /// The indices of missing points, increasing.
@@ -29,14 +29,14 @@ pub struct PointGrid {
 
 /// The coordinates of a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Coordinates {
+pub(crate) struct Coordinates {
     values: [f64; MAX_DIMENSION],
     count: usize,
 }
 
 impl Coordinates {
     /// The coordinates, if there are not too many.
-    pub fn of(coordinates: &[f64]) -> Option<Self> {
+    pub(crate) fn of(coordinates: &[f64]) -> Option<Self> {
         let count = coordinates.len();
         let mut values = [0.0; MAX_DIMENSION];
         values.get_mut(..count)?.copy_from_slice(coordinates);
@@ -44,7 +44,7 @@ impl Coordinates {
     }
 
     /// One after the other.
-    pub fn as_slice(&self) -> &[f64] {
+    pub(crate) fn as_slice(&self) -> &[f64] {
         self.values.get(..self.count).unwrap_or(&[])
     }
 }
@@ -95,7 +95,7 @@ impl Serialize for Point<'_> {
 
 impl PointList {
     /// The grid of a single column that they are.
-    pub fn grid(&self) -> Grid {
+    pub(crate) fn grid(&self) -> Grid {
         Grid {
             rows: self.0.len(),
             columns: 1,

@@ -56,7 +56,7 @@ pub struct FootPoints {
     pub job: String,
     /// An iteration that the job has reached; without it, the last one of a job that has ended.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub iteration: Option<IterationChoice>,
+    pub(crate) iteration: Option<IterationChoice>,
 }
 
 object!(FootPoints, "an object with a job");

@@ -30,7 +30,7 @@ macro_rules! schema_of {
 pub(crate) use schema_of;
 
 /// One of the names of an enumeration.
-pub fn names<T: Named>(description: &str) -> Schema {
+pub(crate) fn names<T: Named>(description: &str) -> Schema {
     let names = T::names();
     json_schema!({
         "description": description,

@@ -30,7 +30,7 @@ impl From<fit::Omega> for Omega {
 /// Thresholds: one for all points, or one for each.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Thresholds {
+pub(crate) enum Thresholds {
     /// One for all points.
     All(f64),
     /// One for each point.
@@ -68,12 +68,12 @@ impl<'de> Deserialize<'de> for Thresholds {
 }
 
 /// The rows of a matrix.
-pub type Matrix = AtMost<Vec<f64>, LARGEST>;
+pub(crate) type Matrix = AtMost<Vec<f64>, LARGEST>;
 
 /// The index of a point: of a curve `i`, of a surface `[row, column]`. It takes eight bytes, since lists of
 /// them may be as long as a body allows: a column is kept as the number behind it, which is not zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Index {
+pub(crate) enum Index {
     /// Of a curve, and of scattered points.
     Single(u32),
     /// Of the points of a surface in rows: the row, and the number of columns up to this one.
@@ -84,7 +84,7 @@ const _: () = assert!(size_of::<Index>() == 8);
 
 impl Index {
     /// The index of a point in rows of so many `columns`, or without rows.
-    pub fn new(index: usize, columns: Option<usize>) -> Self {
+    pub(crate) fn new(index: usize, columns: Option<usize>) -> Self {
         match columns {
             None => Self::Single(clamped(index)),
             Some(columns) => Self::pair(index / columns.max(1), index % columns.max(1)),
@@ -92,7 +92,7 @@ impl Index {
     }
 
     /// The index of a row and a column.
-    pub fn pair(row: usize, column: usize) -> Self {
+    pub(crate) fn pair(row: usize, column: usize) -> Self {
         let behind = NonZeroU32::MIN.saturating_add(clamped(column));
         Self::Pair(clamped(row), behind)
     }
@@ -244,7 +244,7 @@ schema_of!(
 );
 
 /// How much data points count.
-pub enum DataWeights {}
+pub(crate) enum DataWeights {}
 
 schema_of!(DataWeights, "DataWeights", {
     let number = json_schema!({"type": "number", "minimum": 0});

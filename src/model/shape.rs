@@ -26,13 +26,13 @@ use crate::fit::problem::{Request, Weights};
 use crate::fit::scattered::Scattered;
 
 /// The most coordinates of a point.
-pub const MAX_DIMENSION: usize = 3;
+pub(crate) const MAX_DIMENSION: usize = 3;
 
 /// A curve through data points.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_curve())]
-pub struct CurveInput {
+pub(crate) struct CurveInput {
     /// The data points, in their order.
     pub points: PointList,
     /// The basis; without one a cubic B-spline.
@@ -69,7 +69,7 @@ pub struct CurveInput {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_surface())]
-pub struct SurfaceInput {
+pub(crate) struct SurfaceInput {
     /// Rows (u) of columns (v) of data points, or of heights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<PointGrid>,
@@ -304,7 +304,7 @@ impl SurfaceData {
 
 impl SurfaceInput {
     /// How its points are arranged, if there are any.
-    pub fn grid(&self) -> Option<Grid> {
+    pub(crate) fn grid(&self) -> Option<Grid> {
         let scattered = self.scattered.as_ref().map(PointList::grid);
         let points = self.points.as_ref().map(|points| points.grid);
         points.or(scattered)

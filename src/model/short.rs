@@ -6,7 +6,7 @@ use std::borrow::Cow;
 const LONGEST: usize = 100;
 
 /// The text up to so many characters, with an ellipsis where it goes on.
-pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
+pub(crate) fn cut(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}…", text.get(..end).unwrap_or(""))),
@@ -14,12 +14,12 @@ pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
 }
 
 /// The text between quotation marks, as it would be written in JSON, and cut.
-pub fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     format!("{:?}", cut(text, LONGEST))
 }
 
 /// The text itself, cut.
-pub fn plain(text: &str) -> Cow<'_, str> {
+pub(crate) fn plain(text: &str) -> Cow<'_, str> {
     cut(text, LONGEST)
 }
 

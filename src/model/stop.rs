@@ -10,13 +10,13 @@ use crate::fit::invalid as fit;
 use crate::fit::problem::{Request, Tolerance};
 
 /// The last iteration that is computed if nobody says it, and the server computes as many.
-pub const DEFAULT_ITERATIONS: usize = 1000;
+pub(crate) const DEFAULT_ITERATIONS: usize = 1000;
 
 /// When the iteration ends. There is one of the tolerances, or none.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_stop())]
-pub struct StopRules {
+pub(crate) struct StopRules {
     /// The largest allowed distance from a data point, in data units.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]

@@ -17,7 +17,7 @@ use crate::fit::problem::{Request, Weights};
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"homogeneous")]
 #[allow(missing_docs, reason = "schemas repeat what is said of a value")]
-pub enum Rational {
+pub(crate) enum Rational {
     Homogeneous,
     Fixed,
 }
@@ -29,7 +29,7 @@ names!(Rational, "use of weights", [
 
 impl Rational {
     /// How the weights of a problem are used.
-    pub fn of(request: &Request) -> Option<Self> {
+    pub(crate) fn of(request: &Request) -> Option<Self> {
         match (&request.weights, &request.u.weights) {
             (Weights::Homogeneous(_), _) => Some(Self::Homogeneous),
             (Weights::FixedGrid(_), _) | (Weights::None, Some(_)) => Some(Self::Fixed),
@@ -40,7 +40,7 @@ impl Rational {
 
 /// Weights as the fitting problem has them.
 #[derive(Clone, Debug)]
-pub struct Resolved {
+pub(crate) struct Resolved {
     /// Those that are not of a single direction.
     pub weights: Weights,
     /// Fixed ones of the direction u.
@@ -60,7 +60,7 @@ impl Resolved {
     /// The weights of data points that stand in this grid: of a curve a list, of which fixed ones may also be
     /// one for each control point; of a surface rows, or a list for each direction, whose products are those of
     /// the points.
-    pub fn new(
+    pub(crate) fn new(
         weights: PerDirection<PointNumbers>,
         rational: Option<Rational>,
         grid: Grid,
@@ -139,7 +139,7 @@ pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
 }
 
 /// Refuses to use weights that there are not.
-pub fn check_unused(rational: Option<Rational>) -> OrMistakes<()> {
+pub(crate) fn check_unused(rational: Option<Rational>) -> OrMistakes<()> {
     let detail = "rational says how weights are used, but there are no weights";
     match rational {
         None => Ok(()),

@@ -19,7 +19,7 @@ const KINDS: [(BasisKind, pb::BasisKind); 4] = [
 ];
 
 /// The basis of a direction, which is this field.
-pub fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
+pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
     let basis = basis.unwrap_or_default();
     let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
         pb::KnotRule::Unspecified => Chosen::Any,
@@ -36,7 +36,7 @@ pub fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
 }
 
 /// The parameters of a direction, which are this field.
-pub fn read_parameters(
+pub(crate) fn read_parameters(
     parameters: Option<pb::Parameters>,
     field: &str,
 ) -> Result<Option<Parametrization>, Mistake> {
@@ -75,7 +75,7 @@ impl<R: Rule> Chosen<R> {
 }
 
 /// The message of a basis.
-pub fn message(choice: &BasisChoice) -> pb::Basis {
+pub(crate) fn message(choice: &BasisChoice) -> pb::Basis {
     let Basis {
         kind,
         degree,
@@ -97,12 +97,12 @@ pub fn message(choice: &BasisChoice) -> pb::Basis {
 }
 
 /// The kind of a basis with this name.
-pub fn kind(name: &str) -> pb::BasisKind {
+pub(crate) fn kind(name: &str) -> pb::BasisKind {
     value(&KINDS, BasisKind::of_name(name))
 }
 
 /// The message of parameters.
-pub fn parameters_message(choice: &Parametrization) -> pb::Parameters {
+pub(crate) fn parameters_message(choice: &Parametrization) -> pb::Parameters {
     let (rule, values) = match choice {
         Parametrization::ChordLength => (pb::ParameterRule::ChordLength, Vec::new()),
         Parametrization::Centripetal => (pb::ParameterRule::Centripetal, Vec::new()),

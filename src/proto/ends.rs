@@ -108,7 +108,7 @@ pub(super) fn message(ends: &Ends) -> pb::Ends {
 }
 
 /// The rule of an end.
-pub fn rule(end: &End) -> pb::EndRule {
+pub(crate) fn rule(end: &End) -> pb::EndRule {
     match end {
         End::Estimated => pb::EndRule::Estimated,
         End::Repeated => pb::EndRule::Repeated,
@@ -127,7 +127,7 @@ pub(super) fn flat(points: &Points) -> Vec<f64> {
 
 /// Where the vectors of ends stand in a message.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct EndsLayout {
+pub(crate) struct EndsLayout {
     /// Whether the ends of u and v have tangents, at the start and at the end.
     tangents: [[bool; 2]; 2],
     /// The numbers of data points on the boundaries of u and v.
@@ -138,7 +138,7 @@ pub struct EndsLayout {
 
 impl EndsLayout {
     /// The layout of a job.
-    pub fn of(input: &pb::JobInput) -> Self {
+    pub(crate) fn of(input: &pb::JobInput) -> Self {
         use pb::job_input::Geometry as G;
         let sides = |ends: Option<&pb::Ends>| {
             let tangents = |end: Option<&pb::End>| end.is_some_and(|it| !it.tangents.is_empty());
@@ -166,7 +166,13 @@ impl EndsLayout {
     }
 
     /// The field, below that of an end, of the vectors of an order, or of one of them.
-    pub fn field(&self, axis: usize, side: Side, order: usize, index: Option<usize>) -> String {
+    pub(crate) fn field(
+        &self,
+        axis: usize,
+        side: Side,
+        order: usize,
+        index: Option<usize>,
+    ) -> String {
         let tangents = self.tangents[axis][usize::from(side == Side::End)];
         let name = if tangents { "tangents" } else { "derivatives" };
         match index {

@@ -32,7 +32,7 @@ const RATIONALS: [(Rational, pb::Rational); 2] = [
 ];
 
 /// The job that a message asks for, with at most so many points.
-pub fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
+pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
     let mut mistakes = Mistakes::default();
     let mut request = JobRequest {
         name: input.name,
@@ -253,7 +253,7 @@ fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Mistake> {
 }
 
 /// The weights of a surface; `field` is that of the weights for each point.
-pub fn surface_weights(
+pub(crate) fn surface_weights(
     weights: pb::Weights,
     grid: Grid,
     field: &str,
@@ -282,12 +282,12 @@ pub fn surface_weights(
 }
 
 /// How weights are used.
-pub fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
+pub(crate) fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
     chosen(&RATIONALS, value, "rational")
 }
 
 /// When the iteration ends.
-pub fn stop(stop: pb::StopRules) -> StopRules {
+pub(crate) fn stop(stop: pb::StopRules) -> StopRules {
     let (tolerance, relative_tolerance) = match stop.rule {
         None => (None, None),
         Some(Rule::Tolerance(value)) => (Some(value), None),
@@ -304,7 +304,7 @@ pub fn stop(stop: pb::StopRules) -> StopRules {
 
 /// The message that would ask for the same problem again. The start of an edit is not a part of it: that
 /// is its iteration 0.
-pub fn message(
+pub(crate) fn message(
     name: Option<String>,
     request: &Request,
     stream: Option<&StreamSpec>,
@@ -369,7 +369,7 @@ fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection 
 }
 
 /// How the weights of a problem are used.
-pub fn rational_message(request: &Request) -> pb::Rational {
+pub(crate) fn rational_message(request: &Request) -> pb::Rational {
     value(&RATIONALS, Rational::of(request))
 }
 

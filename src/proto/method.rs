@@ -30,7 +30,7 @@ const SWEEPS: [(Sweeps, m::Sweeps); 2] = [
 ];
 
 /// The method that a message asks for.
-pub fn input(
+pub(crate) fn input(
     method: Option<pb::Method>,
     target: MethodTarget,
 ) -> Result<Option<MethodInput>, Mistake> {
@@ -105,7 +105,7 @@ fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput
 
 /// The method as outlines of jobs have it, of its message without the indices and thresholds of points
 /// and the entries of matrices.
-pub fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
+pub(crate) fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
     let target = MethodTarget {
         grid: Grid {
             rows: 0,
@@ -158,7 +158,7 @@ fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Mistake> {
 
 /// How the settings of a method are laid out.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SettingsLayout {
+pub(crate) struct SettingsLayout {
     /// The numbers of columns of the square matrices of a transform for u and v.
     columns: (usize, usize),
     /// The directions have numbers of control points each, or the points thresholds.
@@ -169,7 +169,7 @@ pub struct SettingsLayout {
 
 impl SettingsLayout {
     /// The layout of a method.
-    pub fn of(method: Option<&pb::Method>) -> Self {
+    pub(crate) fn of(method: Option<&pb::Method>) -> Self {
         let mut layout = Self::default();
         let kind = method.and_then(|method| method.kind.as_ref());
         layout.kind = match kind {
@@ -192,7 +192,7 @@ impl SettingsLayout {
 }
 
 /// The field of a setting, or of a part of it; everything else is the method.
-pub fn field(place: Place, layout: SettingsLayout) -> String {
+pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
     let columns = layout.columns;
     let transform = |axis, first: Option<(usize, usize)>| {
         let (name, columns) = match axis {
@@ -238,7 +238,7 @@ pub fn field(place: Place, layout: SettingsLayout) -> String {
 }
 
 /// The method as it was asked for, with its lists and the indices of the points that it selects.
-pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
+pub(crate) fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {
         (Some(Kind::Local(local)), _) => local.indices = indices,
@@ -261,7 +261,7 @@ pub fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
 
 /// The method with its settings, and the ω that was computed for it; without the indices and thresholds
 /// of points and the entries of matrices.
-pub fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb::Method {
+pub(crate) fn message(method: &Method, surface: bool, forecast: Option<Forecast>) -> pb::Method {
     let kind = match *method {
         Method::Global => Kind::Global(m::Global {}),
         Method::Weighted(Weighted { omega }) => Kind::Weighted(m::Weighted {

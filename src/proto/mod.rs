@@ -26,4 +26,4 @@ pub mod messages {
 }
 
 /// The contract as a set of file descriptors, for reflection.
-pub const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/fitting.bin"));
+pub(crate) const DESCRIPTORS: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/fitting.bin"));

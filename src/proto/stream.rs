@@ -39,7 +39,7 @@ const DIGITS: [(Digits, pb::JsonDigits); 2] = [
 ];
 
 /// The field of a choice.
-pub fn field(choice: Choice) -> &'static str {
+pub(crate) fn field(choice: Choice) -> &'static str {
     match choice {
         Choice::Samples => "samples_u",
         Choice::Milestones => "milestones.distances",
@@ -50,7 +50,7 @@ pub fn field(choice: Choice) -> &'static str {
 }
 
 /// What a message says, which is a field with this name and a dot.
-pub fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mistake> {
+pub(crate) fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mistake> {
     let every = options.every.map(|every| {
         let detail = "it is larger than any number of iterations";
         usize::try_from(every).map_err(|_| Mistake::at_text(format!("{within}every"), detail))
@@ -83,7 +83,7 @@ pub fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mist
 }
 
 /// What the message of a call says. What is about JSON is ignored.
-pub fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake> {
+pub(crate) fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake> {
     let options = pb::StreamOptions {
         json_encoding: 0,
         json_digits: 0,
@@ -93,7 +93,7 @@ pub fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake
 }
 
 /// The message that says the same.
-pub fn options(spec: &StreamSpec) -> pb::StreamOptions {
+pub(crate) fn options(spec: &StreamSpec) -> pb::StreamOptions {
     // What was accepted has room in 32 bits.
     let narrow = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     let (samples_u, samples_v) = match spec.samples {

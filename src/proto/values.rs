@@ -7,7 +7,7 @@ use crate::model::settings::Index;
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug)]
-pub struct MethodTarget {
+pub(crate) struct MethodTarget {
     /// How the data points are arranged.
     pub grid: Grid,
     /// Whether they are those of a surface.
@@ -18,29 +18,29 @@ pub struct MethodTarget {
 
 impl MethodTarget {
     /// The index of a data point.
-    pub fn index(self, index: u32) -> Index {
+    pub(crate) fn index(self, index: u32) -> Index {
         let is_rows = self.surface && self.grid.is_rows();
         Index::new(index as usize, is_rows.then_some(self.grid.columns))
     }
 
     /// Numbers of data points, if there are any.
-    pub fn numbers(self, numbers: Vec<f64>) -> Option<PointNumbers> {
+    pub(crate) fn numbers(self, numbers: Vec<f64>) -> Option<PointNumbers> {
         some(numbers).map(|numbers| PointNumbers::new(numbers, self.grid, self.surface))
     }
 }
 
 /// Numbers of points, which are limited by what a request can carry.
-pub fn count(number: usize) -> u32 {
+pub(crate) fn count(number: usize) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)
 }
 
 /// A list that is given.
-pub fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
+pub(crate) fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
     (!list.is_empty()).then_some(list)
 }
 
 /// The value of an enumeration; values that are not known are mistakes of this field.
-pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
+pub(crate) fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
     E::try_from(value).map_err(|_| {
         let detail = format!("{value} is no value of this enumeration");
         Mistake::at_text(field, detail)
@@ -48,7 +48,7 @@ pub fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
 }
 
 /// What a value of an enumeration stands for; nothing if it is not specified.
-pub fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
+pub(crate) fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
     table: &[(T, E)],
     value: i32,
     field: &str,
@@ -59,13 +59,21 @@ pub fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
 }
 
 /// The value of an enumeration; unspecified without a choice.
-pub fn value<T: Copy + PartialEq, E: Copy + Default>(table: &[(T, E)], chosen: Option<T>) -> E {
+pub(crate) fn value<T: Copy + PartialEq, E: Copy + Default>(
+    table: &[(T, E)],
+    chosen: Option<T>,
+) -> E {
     let found = table.iter().find(|(known, _)| Some(*known) == chosen);
     found.map_or(E::default(), |(_, value)| *value)
 }
 
 /// Lists have as many elements as there can be, before anything is made of them.
-pub fn check_count(count: usize, most: usize, things: &str, field: &str) -> Result<(), Mistake> {
+pub(crate) fn check_count(
+    count: usize,
+    most: usize,
+    things: &str,
+    field: &str,
+) -> Result<(), Mistake> {
     if count > most {
         let detail = format!("{count} {things} are more than {most}, the limit here");
         return Err(Mistake::at_text(field, detail));

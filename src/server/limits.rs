@@ -78,7 +78,7 @@ pub(super) enum Admission {
 
 /// Why a connection or a request is beyond the limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Crowded {
+pub(crate) enum Crowded {
     Connections(NoSlot),
     /// So many requests of the peer are open.
     Requests(usize),

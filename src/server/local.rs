@@ -14,7 +14,7 @@ use crate::config::Config;
 use crate::job::service::Jobs;
 
 /// A server that only this program reaches. Its jobs end when it is dropped.
-pub struct Local {
+pub(crate) struct Local {
     /// What answers requests.
     pub router: Router,
     _stop: watch::Sender<bool>,
@@ -22,7 +22,7 @@ pub struct Local {
 }
 
 /// Starts a server with these settings, of which those of connections have no meaning here.
-pub async fn start(config: Config) -> io::Result<Local> {
+pub(crate) async fn start(config: Config) -> io::Result<Local> {
     let resources = resources(&config)?;
     let closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters).await?;

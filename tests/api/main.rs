@@ -15,7 +15,6 @@ mod bad_requests;
 mod base_path;
 mod bodies;
 mod changed;
-mod clock;
 mod closed;
 mod compressed;
 mod constraints;

@@ -116,8 +116,19 @@ impl Server {
         assert!(detail.contains(reason), "{problem:#}");
     }
 
+    /// What is at a path. A server that needs longer for it is asked again, as it says.
     pub async fn json(&self, path: &str) -> Value {
-        let response = self.get(path).send().await.unwrap();
+        let ready = async {
+            loop {
+                let response = self.get(path).send().await.unwrap();
+                if response.status() != 503 {
+                    return response;
+                }
+                let after = response.headers()["retry-after"].to_str().unwrap();
+                sleep(Duration::from_secs(after.parse().unwrap())).await;
+            }
+        };
+        let response = timeout(PATIENCE, ready).await.expect("it is ready");
         assert_eq!(response.status(), 200, "{path}");
         response.json().await.unwrap()
     }

@@ -35,7 +35,7 @@ const GRPC_STATUS: HeaderName = HeaderName::from_static("grpc-status");
 
 /// The routes of the gRPC services. Unknown calls at their paths are answered by tonic; all other paths
 /// belong to REST.
-pub fn routes(app: &App) -> Router<App> {
+pub(crate) fn routes(app: &App) -> Router<App> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let fitting = FittingServiceServer::new(service::Service::new(app.clone()))
         .max_decoding_message_size(limit);

@@ -32,7 +32,7 @@ use crate::proto::stream as stream_of;
 
 /// The service, over the jobs of an application.
 #[derive(Clone)]
-pub struct Service(App);
+pub(crate) struct Service(App);
 
 /// The events of a call.
 type Events = Pin<Box<dyn Stream<Item = Result<Encoded, Status>> + Send>>;

@@ -12,7 +12,7 @@ use crate::job::Job;
 use crate::job::content::Content;
 
 /// A content as an answer; large ones are streamed.
-pub fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
+pub(super) fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
     if content.rest.is_none() && content.head.len() <= ENOUGH {
         return whole(content.head, content_type);
     }

@@ -12,7 +12,7 @@ use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
 
 /// A file, as `build.rs` lists it.
-pub struct Asset {
+pub(crate) struct Asset {
     /// What it is called.
     pub name: &'static str,
     /// Differs where its bytes differ.
@@ -43,7 +43,7 @@ impl Asset {
 }
 
 /// Files that make something up.
-pub struct Site {
+pub(crate) struct Site {
     /// What they make up.
     pub name: &'static str,
     /// All of them.
@@ -57,12 +57,12 @@ pub struct Site {
 
 impl Site {
     /// Answers with the file that browsers open.
-    pub fn root(&self, headers: &HeaderMap) -> Result<Response, Problem> {
+    pub(crate) fn root(&self, headers: &HeaderMap) -> Result<Response, Problem> {
         self.answer(headers, self.root, |_| true)
     }
 
     /// Answers with one of the others.
-    pub fn part(&self, headers: &HeaderMap, name: &str) -> Result<Response, Problem> {
+    pub(crate) fn part(&self, headers: &HeaderMap, name: &str) -> Result<Response, Problem> {
         self.answer(headers, name, |name| name != self.root)
     }
 

@@ -32,7 +32,7 @@ const STEP: usize = 1024 * 1024;
 const WAIT: Duration = Duration::from_secs(10);
 
 /// A body, and the memory that it takes.
-pub struct ReceivedBody {
+pub(crate) struct ReceivedBody {
     /// What was sent.
     pub bytes: Bytes,
     /// Held until the body has been read.
@@ -41,19 +41,23 @@ pub struct ReceivedBody {
 
 /// The memory of a body.
 #[derive(Default)]
-pub struct Room {
+pub(crate) struct Room {
     /// While it is small.
     small: Option<Permit>,
     large: Option<Permit>,
 }
 
 /// Collects a body, as it is.
-pub async fn take_in(app: &App, headers: &HeaderMap, body: Body) -> Result<ReceivedBody, Problem> {
+pub(crate) async fn take_in(
+    app: &App,
+    headers: &HeaderMap,
+    body: Body,
+) -> Result<ReceivedBody, Problem> {
     collect(app, headers, body, None).await
 }
 
 /// Collects a body, which is compressed like that, and unpacks it.
-pub async fn unpack(
+pub(crate) async fn unpack(
     app: &App,
     headers: &HeaderMap,
     body: Body,

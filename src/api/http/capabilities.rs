@@ -27,7 +27,7 @@ type Names = &'static [&'static str];
 /// What the server can do, and its limits.
 #[derive(Serialize, JsonSchema)]
 #[schemars(example = example())]
-pub struct Capabilities {
+pub(crate) struct Capabilities {
     /// The version of the server.
     version: &'static str,
     /// What is fitted.

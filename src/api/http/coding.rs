@@ -11,17 +11,17 @@ use crate::model::short::quoted;
 
 /// A coding of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coding {
+pub(crate) enum Coding {
     Gzip,
     Zstd,
 }
 
 /// The codings that bodies may have, as a header lists them.
-pub const UNDERSTOOD: &str = "gzip, zstd";
+pub(crate) const UNDERSTOOD: &str = "gzip, zstd";
 
 impl Coding {
     /// What it is called in headers.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Gzip => "gzip",
             Self::Zstd => "zstd",
@@ -39,7 +39,7 @@ impl Coding {
 }
 
 /// The coding of the body of a request, if it has one.
-pub fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
+pub(crate) fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
     let mut found = None;
     for value in headers.get_all(header::CONTENT_ENCODING) {
         let given = String::from_utf8_lossy(value.as_bytes());
@@ -62,7 +62,7 @@ pub fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
 }
 
 /// Whether a client likes an answer in this coding as much as one without (RFC 9110, 12.5.3).
-pub fn accepts(headers: &HeaderMap, coding: Coding) -> bool {
+pub(crate) fn accepts(headers: &HeaderMap, coding: Coding) -> bool {
     let named = |name: &str| Coding::of_name(name) == Some(coding);
     let plain = quality(headers, |name| name.eq_ignore_ascii_case("identity")).unwrap_or(0.0);
     let quality = quality(headers, named).or_else(|| quality(headers, |name| name == "*"));

@@ -111,7 +111,7 @@ fn event_of(job: &Job, id: Option<&str>) -> Result<Option<LastEvent>, String> {
 }
 
 /// The events of a job as the body of an answer.
-pub fn stream(framing: Framing, feed: Feed) -> Response {
+pub(crate) fn stream(framing: Framing, feed: Feed) -> Response {
     let mut outgoing = Outgoing::new(Arc::clone(feed.job()));
     // Some proxies pass on the head only with the first bytes of the body.
     if framing == Framing::Sse {

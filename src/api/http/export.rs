@@ -55,7 +55,7 @@ pub(super) fn representation(headers: &HeaderMap) -> Result<Representation, Prob
 }
 
 /// A level of a job as a file.
-pub async fn file(
+pub(super) async fn file(
     job: &Arc<Job>,
     frame: Arc<Frame>,
     format: Format,

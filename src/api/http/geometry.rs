@@ -33,7 +33,7 @@ use crate::model::stream::form::{Digits, Encoding, Form};
 use crate::model::stream::options;
 
 /// `GET /v1/jobs/{id}/iterations/{k}`
-pub async fn iteration(
+pub(super) async fn iteration(
     State(app): State<App>,
     InPath((id, k)): InPath<(String, String)>,
     uri: Uri,

@@ -20,7 +20,7 @@ const ALWAYS: [&str; 2] = ["/livez", "/readyz"];
 
 /// The host names of a server.
 #[derive(Clone, Debug)]
-pub struct Hosts {
+pub(crate) struct Hosts {
     /// Names besides those of the loopback interface, in lower case.
     names: Arc<[String]>,
     /// Whether requests for other hosts are refused.
@@ -30,7 +30,7 @@ pub struct Hosts {
 impl Hosts {
     /// The names that are given; they are checked if there are any, or if the server is on the
     /// loopback interface.
-    pub fn new(names: &[String], loopback: bool) -> Self {
+    pub(crate) fn new(names: &[String], loopback: bool) -> Self {
         let names: Arc<[String]> = names.iter().map(|name| plain(name)).collect();
         let checked = (loopback || !names.is_empty()) && !names.iter().any(|name| name == "*");
         Self { names, checked }

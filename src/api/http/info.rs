@@ -24,7 +24,7 @@ use crate::model::short::quoted;
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Service")]
 #[schemars(extend("examples" = [{"name": "piad", "version": "0.1.0", "description": "Curve and surface fitting", "links": {"jobs": "/v1/jobs"}}]))]
-pub struct ServiceIndex {
+pub(crate) struct ServiceIndex {
     /// Its name.
     name: &'static str,
     /// Its version.
@@ -86,7 +86,7 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response, Problem>
 /// How the server is.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"status": "ready"}]))]
-pub struct Health {
+pub(crate) struct Health {
     /// The word for it.
     #[schemars(extend("enum" = ["alive", "ready"]))]
     status: &'static str,
@@ -108,7 +108,7 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
 /// What the `type` of a problem object stands for.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"type": "/problems/queue-full", "title": "The server has as many jobs as it takes", "status": 503, "meaning": "Send the job again after the number of seconds in Retry-After."}]))]
-pub struct ProblemType {
+pub(crate) struct ProblemType {
     /// The type.
     #[schemars(extend("format" = "uri-reference"))]
     r#type: String,
@@ -137,7 +137,7 @@ impl From<Kind> for ProblemType {
 #[derive(Serialize, JsonSchema)]
 #[serde(transparent)]
 #[schemars(extend("examples" = [[]]))]
-pub struct ProblemTypes(Vec<ProblemType>);
+pub(crate) struct ProblemTypes(Vec<ProblemType>);
 
 /// `GET /problems`: all types of problem objects.
 pub(super) async fn problems() -> Json<ProblemTypes> {
@@ -146,7 +146,7 @@ pub(super) async fn problems() -> Json<ProblemTypes> {
 }
 
 /// `GET /problems/{slug}`: what the `type` of a problem object stands for.
-pub async fn problem(InPath(slug): InPath<String>) -> Result<Json<ProblemType>, Problem> {
+pub(crate) async fn problem(InPath(slug): InPath<String>) -> Result<Json<ProblemType>, Problem> {
     let mut kinds = Kind::ALL.into_iter();
     let known = kinds.find(|kind| kind.entry().slug == slug);
     known.map(|kind| Json(kind.into())).ok_or_else(|| {

@@ -19,7 +19,7 @@ const BOUNDS: [f64; 12] = [
 
 /// Requests from the start of the server on.
 #[derive(Clone, Debug)]
-pub struct Requests {
+pub(crate) struct Requests {
     seconds: Family<Route, Histogram, fn() -> Histogram>,
     answers: Family<Answered, Counter>,
 }

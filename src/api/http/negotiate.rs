@@ -14,11 +14,11 @@ use crate::api::problem::{Kind, Problem};
 use crate::model::short::quoted;
 
 /// The longest time that `Prefer: wait` may ask for, in seconds.
-pub const LONGEST_WAIT: u64 = 300;
+pub(crate) const LONGEST_WAIT: u64 = 300;
 
 /// How a job is answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub(crate) enum Answer {
     /// The job as it stands.
     Job(Language),
     /// The events of the job.
@@ -27,7 +27,7 @@ pub enum Answer {
 
 /// The job or its events, whichever the client prefers; the job as JSON by default. A job and an event
 /// stream in protobuf have the same media type: `Prefer: stream` asks for the stream.
-pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
+pub(crate) fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
     let message = match prefers_stream(headers) {
         true => Answer::Events(Framing::Protobuf),
         false => Answer::Job(Language::Protobuf),
@@ -44,7 +44,7 @@ pub fn answer(headers: &HeaderMap) -> Result<Answer, Problem> {
 }
 
 /// The framing of an event stream; server-sent events by default.
-pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
+pub(crate) fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
     choose(
         headers,
         &[
@@ -56,7 +56,7 @@ pub fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
 }
 
 /// JSON or a protobuf message; JSON by default.
-pub fn language(headers: &HeaderMap) -> Result<Language, Problem> {
+pub(crate) fn language(headers: &HeaderMap) -> Result<Language, Problem> {
     choose(
         headers,
         &[(JSON, Language::Json), (PROTOBUF, Language::Protobuf)],
@@ -163,7 +163,7 @@ pub(super) fn waited(headers: &mut HeaderMap, wait: Option<Duration>) {
 }
 
 /// The query parameters of a resource; unknown ones are errors.
-pub fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
+pub(crate) fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
     Query::try_from_uri(uri)
         .map(|Query(parameters)| parameters)
         .map_err(|rejection| explain(&rejection.body_text()))

@@ -9,7 +9,7 @@ use crate::model::short;
 
 /// The parameters in a path. Those that are not UTF-8, such as `%FF`, name nothing and give 404.
 #[derive(Debug)]
-pub struct InPath<T>(pub T);
+pub(crate) struct InPath<T>(pub T);
 
 impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for InPath<T> {
     type Rejection = Problem;

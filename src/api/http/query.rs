@@ -18,7 +18,7 @@ pub(super) const OF_RESULTS: [&str; 6] = ["view", "samples", "encoding", "digits
 /// The query of a single iteration or a result.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct IterationQuery {
+pub(super) struct IterationQuery {
     view: Option<String>,
     samples: Option<String>,
     encoding: Option<String>,
@@ -75,7 +75,7 @@ pub(super) const OF_STREAMS: [&str; 11] = [
 /// The query of an event stream.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct StreamQuery {
+pub(super) struct StreamQuery {
     /// For clients that cannot set the header.
     pub last_event_id: Option<String>,
     view: Option<String>,
@@ -109,7 +109,7 @@ impl IterationQuery {
     }
 
     /// What a file of this format should be like; parameters that it does not have are refused.
-    pub fn file_options(&self, format: Format, surface: bool) -> Result<Options, Problem> {
+    pub(super) fn file_options(&self, format: Format, surface: bool) -> Result<Options, Problem> {
         let json = [
             (Choice::View, &self.view),
             (Choice::Encoding, &self.encoding),
@@ -165,7 +165,7 @@ impl StreamQuery {
     }
 
     /// The choices of the query for a stream of a curve or a surface.
-    pub fn spec(&self, surface: bool) -> Result<StreamSpec, Problem> {
+    pub(super) fn spec(&self, surface: bool) -> Result<StreamSpec, Problem> {
         let samples = |text: &str| {
             let samples = Samples::of_text(text);
             samples.ok_or_else(|| wrong(Choice::Samples, not_samples(text, surface)))

@@ -30,7 +30,7 @@ use crate::api::problem::{Kind, Problem};
 use crate::model::short;
 
 /// The router of all resources and gRPC services, with their middleware.
-pub fn router(app: App, hosts: Hosts) -> Router {
+pub(crate) fn router(app: App, hosts: Hosts) -> Router {
     let trace = TraceLayer::new_for_http().make_span_with(span);
     let layers = ServiceBuilder::new()
         .map_request(request_id::plain)

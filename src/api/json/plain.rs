@@ -4,7 +4,7 @@ use schemars::Schema;
 use serde_json::{Map, Value};
 
 /// Simplifies all schemas of a part of the description.
-pub fn simplify(part: &mut Value) {
+pub(crate) fn simplify(part: &mut Value) {
     match part {
         Value::Object(fields) => {
             fields.values_mut().for_each(simplify);
@@ -88,7 +88,7 @@ fn flatten(fields: &mut Map<String, Value>) {
 }
 
 /// Removes null from the types of optional fields: answers leave them out instead.
-pub fn never_null(schema: &mut Schema) {
+pub(crate) fn never_null(schema: &mut Schema) {
     let required = schema.get("required").cloned().unwrap_or_default();
     let is_required = |name: &str| {
         required

@@ -10,7 +10,7 @@ use crate::model::either::{MARK, pointer};
 use crate::model::short::{cut, plain, quoted};
 
 /// Reads a body. Only if that fails it is read once more, for the place of the error.
-pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
+pub(crate) fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
     let body = without_mark(body);
     if body.trim_ascii().is_empty() {
         let detail = "the body is empty; a job is expected";
@@ -24,7 +24,7 @@ pub fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
 }
 
 /// A text without the byte-order mark that some programs write before UTF-8.
-pub fn without_mark(text: &[u8]) -> &[u8] {
+pub(crate) fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
 

@@ -40,11 +40,11 @@ use operation::Api;
 
 /// Below which path the API is, and the bytes of the document once it has been requested.
 #[derive(Clone, Debug)]
-pub struct Description(Arc<(String, OnceLock<Bytes>)>);
+pub(super) struct Description(Arc<(String, OnceLock<Bytes>)>);
 
 impl Description {
     /// The description of the API below a path that clients see.
-    pub fn new(base_path: &BasePath) -> Self {
+    pub(super) fn new(base_path: &BasePath) -> Self {
         Self(Arc::new((base_path.to_string(), OnceLock::new())))
     }
 
@@ -62,7 +62,7 @@ impl Description {
 }
 
 /// `GET /openapi.json`
-pub async fn get(Extension(description): Extension<Description>) -> Response {
+pub(super) async fn get(Extension(description): Extension<Description>) -> Response {
     let content_type = HeaderValue::from_static("application/json");
     ([(header::CONTENT_TYPE, content_type)], description.bytes()).into_response()
 }

@@ -21,11 +21,14 @@ pub(super) const REFERENCE: Site = Site {
 const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'";
 
 /// `GET /docs`
-pub async fn page(headers: HeaderMap) -> Result<Response, Problem> {
+pub(crate) async fn page(headers: HeaderMap) -> Result<Response, Problem> {
     REFERENCE.root(&headers)
 }
 
 /// `GET /docs/{file}`
-pub async fn file(InPath(name): InPath<String>, headers: HeaderMap) -> Result<Response, Problem> {
+pub(crate) async fn file(
+    InPath(name): InPath<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
     REFERENCE.part(&headers, &name)
 }

@@ -10,7 +10,7 @@ use crate::api::app::App;
 
 /// The resources of the API.
 #[derive(Default)]
-pub struct Resources {
+pub(crate) struct Resources {
     router: Router<App>,
     /// The methods of each path.
     methods: BTreeMap<&'static str, Vec<&'static str>>,
@@ -18,17 +18,29 @@ pub struct Resources {
 
 impl Resources {
     /// Serves GET.
-    pub fn get<H: Handler<T, App>, T: 'static>(self, path: &'static str, handler: H) -> Self {
+    pub(crate) fn get<H: Handler<T, App>, T: 'static>(
+        self,
+        path: &'static str,
+        handler: H,
+    ) -> Self {
         self.add(path, "get", get(handler))
     }
 
     /// Serves POST.
-    pub fn post<H: Handler<T, App>, T: 'static>(self, path: &'static str, handler: H) -> Self {
+    pub(crate) fn post<H: Handler<T, App>, T: 'static>(
+        self,
+        path: &'static str,
+        handler: H,
+    ) -> Self {
         self.add(path, "post", post(handler))
     }
 
     /// Serves DELETE.
-    pub fn delete<H: Handler<T, App>, T: 'static>(self, path: &'static str, handler: H) -> Self {
+    pub(crate) fn delete<H: Handler<T, App>, T: 'static>(
+        self,
+        path: &'static str,
+        handler: H,
+    ) -> Self {
         self.add(path, "delete", delete(handler))
     }
 
@@ -39,7 +51,7 @@ impl Resources {
     }
 
     /// The routes, and the methods of each path.
-    pub fn parts(self) -> (Router<App>, BTreeMap<&'static str, Vec<&'static str>>) {
+    pub(crate) fn parts(self) -> (Router<App>, BTreeMap<&'static str, Vec<&'static str>>) {
         (self.router, self.methods)
     }
 }

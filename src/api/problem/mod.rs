@@ -16,8 +16,8 @@ use crate::api::json::plain::never_null;
 use crate::model::mistakes::{self as model, Mistakes, Site};
 use crate::model::short;
 use field_error::LONGEST_DETAIL;
-pub use field_error::{FieldError, Location};
-pub use kind::Kind;
+pub(super) use field_error::{FieldError, Location};
+pub(super) use kind::Kind;
 
 /// How a language says where the parts of a request stand.
 pub trait Words {

@@ -9,7 +9,7 @@ use crate::proto::messages as pb;
 
 /// A field that has a list of indices, or a message with such fields.
 #[derive(Debug)]
-pub struct Part {
+pub(crate) struct Part {
     tag: u32,
     name: &'static str,
     /// The fields of the message; none of a list.
@@ -17,7 +17,7 @@ pub struct Part {
 }
 
 /// Messages in which lists are counted.
-pub trait Bounded: Message + Default {
+pub(crate) trait Bounded: Message + Default {
     /// Where they are.
     const PARTS: &'static [Part];
 }
@@ -54,12 +54,12 @@ fn parts_of(call: &str) -> &'static [Part] {
 }
 
 /// Refuses a message with more indices in a list than there can be points.
-pub fn check<M: Bounded>(body: &[u8], most: usize) -> Result<(), Problem> {
+pub(crate) fn check<M: Bounded>(body: &[u8], most: usize) -> Result<(), Problem> {
     count(body, M::PARTS, most, &mut vec![])
 }
 
 /// The same of the message of a call, which follows a byte and its length.
-pub fn check_call(path: &str, body: &[u8], most: usize) -> Result<(), Problem> {
+pub(crate) fn check_call(path: &str, body: &[u8], most: usize) -> Result<(), Problem> {
     let call = path.rsplit('/').next().unwrap_or("");
     let message = body.get(5..).unwrap_or(&[]);
     count(message, parts_of(call), most, &mut vec![])

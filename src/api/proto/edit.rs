@@ -18,7 +18,10 @@ use crate::proto::stream;
 use crate::proto::values::{MethodTarget, check_count};
 
 /// The edit of a job with this outline, and where its parts are in the message.
-pub fn edit(edit: pb::Edit, parent: &Outline) -> Result<(EditRequest, MessageLayout), Problem> {
+pub(crate) fn edit(
+    edit: pb::Edit,
+    parent: &Outline,
+) -> Result<(EditRequest, MessageLayout), Problem> {
     let mut layout = MessageLayout::of_edit(edit.method.as_ref());
     match request(edit, parent, &mut layout) {
         Ok(request) => Ok((request, layout)),

@@ -10,7 +10,7 @@ use crate::proto::{method, stream};
 
 /// How the arrays of a message are laid out.
 #[derive(Clone, Debug, Default)]
-pub struct MessageLayout {
+pub(crate) struct MessageLayout {
     /// What the parts of the curve or surface are fields of; of edits, of nothing.
     root: &'static str,
     /// The number of coordinates of a point.
@@ -27,7 +27,7 @@ pub struct MessageLayout {
 
 impl MessageLayout {
     /// The layout of a job.
-    pub fn of(input: &pb::JobInput) -> Self {
+    pub(crate) fn of(input: &pb::JobInput) -> Self {
         let (root, dimension, columns) = match &input.geometry {
             None => ("", 1, 0),
             Some(Geometry::Curve(curve)) => (CURVE, curve.dimension, 0),
@@ -48,7 +48,7 @@ impl MessageLayout {
     }
 
     /// Of a job of which only the parts of the curve or surface are looked for.
-    pub fn of_shape(surface: bool) -> Self {
+    pub(crate) fn of_shape(surface: bool) -> Self {
         Self {
             root: if surface { SURFACE } else { CURVE },
             ..Self::default()
@@ -166,12 +166,12 @@ impl Words for MessageLayout {
 }
 
 /// What is wrong with a request.
-pub fn wrong(mistake: Mistake) -> Problem {
+pub(crate) fn wrong(mistake: Mistake) -> Problem {
     Problem::of_mistakes(mistake.into(), &MessageLayout::default())
 }
 
 /// What is wrong with a choice, which is a field of the message `within`.
-pub fn wrong_choice(mistake: ChoiceMistake, within: &str) -> Problem {
+pub(crate) fn wrong_choice(mistake: ChoiceMistake, within: &str) -> Problem {
     match mistake.by_request() {
         Some((choice, detail)) => {
             Problem::at_field(format!("{within}{}", stream::field(choice)), detail)

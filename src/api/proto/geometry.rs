@@ -41,7 +41,7 @@ enum Large<'a> {
 }
 
 /// A level, as the bytes of an `Iteration`.
-pub fn iteration(frame: &Frame, form: &Form) -> Content {
+pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
     let (level, problem) = (&frame.level, &frame.problem);
     let points = &frame.control_points;
     let (shown, large) = match form.view {
@@ -75,7 +75,7 @@ pub fn iteration(frame: &Frame, form: &Form) -> Content {
 }
 
 /// The final geometry, as the bytes of a `FitResult`.
-pub fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content {
+pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content {
     let (level, problem) = (&frame.level, &frame.problem);
     let points = &frame.control_points;
     let outline = job.outline();

@@ -8,13 +8,13 @@ use crate::proto::messages as pb;
 use crate::proto::values::known;
 
 /// Which jobs to list.
-pub fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
+pub(crate) fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
     let wanted: pb::JobState = known(value, "state")?;
     Ok(State::ALL.into_iter().find(|it| state(*it) == wanted))
 }
 
 /// The state of a job.
-pub fn state(state: State) -> pb::JobState {
+pub(crate) fn state(state: State) -> pb::JobState {
     match state {
         State::Queued => pb::JobState::Queued,
         State::Running => pb::JobState::Running,
@@ -27,7 +27,7 @@ pub fn state(state: State) -> pb::JobState {
 }
 
 /// Why a job has ended, where the state does not say it.
-pub fn reason(reason: Option<Reason>) -> pb::EndReason {
+pub(crate) fn reason(reason: Option<Reason>) -> pb::EndReason {
     match reason {
         None => pb::EndReason::Unspecified,
         Some(Reason::Minimum) => pb::EndReason::Minimum,
@@ -39,7 +39,7 @@ pub fn reason(reason: Option<Reason>) -> pb::EndReason {
 }
 
 /// What is doubtful.
-pub fn warning(warning: &Warning) -> pb::WarningCode {
+pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
     match warning {
         Warning::FewPoints { .. } => pb::WarningCode::FewPoints,
         Warning::EvenDegree { .. } => pb::WarningCode::EvenDegree,
@@ -52,7 +52,7 @@ pub fn warning(warning: &Warning) -> pb::WarningCode {
 }
 
 /// A curve or a surface.
-pub fn kind(outline: &Outline) -> pb::GeometryKind {
+pub(crate) fn kind(outline: &Outline) -> pb::GeometryKind {
     match outline.surface {
         false => pb::GeometryKind::Curve,
         true => pb::GeometryKind::Surface,

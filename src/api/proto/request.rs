@@ -12,7 +12,7 @@ use crate::proto::job;
 use crate::proto::messages as pb;
 
 /// Reads a message from the body of a request.
-pub fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, Problem> {
+pub(crate) fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, Problem> {
     bounds::check::<M>(&body, most_points)?;
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
 }
@@ -50,13 +50,16 @@ fn unreadable(error: &DecodeError) -> String {
 }
 
 /// The job that a body asks for, and where its parts stand.
-pub fn read(body: Bytes, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
+pub(crate) fn read(body: Bytes, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
     let input = decode(body, config.max_points)?;
     job(input, config)
 }
 
 /// The job that a message asks for, and where its parts stand, relative to the message.
-pub fn job(input: pb::JobInput, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
+pub(crate) fn job(
+    input: pb::JobInput,
+    config: &Config,
+) -> Result<(JobRequest, MessageLayout), Problem> {
     let layout = MessageLayout::of(&input);
     match job::request(input, config.limits().points) {
         Ok(request) => Ok((request, layout)),

@@ -30,7 +30,7 @@ use crate::proto::values::count;
 use crate::proto::{basis, ends::rule, job, method, stream};
 
 /// The job as a resource.
-pub fn job(job: &Job) -> pb::Job {
+pub(crate) fn job(job: &Job) -> pb::Job {
     let (status, outline) = (job.status(), job.outline());
     let label = &outline.label;
     let level = status.levels.map(|levels| levels.last);
@@ -77,7 +77,7 @@ fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<pb::Warning> {
 }
 
 /// A page of the list of jobs.
-pub fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
+pub(crate) fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
     let last = jobs.last().filter(|_| more);
     pb::ListJobsResponse {
         jobs: jobs.iter().map(|it| job(it)).collect(),
@@ -91,7 +91,7 @@ fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
 }
 
 /// The bytes of the `JobInput` that would ask for the same job again.
-pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
+pub(crate) fn input(outline: &Outline, problem: &Problem) -> Bytes {
     let label = &outline.label;
     let message = job::message(
         label.name.clone(),
@@ -125,7 +125,7 @@ fn stop(outline: &Outline) -> pb::StopRules {
 }
 
 /// The distances of a level from the data.
-pub fn distances(error: &FitError, method: &Method) -> pb::Distances {
+pub(crate) fn distances(error: &FitError, method: &Method) -> pb::Distances {
     let local = matches!(method, Method::Local(_));
     pb::Distances {
         max: error.max,
@@ -158,7 +158,7 @@ fn problem(failure: Failure) -> pb::Problem {
 }
 
 /// A comparison of bases.
-pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
+pub(crate) fn rates(rates: &Rates) -> pb::CompareBasesResponse {
     let view = |rate: &BasisRate| pb::BasisRate {
         basis: basis::kind(rate.basis).into(),
         degree: count(rate.degree),
@@ -174,7 +174,11 @@ pub fn rates(rates: &Rates) -> pb::CompareBasesResponse {
 }
 
 /// How far the data are from a level, with the distances of all points if they are wanted.
-pub fn deviation(iteration: usize, deviation: Deviation, list: bool) -> pb::GetDeviationResponse {
+pub(crate) fn deviation(
+    iteration: usize,
+    deviation: Deviation,
+    list: bool,
+) -> pb::GetDeviationResponse {
     pb::GetDeviationResponse {
         iteration: iteration as u64,
         max: deviation.max,
@@ -211,7 +215,7 @@ fn direction(direction: &Direction, ends: Option<&Ends>, arrays: bool) -> pb::Fi
 }
 
 /// Both directions of a problem, or the one of a curve.
-pub fn directions(
+pub(crate) fn directions(
     problem: &Problem,
     arrays: bool,
 ) -> (pb::FittedDirection, Option<pb::FittedDirection>) {
@@ -224,7 +228,7 @@ pub fn directions(
 
 /// All that does not change from iteration to iteration, with its arrays or without them, as the bytes of
 /// a `JobDescription`.
-pub fn description(
+pub(crate) fn description(
     job: &Job,
     problem: &Problem,
     levels: Option<Levels>,
@@ -254,7 +258,7 @@ pub fn description(
 }
 
 /// The end of a job, as the bytes of a `JobEnd`.
-pub fn end(job: &Job, status: &Status) -> Content {
+pub(crate) fn end(job: &Job, status: &Status) -> Content {
     let level = status.levels.map(|levels| levels.last);
     let times = status.started.zip(status.finished);
     let message = pb::JobEnd {

@@ -61,7 +61,11 @@ pub(super) fn end(job: &Job, status: &Status, form: &Form) -> Content {
 }
 
 /// The data of an `iteration` event, made once for each frame and form.
-pub async fn frame(job: &Arc<Job>, frame: &Arc<Frame>, form: &Form) -> Result<Content, StoreError> {
+pub(crate) async fn frame(
+    job: &Arc<Job>,
+    frame: &Arc<Frame>,
+    form: &Form,
+) -> Result<Content, StoreError> {
     let is_last = || frame.is_last || job.has_ended_at(frame.level.iteration);
     let in_full = form.digits == Digits::Auto && is_last();
     let form = if in_full {
@@ -101,7 +105,7 @@ fn numbers(frame: &Frame, view: View) -> usize {
 }
 
 /// Encodes on the compute pool, unless there are few numbers.
-pub async fn off_network(
+pub(crate) async fn off_network(
     job: &Job,
     numbers: usize,
     encode: impl FnOnce() -> Content + Send + 'static,

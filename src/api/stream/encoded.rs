@@ -12,7 +12,7 @@ use crate::job::content::Content;
 
 /// A message with one field that is a message itself, whose bytes are shared.
 #[derive(Debug)]
-pub struct Encoded {
+pub(crate) struct Encoded {
     /// The bytes before the shared ones.
     head: Bytes,
     body: Content,
@@ -22,12 +22,12 @@ pub struct Encoded {
 
 impl Encoded {
     /// The response whose field 1 is the message with these bytes.
-    pub fn response(message: Content) -> Self {
+    pub(crate) fn response(message: Content) -> Self {
         Self::with_field(1, None, message)
     }
 
     /// An event as `WatchJobResponse` or `FitResponse`; `None` for events that have no message.
-    pub fn event(event: Event) -> Option<Self> {
+    pub(crate) fn event(event: Event) -> Option<Self> {
         match event {
             Event::Job(data) => Some(Self::with_field(1, None, data)),
             Event::Iteration {
@@ -61,7 +61,7 @@ impl Encoded {
     }
 
     /// The message in two parts, of which the second is shared.
-    pub fn parts(self) -> (Bytes, Content) {
+    pub(crate) fn parts(self) -> (Bytes, Content) {
         (self.head, self.body)
     }
 }

@@ -29,7 +29,7 @@ use crate::model::stream::options::StreamOptions;
 /// An event of a job, or of the connection. Data are JSON or a protobuf message, depending on the form
 /// of the feed.
 #[derive(Clone, Debug)]
-pub enum Event {
+pub(crate) enum Event {
     /// The description of the job, which does not change from iteration to iteration.
     Job(Content),
     Iteration {
@@ -64,7 +64,7 @@ enum Happened {
 }
 
 /// The events of one reader of a job.
-pub struct Feed {
+pub(crate) struct Feed {
     job: Arc<Job>,
     cursor: Cursor,
     options: StreamOptions,
@@ -93,7 +93,7 @@ pub struct Feed {
 
 impl Feed {
     /// The events of a job after iteration `seen`.
-    pub fn new(
+    pub(crate) fn new(
         app: &App,
         job: Arc<Job>,
         options: StreamOptions,
@@ -105,7 +105,7 @@ impl Feed {
     }
 
     /// The events of an ephemeral edit, which ends with them.
-    pub fn of_ephemeral(
+    pub(crate) fn of_ephemeral(
         app: &App,
         edit: Ephemeral,
         before: Arc<Frame>,
@@ -168,12 +168,12 @@ impl Feed {
     }
 
     /// What it tells the events of.
-    pub fn job(&self) -> &Arc<Job> {
+    pub(crate) fn job(&self) -> &Arc<Job> {
         &self.job
     }
 
     /// The next event. A feed that ends without `End` or `Stopping` has failed.
-    pub async fn next(&mut self) -> Option<Event> {
+    pub(crate) async fn next(&mut self) -> Option<Event> {
         self.quiet_until = Instant::now() + self.heartbeat;
         loop {
             if let Some(event) = self.pending.pop_front() {

@@ -28,7 +28,7 @@ impl Milestones {
     }
 
     /// Whether there is nothing left to reach.
-    pub fn all_reached(&self) -> bool {
+    pub(super) fn all_reached(&self) -> bool {
         self.reached == self.distances.len()
     }
 }

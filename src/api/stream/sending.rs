@@ -22,10 +22,10 @@ const AHEAD: usize = 3;
 const FEW: usize = 1024;
 
 /// Contents that are copied together are sent when they reach this size.
-pub const ENOUGH: usize = 64 * 1024;
+pub(crate) const ENOUGH: usize = 64 * 1024;
 
 /// Bytes in the order in which they are sent.
-pub struct Outgoing {
+pub(crate) struct Outgoing {
     job: Arc<Job>,
     unsent: VecDeque<Unsent>,
     /// Small contents that will be sent together, after `unsent`.
@@ -44,7 +44,7 @@ enum Unsent {
 
 impl Outgoing {
     /// An empty queue; pieces are made on the compute pool of the job.
-    pub fn new(job: Arc<Job>) -> Self {
+    pub(crate) fn new(job: Arc<Job>) -> Self {
         Self {
             job,
             unsent: VecDeque::new(),
@@ -54,22 +54,22 @@ impl Outgoing {
     }
 
     /// Whether there is nothing to send.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.unsent.is_empty() && self.together.is_empty()
     }
 
     /// Whether there is enough to send, so that nothing more should be gathered.
-    pub fn is_enough(&self) -> bool {
+    pub(crate) fn is_enough(&self) -> bool {
         !self.unsent.is_empty() || self.together.len() >= ENOUGH
     }
 
     /// The buffer for small contents.
-    pub fn text(&mut self) -> &mut BytesMut {
+    pub(crate) fn text(&mut self) -> &mut BytesMut {
         &mut self.together
     }
 
     /// Adds a content of any size.
-    pub fn push(&mut self, content: Content) {
+    pub(crate) fn push(&mut self, content: Content) {
         if content.rest.is_none() && content.head.len() > ENOUGH {
             self.cut();
             return self.unsent.push_back(Unsent::Whole(content));
@@ -103,7 +103,7 @@ impl Outgoing {
     }
 
     /// The next bytes to send, if there are any.
-    pub async fn next(&mut self) -> Option<Result<Bytes, Broken>> {
+    pub(crate) async fn next(&mut self) -> Option<Result<Bytes, Broken>> {
         if self.unsent.is_empty() {
             self.cut();
         }

@@ -32,7 +32,7 @@ pub(super) mod line;
 pub(super) mod offsets;
 pub(crate) mod rules;
 
-pub use rules::{End, Ends};
+pub(crate) use rules::{End, Ends};
 
 /// The highest degree whose ends are estimated: polynomials through more points lose all digits.
-pub const MOST_ESTIMATED: usize = 31;
+pub(crate) const MOST_ESTIMATED: usize = 31;

@@ -14,11 +14,11 @@ use crate::fit::problem::Problem;
 use crate::fit::quantiles::Position;
 
 /// The percentiles that are computed.
-pub const PERCENTILES: [usize; 4] = [50, 90, 95, 99];
+pub(crate) const PERCENTILES: [usize; 4] = [50, 90, 95, 99];
 
 /// Distances of data points from the nearest points of a curve or surface.
 #[derive(Clone, Debug)]
-pub struct Deviation {
+pub(crate) struct Deviation {
     /// The largest distance.
     pub max: f64,
     /// The root mean square of the distances.
@@ -39,7 +39,7 @@ impl Deviation {
     ///
     /// The fit has no nearest points: its degree is too high, a weight is not positive, or the data
     /// are values of a function.
-    pub fn of(problem: &Problem, control_points: &Points) -> Result<Self, NoFootPoints> {
+    pub(crate) fn of(problem: &Problem, control_points: &Points) -> Result<Self, NoFootPoints> {
         let points = &problem.request().points;
         if points.dimension() == 1 {
             return Err(NoFootPoints::OneCoordinate);

@@ -27,7 +27,7 @@ use super::problem::Problem;
 use cells::Cells;
 
 /// The highest degree of a surface with foot points: the time of a step grows with its square.
-pub const MAX_DEGREE: usize = 32;
+pub(crate) const MAX_DEGREE: usize = 32;
 
 /// The highest degree of a curve with foot points: the time to divide it grows with the fifth power.
 const MAX_DEGREE_OF_CURVES: usize = 64;
@@ -37,7 +37,7 @@ const CHUNK: usize = 256;
 
 /// Why a fit has no foot points.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum NoFootPoints {
+pub(crate) enum NoFootPoints {
     /// It is a curve.
     #[error("the job fits a curve: foot points lie on surfaces")]
     Curve,
@@ -82,7 +82,7 @@ pub(super) struct FootPoints {
 /// # Errors
 ///
 /// The fit is no surface that has foot points.
-pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoints> {
+pub(crate) fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoints> {
     if surface.v.is_none() {
         return Err(NoFootPoints::Curve);
     }
@@ -160,7 +160,7 @@ fn check(fit: &Nurbs, v: &KnotVector, points: &Points) -> Result<(), NoFootPoint
 
 /// About how many bytes the search on a fit takes: its control net in three forms, the pieces of its knot
 /// spans with their matrices, and its cells in the tree.
-pub fn memory(problem: &Problem) -> usize {
+pub(crate) fn memory(problem: &Problem) -> usize {
     let counts = problem.directions().map(|direction| {
         let (functions, degree) = (direction.basis.functions(), direction.basis.degree());
         let pieces = functions * cells::pieces(degree);

@@ -18,7 +18,7 @@ use super::banded::{Banded, Diagonal};
 use crate::fit::monotonic;
 
 /// The place of each index in the folded order 0, n−1, 1, n−2, … of n rows and columns.
-pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
+pub(crate) fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
     move |j| {
         if 2 * j < n {
             2 * j
@@ -29,7 +29,7 @@ pub fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {
 }
 
 /// The index at each place of the folded order: the inverse of [`folded`].
-pub fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
+pub(super) fn unfolded(n: usize) -> impl Fn(usize) -> usize + Copy {
     move |k| {
         if k.is_multiple_of(2) {
             k / 2

@@ -23,7 +23,7 @@ pub trait LineMap: Debug + Send + Sync {
 /// columns. Curves have no `v`, and their grids are lines. `scratch` has at least as many numbers
 /// as a grid; curves need none. Columns are transposed into lines and back, which costs less than
 /// walking along them.
-pub fn apply_tensor(
+pub(crate) fn apply_tensor(
     u: &impl LineMap,
     v: Option<&impl LineMap>,
     grid: Grid,

@@ -27,7 +27,7 @@ mod pack;
 pub(crate) mod qr;
 pub(crate) mod triangular;
 
-pub use band::folded;
+pub(crate) use band::folded;
 pub(super) use dense::DenseMap;
-pub use inverse::Inverse;
-pub use map::{LineMap, apply_tensor};
+pub(crate) use inverse::Inverse;
+pub(crate) use map::{LineMap, apply_tensor};

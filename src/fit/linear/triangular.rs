@@ -18,7 +18,7 @@ const DEPENDENT: f64 = 1e-12;
 
 /// The rows of a matrix on their way into a factorization.
 #[derive(Debug)]
-pub struct Rows {
+pub(crate) struct Rows {
     /// The place of each column in the order in which rows are narrow.
     places: Vec<u32>,
     /// The most places from the first to the last entry of a row.
@@ -31,7 +31,7 @@ pub struct Rows {
 
 impl Rows {
     /// No rows yet, of as many columns as there are places.
-    pub fn new(places: Vec<u32>, width: usize) -> Self {
+    pub(crate) fn new(places: Vec<u32>, width: usize) -> Self {
         Self {
             width: width.min(places.len()),
             places,
@@ -41,7 +41,7 @@ impl Rows {
     }
 
     /// Adds a multiple of a row of columns and values.
-    pub fn push(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone, factor: f64) {
+    pub(crate) fn push(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone, factor: f64) {
         let entries = || {
             let entries = row.clone().filter(|&(_, value)| value != 0.0);
             entries.map(|(column, value)| (self.places[column] as usize, value))
@@ -58,7 +58,7 @@ impl Rows {
     }
 
     /// The triangular factor; `fixed` columns are left out.
-    pub fn triangular(self, fixed: impl Fn(usize) -> bool) -> Triangular {
+    pub(crate) fn triangular(self, fixed: impl Fn(usize) -> bool) -> Triangular {
         let mut order: Vec<usize> = (0..self.firsts.len()).collect();
         order.sort_by_key(|&row| self.firsts[row]);
         let mut triangular = Triangular::new(self.places, self.width);
@@ -77,7 +77,7 @@ impl Rows {
 
 /// An upper triangular matrix R, for solutions of `RᵀR x = b`.
 #[derive(Debug)]
-pub struct Triangular {
+pub(crate) struct Triangular {
     /// The place of each column.
     places: Vec<u32>,
     /// The numbers that are kept of each row, from the diagonal on.
@@ -90,7 +90,7 @@ pub struct Triangular {
 impl Triangular {
     /// The factor of a matrix without rows, of as many columns as there are places. The first and
     /// the last entry of a row that comes are at most `width` places apart.
-    pub fn new(places: Vec<u32>, width: usize) -> Self {
+    pub(crate) fn new(places: Vec<u32>, width: usize) -> Self {
         let (n, width) = (places.len(), width.min(places.len()));
         Self {
             width,
@@ -102,7 +102,7 @@ impl Triangular {
 
     /// Rotates another row of the matrix into the factor. It takes the least time if rows come in
     /// the order of their first places.
-    pub fn insert_row(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone) {
+    pub(crate) fn insert_row(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone) {
         let entries = row.filter(|&(_, value)| value != 0.0);
         let places = entries.map(|(column, value)| (self.places[column] as usize, value));
         let places: Vec<(usize, f64)> = places.collect();
@@ -117,7 +117,9 @@ impl Triangular {
     }
 
     /// The rows of the factor, as places and values.
-    pub fn rows(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, f64)> + Clone + '_> {
+    pub(crate) fn rows(
+        &self,
+    ) -> impl Iterator<Item = impl Iterator<Item = (usize, f64)> + Clone + '_> {
         let rows = self.rows.chunks_exact(self.width).enumerate();
         rows.map(|(place, row)| {
             let entries = row.iter().enumerate();
@@ -153,7 +155,7 @@ impl Triangular {
     }
 
     /// Leaves out fixed columns and those that depend on others before them.
-    pub fn leave_out(&mut self, fixed: impl Fn(usize) -> bool) {
+    pub(crate) fn leave_out(&mut self, fixed: impl Fn(usize) -> bool) {
         let (n, width) = (self.taken.len(), self.width);
         let lengths = self.lengths();
         let mut given = vec![false; n];

@@ -23,7 +23,7 @@ const FAST: f64 = 0.75;
 
 /// Redistributions of some number of control points.
 #[derive(Debug)]
-pub struct Attempt {
+pub(super) struct Attempt {
     count: usize,
     /// What the next knots come from.
     monitor: Monitor,
@@ -40,7 +40,7 @@ pub struct Attempt {
 
 impl Attempt {
     /// Nothing tried yet.
-    pub fn new(count: usize, monitor: Monitor) -> Self {
+    pub(super) fn new(count: usize, monitor: Monitor) -> Self {
         Self {
             count,
             monitor,
@@ -53,35 +53,35 @@ impl Attempt {
     }
 
     /// The number of control points.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.count
     }
 
     /// Whether nothing was tried yet.
-    pub fn is_fresh(&self) -> bool {
+    pub(super) fn is_fresh(&self) -> bool {
         self.tries == 0
     }
 
     /// What the next knots come from.
-    pub fn monitor(&self) -> &Monitor {
+    pub(super) fn monitor(&self) -> &Monitor {
         &self.monitor
     }
 
     /// The largest distance of the lowest level.
-    pub fn lowest(&self) -> f64 {
+    pub(super) fn lowest(&self) -> f64 {
         self.lowest
             .as_ref()
             .map_or(f64::INFINITY, |(level, _)| level.distances.max)
     }
 
     /// The level with the lowest largest distance.
-    pub fn lowest_level(&self) -> Option<&Arc<Level>> {
+    pub(super) fn lowest_level(&self) -> Option<&Arc<Level>> {
         self.lowest.as_ref().map(|(level, _)| level)
     }
 
     /// Takes the outcome of a redistribution, and what its distances ask for; returns whether it is
     /// the lowest so far.
-    pub fn take(&mut self, level: &Arc<Level>, monitor: Monitor) -> bool {
+    pub(super) fn take(&mut self, level: &Arc<Level>, monitor: Monitor) -> bool {
         let (largest, before) = (level.distances.max, self.lowest());
         self.tries += 1;
         self.without_gain = if largest < GAIN * before {
@@ -104,35 +104,35 @@ impl Attempt {
 
     /// Whether more redistributions are not worth it. With the `most` control points that are
     /// allowed there is no other way to get closer.
-    pub fn is_over(&self, tolerance: f64, most: usize) -> bool {
+    pub(super) fn is_over(&self, tolerance: f64, most: usize) -> bool {
         let elsewhere = self.count < most && self.is_hopeless(tolerance);
         self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
     }
 
     /// Whether the tolerance is so far away that distances tell little about how many control
     /// points are needed.
-    pub fn is_hopeless(&self, tolerance: f64) -> bool {
+    pub(super) fn is_hopeless(&self, tolerance: f64) -> bool {
         self.lowest() > HOPELESS * tolerance
     }
 
     /// The last level of the weights.
-    pub fn weighed(&self) -> Option<&Arc<Level>> {
+    pub(super) fn weighed(&self) -> Option<&Arc<Level>> {
         self.weighed.as_ref()
     }
 
     /// Remembers a level of the weights.
-    pub fn with_weighed(mut self, level: Arc<Level>) -> Self {
+    pub(super) fn with_weighed(mut self, level: Arc<Level>) -> Self {
         self.weighed = Some(level);
         self
     }
 
     /// What the distances of the last redistribution ask for.
-    pub fn into_last_monitor(self) -> Monitor {
+    pub(super) fn into_last_monitor(self) -> Monitor {
         self.monitor
     }
 
     /// What the distances of the lowest level ask for.
-    pub fn into_lowest_monitor(self) -> Monitor {
+    pub(super) fn into_lowest_monitor(self) -> Monitor {
         match self.lowest {
             Some((_, monitor)) => monitor,
             None => self.monitor,

@@ -16,7 +16,7 @@ use crate::fit::points::Points;
 const PART: f64 = 0.4;
 
 /// The parameters after one step.
-pub fn corrected(
+pub(crate) fn corrected(
     line: &KnotLine,
     values: &Values,
     control_points: &Points,

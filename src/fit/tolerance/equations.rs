@@ -18,7 +18,7 @@ use crate::fit::points::{Points, normalizing_scale};
 
 /// A minimum over some knots. What else it has to obey or to weigh, as constraints or fairness, is
 /// the business of an implementation: the schedule only compares distances.
-pub trait Minimum {
+pub(crate) trait Minimum {
     /// The control points that are nearest to the data by the sum of squared distances, each
     /// multiplied with its weight, or `None` if the data do not determine them.
     fn minimum(&self, line: &KnotLine, values: &Values, weights: Option<&[f64]>) -> Option<Points>;
@@ -26,7 +26,7 @@ pub trait Minimum {
 
 /// Least squares of a curve with interpolated ends.
 #[derive(Clone, Debug)]
-pub struct LeastSquares {
+pub(crate) struct LeastSquares {
     /// The data.
     pub points: Arc<Points>,
     /// How much each datum counts, without it all alike.
@@ -205,7 +205,7 @@ pub(super) fn start(line: &KnotLine, points: &Points) -> Points {
 
 /// How far a curve is from the data.
 #[derive(Clone, Debug)]
-pub struct Distances {
+pub(crate) struct Distances {
     /// `‖P_i − C(t_i)‖`.
     pub each: Vec<f64>,
     /// The largest.
@@ -216,7 +216,12 @@ pub struct Distances {
 
 impl Distances {
     /// Of the curve of some control points.
-    pub fn new(line: &KnotLine, values: &Values, control_points: &Points, points: &Points) -> Self {
+    pub(crate) fn new(
+        line: &KnotLine,
+        values: &Values,
+        control_points: &Points,
+        points: &Points,
+    ) -> Self {
         let count = points.len();
         let unit = normalizing_scale(points.magnitude());
         let mut each = vec![0.0; count];

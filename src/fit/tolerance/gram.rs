@@ -14,7 +14,7 @@ const SINGULAR: f64 = 1e-13;
 
 /// The lower half of a symmetric banded matrix.
 #[derive(Clone, Debug)]
-pub struct Gram {
+pub(super) struct Gram {
     order: Order,
     /// How many entries are kept beside the diagonal.
     band: usize,
@@ -38,7 +38,7 @@ impl Order {
 impl Gram {
     /// Zeros, of `count` unknowns that are at most `reach` from each other, around the end if the
     /// line is closed.
-    pub fn new(count: usize, reach: usize, closed: bool) -> Self {
+    pub(super) fn new(count: usize, reach: usize, closed: bool) -> Self {
         let band = if closed { 2 * reach } else { reach };
         let band = band.min(count.saturating_sub(1));
         Self {
@@ -52,14 +52,14 @@ impl Gram {
     }
 
     /// Adds to entry (i, j), which stands for (j, i) too: call it for one of them.
-    pub fn add(&mut self, i: usize, j: usize, value: f64) {
+    pub(super) fn add(&mut self, i: usize, j: usize, value: f64) {
         let (i, j) = (self.order.place(i), self.order.place(j));
         let (i, j) = (i.max(j), i.min(j));
         self.rows[i * (self.band + 1) + j + self.band - i] += value;
     }
 
     /// The Cholesky factor, or `None` if some combination of unknowns is not determined.
-    pub fn factor(mut self) -> Option<Cholesky> {
+    pub(super) fn factor(mut self) -> Option<Cholesky> {
         let (band, width) = (self.band, self.band + 1);
         for i in 0..self.order.count {
             let (done, rest) = self.rows.split_at_mut(i * width);
@@ -90,7 +90,7 @@ impl Gram {
 
 /// `L` of `L Lᵀ`, row by row as in [`Gram`].
 #[derive(Clone, Debug)]
-pub struct Cholesky {
+pub(super) struct Cholesky {
     order: Order,
     band: usize,
     rows: Vec<f64>,
@@ -98,7 +98,7 @@ pub struct Cholesky {
 
 impl Cholesky {
     /// Solves in place.
-    pub fn solve(&self, x: &mut [f64]) {
+    pub(super) fn solve(&self, x: &mut [f64]) {
         if !self.order.folds {
             self.solve_ordered(x);
             return;

@@ -10,7 +10,7 @@ const SHARE: f64 = 0.05;
 /// A knot in the middle of every span whose largest distance is above the tolerance and not far
 /// below the worst. `None` if no knot can be inserted: if the data would not determine the fit, or
 /// there would be more than `limit` control points.
-pub fn grown(
+pub(crate) fn grown(
     line: &KnotLine,
     t: &[f64],
     distances: &[f64],

@@ -10,7 +10,7 @@ use crate::fit::points::Points;
 
 /// The control points of the same curve over `fine` knots, which must hold all of the `coarse`
 /// ones.
-pub fn refine(coarse: &KnotLine, fine: &KnotLine, control_points: &Points) -> Points {
+pub(crate) fn refine(coarse: &KnotLine, fine: &KnotLine, control_points: &Points) -> Points {
     Points::from_lanes(
         control_points
             .lanes()
@@ -20,7 +20,7 @@ pub fn refine(coarse: &KnotLine, fine: &KnotLine, control_points: &Points) -> Po
 }
 
 /// The same for one coordinate.
-pub fn refine_line(coarse: &KnotLine, fine: &KnotLine, x: &[f64]) -> Vec<f64> {
+pub(crate) fn refine_line(coarse: &KnotLine, fine: &KnotLine, x: &[f64]) -> Vec<f64> {
     let degree = coarse.degree();
     let (start, end) = (coarse.breaks()[0], coarse.breaks()[coarse.spans()]);
     let period = end - start;

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// The knots of one direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct KnotLine {
+pub(crate) struct KnotLine {
     degree: usize,
     closed: bool,
     breaks: Vec<f64>,
@@ -21,7 +21,7 @@ pub struct KnotLine {
 impl KnotLine {
     /// Knots at some breaks, which must increase; `None` if they do not, or if a closed curve has
     /// too few of them for its degree.
-    pub fn new(degree: usize, closed: bool, breaks: Vec<f64>) -> Option<Self> {
+    pub(crate) fn new(degree: usize, closed: bool, breaks: Vec<f64>) -> Option<Self> {
         let spans = breaks.len().checked_sub(1)?;
         let least = if closed { degree + 1 } else { 1 };
         let increase = breaks.windows(2).all(|pair| pair[0] < pair[1]);
@@ -33,7 +33,7 @@ impl KnotLine {
     }
 
     /// The fewest control points, p + 1, on equal spans.
-    pub fn coarsest(degree: usize, closed: bool, start: f64, end: f64) -> Option<Self> {
+    pub(crate) fn coarsest(degree: usize, closed: bool, start: f64, end: f64) -> Option<Self> {
         let spans = if closed { degree + 1 } else { 1 };
         let at = |k: usize| start + (end - start) * (k as f64 / spans as f64);
         let mut breaks: Vec<f64> = (0..spans).map(at).collect();
@@ -42,7 +42,7 @@ impl KnotLine {
     }
 
     /// The same with a knot in the middle of each span, unless spans are too short for that.
-    pub fn halved(&self) -> Option<Self> {
+    pub(crate) fn halved(&self) -> Option<Self> {
         let middles = self.breaks.windows(2);
         let middles = middles.map(|pair| pair[0] + (pair[1] - pair[0]) / 2.0);
         let mut breaks: Vec<f64> = self.breaks.iter().copied().chain(middles).collect();
@@ -51,38 +51,38 @@ impl KnotLine {
     }
 
     /// The degree p.
-    pub fn degree(&self) -> usize {
+    pub(crate) fn degree(&self) -> usize {
         self.degree
     }
 
     /// Whether the last span is followed by the first.
-    pub fn is_closed(&self) -> bool {
+    pub(crate) fn is_closed(&self) -> bool {
         self.closed
     }
 
     /// Both ends and the knots between them.
-    pub fn breaks(&self) -> &[f64] {
+    pub(crate) fn breaks(&self) -> &[f64] {
         &self.breaks
     }
 
     /// The number of spans.
-    pub fn spans(&self) -> usize {
+    pub(crate) fn spans(&self) -> usize {
         self.breaks.len() - 1
     }
 
     /// The number of control points.
-    pub fn control_points(&self) -> usize {
+    pub(crate) fn control_points(&self) -> usize {
         self.spans() + control_points_beyond_spans(self.degree, self.closed)
     }
 
     /// The control point that function `j` is multiplied with.
-    pub fn control_point(&self, j: usize) -> usize {
+    pub(crate) fn control_point(&self, j: usize) -> usize {
         if self.closed { j % self.spans() } else { j }
     }
 
     /// Knot `i` of the clamped or periodic vector, of which index p is the start of the parameters.
     /// Beyond both ends a closed line goes on periodically, an open one repeats its ends.
-    pub fn knot(&self, i: isize) -> f64 {
+    pub(crate) fn knot(&self, i: isize) -> f64 {
         let (spans, k) = (self.spans() as isize, i - self.degree as isize);
         if self.closed {
             let period = self.breaks[self.spans()] - self.breaks[0];
@@ -93,14 +93,14 @@ impl KnotLine {
     }
 
     /// All spans + 2 p + 1 knots.
-    pub fn knots(&self) -> Arc<Vec<f64>> {
+    pub(crate) fn knots(&self) -> Arc<Vec<f64>> {
         let count = (self.spans() + 2 * self.degree + 1) as isize;
         Arc::new((0..count).map(|i| self.knot(i)).collect())
     }
 
     /// Where the parameters of each span start among `t`, which increases, and after them the
     /// number of parameters. The end of an open line belongs to its last span.
-    pub fn starts(&self, t: &[f64]) -> Vec<usize> {
+    pub(crate) fn starts(&self, t: &[f64]) -> Vec<usize> {
         let mut starts = Vec::with_capacity(self.breaks.len());
         let mut at = 0;
         for &knot in &self.breaks[..self.spans()] {
@@ -115,7 +115,7 @@ impl KnotLine {
     /// Whether every control point has a parameter of its own (Schoenberg–Whitney), so that least
     /// squares have one solution. The ends of an open line count for its first and last control
     /// point.
-    pub fn is_determined(&self, t: &[f64]) -> bool {
+    pub(crate) fn is_determined(&self, t: &[f64]) -> bool {
         let count = self.control_points();
         if count > t.len() {
             return false;
@@ -163,6 +163,6 @@ impl KnotLine {
 }
 
 /// How many more control points than spans there are.
-pub fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
+pub(crate) fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
     if closed { 0 } else { degree }
 }

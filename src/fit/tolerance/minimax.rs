@@ -14,20 +14,20 @@ const LEAST: f64 = 1e-3;
 
 /// The weights of data points.
 #[derive(Clone, Debug)]
-pub struct Weights {
+pub(crate) struct Weights {
     values: Vec<f64>,
 }
 
 impl Weights {
     /// All alike.
-    pub fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self {
             values: vec![1.0; count],
         }
     }
 
     /// Raises those of points that are far away.
-    pub fn raise(&mut self, distances: &[f64], largest: f64) {
+    pub(crate) fn raise(&mut self, distances: &[f64], largest: f64) {
         let mut sum = 0.0;
         for (w, e) in self.values.iter_mut().zip(distances) {
             *w *= e / largest + LEAST;
@@ -41,7 +41,7 @@ impl Weights {
     }
 
     /// One for each data point, one in the mean.
-    pub fn values(&self) -> &[f64] {
+    pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
 }

@@ -71,7 +71,7 @@ use super::points::Points;
 
 /// What is asked for.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub(crate) struct Options {
     /// The degree p ≥ 1.
     pub degree: usize,
     /// The period of a closed curve, after which it is back at its first datum.
@@ -89,28 +89,9 @@ pub struct Options {
     pub minima_alone: bool,
 }
 
-/// What a level has done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// Moved control points towards the least-squares fit, with the knots of the level before.
-    Steps,
-    /// Inserted knots: the same curve.
-    Insertion,
-    /// Moved knots.
-    Redistribution,
-    /// Moved knots, of which there are fewer than in the level before.
-    Removal,
-    /// Moved control points to lower the largest distance, with the knots of the level before.
-    Minimax,
-    /// Gone back to the best level, as what was tried since is not within the tolerance.
-    Result,
-}
-
 /// A B-spline on the way.
 #[derive(Clone, Debug)]
-pub struct Level {
-    /// What was done since the level before.
-    pub phase: Phase,
+pub(crate) struct Level {
     /// The knots.
     pub line: KnotLine,
     /// The control points.

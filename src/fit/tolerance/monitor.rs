@@ -24,7 +24,7 @@ const LEAST: f64 = 0.02;
 
 /// A density of knots, constant on spans.
 #[derive(Clone, Debug)]
-pub struct Monitor {
+pub(crate) struct Monitor {
     degree: usize,
     closed: bool,
     breaks: Vec<f64>,
@@ -34,7 +34,7 @@ pub struct Monitor {
 impl Monitor {
     /// Of the distances at the parameters, which spans start at `starts`. With `damping` below one
     /// knots go only that part of the way.
-    pub fn new(line: &KnotLine, starts: &[usize], distances: &[f64], damping: f64) -> Self {
+    pub(crate) fn new(line: &KnotLine, starts: &[usize], distances: &[f64], damping: f64) -> Self {
         let most = span_maxima(starts, distances);
         let largest = most.iter().copied().fold(0.0, f64::max);
         let power = damping / (line.degree() + 1) as f64;
@@ -61,23 +61,23 @@ impl Monitor {
     }
 
     /// The degree p.
-    pub fn degree(&self) -> usize {
+    pub(crate) fn degree(&self) -> usize {
         self.degree
     }
 
     /// Whether the last span is followed by the first.
-    pub fn is_closed(&self) -> bool {
+    pub(crate) fn is_closed(&self) -> bool {
         self.closed
     }
 
     /// The end of the parameters.
-    pub fn end(&self) -> f64 {
+    pub(crate) fn end(&self) -> f64 {
         self.breaks[self.breaks.len() - 1]
     }
 
     /// Knots for so many control points, at equal shares; `None` if they are too close to be told
     /// apart.
-    pub fn place(&self, control_points: usize) -> Option<KnotLine> {
+    pub(crate) fn place(&self, control_points: usize) -> Option<KnotLine> {
         let beyond = control_points_beyond_spans(self.degree, self.closed);
         let spans = control_points.checked_sub(beyond)?;
         let mut sums = vec![0.0];
@@ -103,7 +103,7 @@ impl Monitor {
 }
 
 /// The largest distance in each span.
-pub fn span_maxima(starts: &[usize], distances: &[f64]) -> Vec<f64> {
+pub(crate) fn span_maxima(starts: &[usize], distances: &[f64]) -> Vec<f64> {
     starts
         .windows(2)
         .map(|range| {
@@ -115,7 +115,7 @@ pub fn span_maxima(starts: &[usize], distances: &[f64]) -> Vec<f64> {
 
 /// How many control points would have distances of at most `tolerance`, if each span were divided
 /// by itself.
-pub fn needed(line: &KnotLine, maxima: &[f64], tolerance: f64) -> usize {
+pub(crate) fn needed(line: &KnotLine, maxima: &[f64], tolerance: f64) -> usize {
     let power = 1.0 / (line.degree() + 1) as f64;
     let shares: f64 = maxima.iter().map(|e| (e / tolerance).powf(power)).sum();
     let beyond = control_points_beyond_spans(line.degree(), line.is_closed());

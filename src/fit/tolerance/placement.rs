@@ -10,7 +10,7 @@ const TOWARDS_DATA: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Knots for so many control points, as the density asks for; where it asks for more knots than
 /// there are data, nearer to the data.
-pub fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine> {
+pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine> {
     if control_points == t.len() {
         // One for each datum: other knots hardly determine the fit.
         return even(monitor, t, control_points).filter(|line| line.is_determined(t));

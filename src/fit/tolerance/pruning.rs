@@ -19,7 +19,7 @@ use super::line::KnotLine;
 use crate::fit::points::Points;
 
 /// The knots without one of them, the cheapest removals first.
-pub fn fewer<'a>(
+pub(super) fn fewer<'a>(
     line: &'a KnotLine,
     control_points: &Points,
 ) -> impl Iterator<Item = KnotLine> + use<'a> {

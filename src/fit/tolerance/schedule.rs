@@ -20,7 +20,7 @@ use super::monitor::{Monitor, needed, span_maxima};
 use super::placement::place;
 use super::steps::Steps;
 use super::values::Values;
-use super::{Level, Options, Phase};
+use super::{Level, Options};
 use crate::fit::points::Points;
 use crate::fit::termination::Outcome;
 
@@ -53,7 +53,7 @@ const BUDGET: usize = 120;
 
 /// A fit with as few control points as its tolerance needs, level by level.
 #[derive(Debug)]
-pub struct Schedule<M> {
+pub(crate) struct Schedule<M> {
     minimum: M,
     points: Arc<Points>,
     options: Options,
@@ -98,7 +98,7 @@ enum Stage {
 
 impl<M: Minimum> Schedule<M> {
     /// A fit of data at increasing parameters, two at least.
-    pub fn new(
+    pub(crate) fn new(
         points: Arc<Points>,
         parameters: Arc<Vec<f64>>,
         options: Options,
@@ -128,12 +128,12 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// How it has ended, after the last level.
-    pub fn outcome(&self) -> Option<Outcome> {
+    pub(crate) fn outcome(&self) -> Option<Outcome> {
         self.outcome.filter(|_| self.queue.is_empty())
     }
 
     /// The next level, or `None` after the last one.
-    pub fn next_level(&mut self) -> Option<Arc<Level>> {
+    pub(crate) fn next_level(&mut self) -> Option<Arc<Level>> {
         while self.queue.is_empty() && self.outcome.is_none() {
             self.advance();
         }
@@ -220,17 +220,8 @@ impl<M: Minimum> Schedule<M> {
             self.parameters = Arc::new(moved);
             values = Values::new(&line, &self.parameters);
         }
-        let level = self.level(self.phase_of(&line), line, &values, control_points);
+        let level = self.level(line, &values, control_points);
         level.distances.max.is_finite().then_some((level, values))
-    }
-
-    /// What moving the knots of the last level to these is.
-    fn phase_of(&self, line: &KnotLine) -> Phase {
-        let before = self.last.as_ref().map(|last| last.line.control_points());
-        match before {
-            Some(before) if line.control_points() < before => Phase::Removal,
-            _ => Phase::Redistribution,
-        }
     }
 
     /// One step of the weights over the knots of the last level.
@@ -253,13 +244,7 @@ impl<M: Minimum> Schedule<M> {
             return;
         };
         let parameters = Arc::clone(&base.parameters);
-        let level = self.level_at(
-            Phase::Minimax,
-            base.line.clone(),
-            &values,
-            control_points,
-            parameters,
-        );
+        let level = self.level_at(base.line.clone(), &values, control_points, parameters);
         if level.distances.max < last.distances.max * (1.0 - GAIN) {
             self.issue(Arc::clone(&level));
         }
@@ -315,10 +300,7 @@ impl<M: Minimum> Schedule<M> {
         if let (Some(end), Some(last)) = (end, self.last.clone())
             && !Arc::ptr_eq(&end, &last)
         {
-            self.queue.push_back(Arc::new(Level {
-                phase: Phase::Result,
-                ..Level::clone(&end)
-            }));
+            self.queue.push_back(end);
         }
         let limited = self.options.max_control_points < self.points.len();
         self.outcome = Some(match &self.best {
@@ -329,21 +311,14 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// A level at the present parameters.
-    fn level(
-        &self,
-        phase: Phase,
-        line: KnotLine,
-        values: &Values,
-        control_points: Points,
-    ) -> Arc<Level> {
+    fn level(&self, line: KnotLine, values: &Values, control_points: Points) -> Arc<Level> {
         let parameters = Arc::clone(&self.parameters);
-        self.level_at(phase, line, values, control_points, parameters)
+        self.level_at(line, values, control_points, parameters)
     }
 
     /// A level at some parameters.
     fn level_at(
         &self,
-        phase: Phase,
         line: KnotLine,
         values: &Values,
         control_points: Points,
@@ -351,7 +326,6 @@ impl<M: Minimum> Schedule<M> {
     ) -> Arc<Level> {
         let distances = Distances::new(&line, values, &control_points, &self.points);
         Arc::new(Level {
-            phase,
             line,
             control_points,
             distances,
@@ -360,8 +334,8 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// Makes a level and hands it out.
-    fn issue_new(&mut self, phase: Phase, line: KnotLine, values: &Values, control_points: Points) {
-        let level = self.level(phase, line, values, control_points);
+    fn issue_new(&mut self, line: KnotLine, values: &Values, control_points: Points) {
+        let level = self.level(line, values, control_points);
         self.issue(level);
     }
 

@@ -11,7 +11,7 @@ use crate::fit::points::{Points, normalizing_scale};
 
 /// Conjugate gradients over some knots.
 #[derive(Clone, Debug)]
-pub struct Steps {
+pub(crate) struct Steps {
     /// The preconditioner: zero for control points that stay.
     scale: Vec<f64>,
     /// Brings squares to the order of one.
@@ -28,7 +28,12 @@ pub struct Steps {
 
 impl Steps {
     /// Starts from a curve.
-    pub fn new(line: &KnotLine, values: &Values, control_points: &Points, points: &Points) -> Self {
+    pub(crate) fn new(
+        line: &KnotLine,
+        values: &Values,
+        control_points: &Points,
+        points: &Points,
+    ) -> Self {
         let (count, data) = (line.control_points(), points.len());
         let mut scale = vec![0.0; count];
         values.apply_transposed(line, &vec![1.0; data], &mut scale);
@@ -59,7 +64,7 @@ impl Steps {
     }
 
     /// One step for each coordinate.
-    pub fn step(&mut self, line: &KnotLine, values: &Values, control_points: &mut Points) {
+    pub(crate) fn step(&mut self, line: &KnotLine, values: &Values, control_points: &mut Points) {
         for (c, x) in control_points.lanes_mut().iter_mut().enumerate() {
             let residual = &mut self.residual.lanes_mut()[c];
             let direction = &mut self.direction.lanes_mut()[c];

@@ -11,7 +11,7 @@ use super::line::KnotLine;
 /// The values of the functions at parameters: p + 1 numbers for each of them, of those of its span
 /// on.
 #[derive(Clone, Debug)]
-pub struct Values {
+pub(crate) struct Values {
     width: usize,
     /// Where the parameters of each span start.
     starts: Vec<usize>,
@@ -34,7 +34,7 @@ macro_rules! with_width {
 
 impl Values {
     /// Evaluates all functions at increasing parameters.
-    pub fn new(line: &KnotLine, t: &[f64]) -> Self {
+    pub(crate) fn new(line: &KnotLine, t: &[f64]) -> Self {
         let (starts, width) = (line.starts(t), line.degree() + 1);
         let knots = line.knots();
         let mut values = vec![0.0; t.len() * width];
@@ -54,18 +54,18 @@ impl Values {
     }
 
     /// p + 1.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
     }
 
     /// Where the parameters of each span start, and the number of parameters.
-    pub fn starts(&self) -> &[usize] {
+    pub(crate) fn starts(&self) -> &[usize] {
         &self.starts
     }
 
     /// For each span which parameters lie in it, and the p + 1 values at each of them, of functions
     /// span … span + p.
-    pub fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>, &[f64])> {
+    pub(crate) fn spans(&self) -> impl Iterator<Item = (usize, Range<usize>, &[f64])> {
         self.starts.windows(2).enumerate().map(|(span, range)| {
             let rows = &self.values[range[0] * self.width..range[1] * self.width];
             (span, range[0]..range[1], rows)
@@ -73,7 +73,7 @@ impl Values {
     }
 
     /// `y = A x` for one coordinate of the control points.
-    pub fn apply(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn apply(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
         let mut local = vec![0.0; self.width];
         for (span, range, rows) in self.spans() {
             for (k, local) in local.iter_mut().enumerate() {
@@ -84,7 +84,7 @@ impl Values {
     }
 
     /// `y = Aᵀ x` for one coordinate of the data.
-    pub fn apply_transposed(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn apply_transposed(&self, line: &KnotLine, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         let mut local = vec![0.0; self.width];
         for (span, range, rows) in self.spans() {

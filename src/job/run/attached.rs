@@ -12,7 +12,7 @@ use crate::job::reader_budget::LONGEST_WAIT;
 
 /// A reader's hold on a run: while there is one, the run keeps its recent frames.
 #[derive(Debug)]
-pub struct Attached {
+pub(crate) struct Attached {
     run: Arc<Run>,
     reader: u64,
     peer: Option<Peer>,
@@ -20,7 +20,7 @@ pub struct Attached {
 
 impl Run {
     /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
-    pub fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
+    pub(crate) fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
         let mut state = self.state.lock();
         if matches!(state.read(next), FrameLookup::Gone) {
             return None;
@@ -34,13 +34,13 @@ impl Run {
 
 impl Attached {
     /// The first reader of a new run, from frame `next` on.
-    pub fn to_new(run: Arc<Run>, next: usize, peer: Option<Peer>) -> Self {
+    pub(crate) fn to_new(run: Arc<Run>, next: usize, peer: Option<Peer>) -> Self {
         let reader = run.state.lock().add_reader(Follower { next, peer });
         Self { run, reader, peer }
     }
 
     /// Asks the run for frame `index`, the next one that the reader wants.
-    pub fn read(&self, index: usize) -> FrameLookup {
+    pub(crate) fn read(&self, index: usize) -> FrameLookup {
         let mut state = self.run.state.lock();
         if let Some(reader) = state.readers.get_mut(&self.reader) {
             reader.next = index;
@@ -57,7 +57,7 @@ impl Attached {
     ///
     /// If the run has to wait for another reader, this returns until when, at most; then the caller
     /// calls it again. `waiting` is the time since which it has been waiting.
-    pub fn want(&self, index: usize, waiting: &mut Option<Instant>) -> Option<Instant> {
+    pub(crate) fn want(&self, index: usize, waiting: &mut Option<Instant>) -> Option<Instant> {
         let lost = self.lost_before(index);
         let now = Instant::now();
         let since = waiting.unwrap_or(now);
@@ -104,7 +104,7 @@ impl Attached {
     }
 
     /// Completes at the next change of the run from now on.
-    pub fn changed(&self) -> Notified<'_> {
+    pub(crate) fn changed(&self) -> Notified<'_> {
         self.run.changed.notified()
     }
 }

@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use tokio::sync::Notify;
 
-pub use shared::SharedSystem;
-pub use state::{Ending, FrameLookup};
+pub(crate) use shared::SharedSystem;
+pub(crate) use state::{Ending, FrameLookup};
 
 use crate::fit::interrupt;
 use crate::fit::iteration::{Iteration, Outcome};
@@ -38,7 +38,7 @@ const LOOK_AHEAD: usize = 32;
 
 /// A shared iteration with a bounded ring of recent frames.
 #[derive(Debug)]
-pub struct Run {
+pub(crate) struct Run {
     resources: Arc<Resources>,
     /// Whose turns it takes.
     peer: Option<Peer>,
@@ -59,7 +59,7 @@ pub struct Run {
 
 impl Run {
     /// A run for a peer that has not begun, with the memory that it takes.
-    pub fn new(
+    pub(crate) fn new(
         system: Arc<SharedSystem>,
         resources: Arc<Resources>,
         permit: Option<Permit>,
@@ -87,23 +87,23 @@ impl Run {
     }
 
     /// The levels reached, if any.
-    pub fn levels(&self) -> Option<Levels> {
+    pub(crate) fn levels(&self) -> Option<Levels> {
         self.state.lock().levels
     }
 
     /// The system, once it has been made.
-    pub fn system(&self) -> Option<Arc<System>> {
+    pub(crate) fn system(&self) -> Option<Arc<System>> {
         self.state.lock().system.clone()
     }
 
     /// Bytes of the frames that it keeps.
-    pub fn ring_bytes(&self) -> usize {
+    pub(crate) fn ring_bytes(&self) -> usize {
         self.state.lock().ring.len() * self.frame_bytes
     }
 
     /// Stops the run after its current step, or at once while the system is still being built, which
     /// can take long. Frames in the ring can still be read.
-    pub fn stop(&self) {
+    pub(crate) fn stop(&self) {
         self.stopped.store(true, Ordering::Release);
         let mut state = self.state.lock();
         if state.ending.is_some() || (state.working && state.levels.is_some()) {
@@ -117,7 +117,7 @@ impl Run {
     }
 
     /// Runs to its end, with or without readers; returns why it ended, and the last frame.
-    pub async fn complete(self: &Arc<Self>) -> (Ending, Option<Arc<Frame>>) {
+    pub(crate) async fn complete(self: &Arc<Self>) -> (Ending, Option<Arc<Frame>>) {
         self.state.lock().to_the_end = true;
         self.want(usize::MAX);
         loop {

@@ -12,7 +12,7 @@ use crate::job::reader_budget::ReaderBudget;
 /// The system of a problem: built when it is first needed, shared by all runs that need it at the
 /// same time, and dropped with the last of them.
 #[derive(Debug)]
-pub struct SharedSystem {
+pub(crate) struct SharedSystem {
     pub(super) problem: Arc<Problem>,
     system: Mutex<Weak<System>>,
     /// A system that may have the same collocation matrix; dropped once it has been used.
@@ -25,7 +25,7 @@ pub struct SharedSystem {
 
 impl SharedSystem {
     /// Nothing is computed yet. A collocation matrix equal to that of `similar` will be taken from there.
-    pub fn new(problem: Arc<Problem>, similar: Option<Arc<System>>) -> Self {
+    pub(crate) fn new(problem: Arc<Problem>, similar: Option<Arc<System>>) -> Self {
         Self {
             problem,
             system: Mutex::new(Weak::new()),
@@ -36,18 +36,18 @@ impl SharedSystem {
     }
 
     /// The system, if it has been built and is still in use.
-    pub fn at_hand(&self) -> Option<Arc<System>> {
+    pub(crate) fn at_hand(&self) -> Option<Arc<System>> {
         // The lock is held for long while the system is being built.
         self.system.try_lock()?.upgrade()
     }
 
-    pub fn problem(&self) -> &Arc<Problem> {
+    pub(crate) fn problem(&self) -> &Arc<Problem> {
         &self.problem
     }
 
     /// The system, which lives as long as somebody holds it. Building it can take long, so this is
     /// never called on the threads that serve the network.
-    pub fn get(&self) -> Arc<System> {
+    pub(crate) fn get(&self) -> Arc<System> {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {
             let problem = Arc::clone(&self.problem);

@@ -14,7 +14,7 @@ use crate::job::state::Levels;
 
 /// Why a run has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
+pub(crate) enum Ending {
     /// The iteration has ended.
     Outcome(Outcome),
     /// It was stopped.
@@ -27,7 +27,7 @@ pub enum Ending {
 
 /// The outcome of looking for a frame in a run.
 #[derive(Debug)]
-pub enum FrameLookup {
+pub(crate) enum FrameLookup {
     Frame(Arc<Frame>),
     /// The run has not reached it yet.
     Later,

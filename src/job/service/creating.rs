@@ -17,7 +17,7 @@ use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
 
 /// The job for a request that was accepted.
 #[derive(Debug)]
-pub struct Accepted {
+pub(crate) struct Accepted {
     pub job: Arc<Job>,
     /// It was made before, for the same idempotency key.
     pub replayed: bool,
@@ -27,7 +27,7 @@ impl Jobs {
     /// Creates a job and starts it, or returns the job that was made for the same idempotency key. When
     /// this returns, the job is stored. A collocation matrix equal to that of `similar` is taken from
     /// there.
-    pub async fn create(
+    pub(crate) async fn create(
         self: &Arc<Self>,
         label: Label,
         problem: Problem,
@@ -102,7 +102,10 @@ impl Jobs {
     }
 
     /// The job that was made for an idempotency key, if there is one.
-    pub async fn find_by_key(&self, key: &IdempotencyKey) -> Result<Option<Accepted>, Refused> {
+    pub(crate) async fn find_by_key(
+        &self,
+        key: &IdempotencyKey,
+    ) -> Result<Option<Accepted>, Refused> {
         match self.store.idempotency_entry(&key.name).await? {
             Some(entry) => self.job_of(entry, Some(key)).await,
             None => Ok(None),

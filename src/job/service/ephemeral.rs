@@ -18,7 +18,7 @@ use crate::job::state::Status;
 use crate::job::store::{Record, StoreError};
 
 /// A fit for one answer. Whoever drops it has to ask the job to end.
-pub struct Ephemeral {
+pub(crate) struct Ephemeral {
     pub job: Arc<Job>,
     /// The run, held from before its first level: no frame is lost.
     pub run: Attached,
@@ -30,13 +30,13 @@ pub struct Ephemeral {
 
 impl Jobs {
     /// The place of a new edit of this job in a drag.
-    pub fn session(&self, parent: &Job, name: String) -> SessionTurn {
+    pub(crate) fn session(&self, parent: &Job, name: String) -> SessionTurn {
         self.sessions.next(parent.id(), Peer::current(), name)
     }
 
     /// Keeps the points and the collocation matrix of a job that is edited again and again at hand: reading
     /// and computing them would take longer than the edit.
-    pub async fn keep_at_hand(
+    pub(crate) async fn keep_at_hand(
         &self,
         job: &Arc<Job>,
         shared: &Arc<SharedSystem>,
@@ -53,7 +53,7 @@ impl Jobs {
 
     /// Begins a fit that is neither stored nor listed, as soon as there is memory for it. One that is
     /// replaced by a newer one of its session is cancelled.
-    pub async fn begin_ephemeral(
+    pub(crate) async fn begin_ephemeral(
         self: &Arc<Self>,
         label: Label,
         problem: Problem,

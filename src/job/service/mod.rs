@@ -49,7 +49,7 @@ const MOST_OF_A_START: usize = 20_000_000_000;
 
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
-pub struct JobLimits {
+pub(crate) struct JobLimits {
     /// Bytes of jobs that have just ended and stay in memory.
     pub recent: usize,
     /// Jobs that have not ended.
@@ -61,7 +61,7 @@ pub struct JobLimits {
 }
 
 /// The jobs of a server.
-pub struct Jobs {
+pub(crate) struct Jobs {
     store: Arc<Store>,
     resources: Arc<Resources>,
     limits: JobLimits,
@@ -84,7 +84,7 @@ pub struct Jobs {
 
 impl Jobs {
     /// The jobs of a store.
-    pub fn new(store: Arc<Store>, resources: Arc<Resources>, limits: JobLimits) -> Self {
+    pub(crate) fn new(store: Arc<Store>, resources: Arc<Resources>, limits: JobLimits) -> Self {
         let cache = Arc::clone(&resources.memory.cache);
         Self {
             store,
@@ -102,13 +102,13 @@ impl Jobs {
     }
 
     /// What the jobs share.
-    pub fn resources(&self) -> &Resources {
+    pub(crate) fn resources(&self) -> &Resources {
         &self.resources
     }
 
     /// What a fit may take: no more memory than the share that it would be run in, and no steps so long
     /// that others, and those who cancel it, would wait for seconds.
-    pub fn admission(&self) -> Admission {
+    pub(crate) fn admission(&self) -> Admission {
         let memory = &self.resources.memory;
         Admission {
             quick: memory.quick.bytes(),
@@ -120,13 +120,13 @@ impl Jobs {
     }
 
     /// How many jobs wait for their turn.
-    pub fn queued(&self) -> usize {
+    pub(crate) fn queued(&self) -> usize {
         let running = self.resources.counters.running();
         self.slots.taken().saturating_sub(running)
     }
 
     /// Queues the jobs that had not ended when the process did, and removes old jobs from now on.
-    pub async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
+    pub(crate) async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
         let mut unfinished = self.store.unfinished().await?;
         // The quickest first, as they end soonest.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
@@ -171,7 +171,7 @@ impl Jobs {
     }
 
     /// Puts running jobs back into the queue for the next start of the server.
-    pub async fn suspend(&self) {
+    pub(crate) async fn suspend(&self) {
         self.suspended.store(true, Ordering::Release);
         let live: Vec<_> = self
             .live
@@ -189,7 +189,7 @@ impl Jobs {
     }
 
     /// The job of this id.
-    pub async fn find(&self, id: Uuid) -> Result<Option<Arc<Job>>, StoreError> {
+    pub(crate) async fn find(&self, id: Uuid) -> Result<Option<Arc<Job>>, StoreError> {
         loop {
             if let Some(job) = self.live(id) {
                 return Ok(Some(job));
@@ -212,7 +212,7 @@ impl Jobs {
     }
 
     /// Jobs, the newest first.
-    pub async fn list(&self, selection: Selection) -> Result<Vec<Arc<Job>>, StoreError> {
+    pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Arc<Job>>, StoreError> {
         let mut jobs = Vec::new();
         for record in self.store.list(selection).await? {
             let job = match record.status.state.is_final() {
@@ -228,7 +228,7 @@ impl Jobs {
     }
 
     /// Deletes a job, and cancels it first if it has not ended; returns whether there was one.
-    pub async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
+    pub(crate) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
         if let Some(job) = self.live(id) {
             job.request_cancel();
             job.ended().await;

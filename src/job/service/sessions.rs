@@ -11,7 +11,7 @@ use crate::job::peer::Peer;
 /// The drags that go on, each with its newest edit: a sender of nothing, which is dropped when a newer edit
 /// takes its place.
 #[derive(Debug, Default)]
-pub struct Sessions(Mutex<HashMap<Session, oneshot::Sender<()>>>);
+pub(crate) struct Sessions(Mutex<HashMap<Session, oneshot::Sender<()>>>);
 
 /// A drag: of this job, by this client, under the name that the client has chosen.
 #[derive(Debug, PartialEq, Eq, Hash)]
@@ -23,11 +23,11 @@ struct Session {
 
 /// The place of an edit in its session, until it is dropped.
 #[derive(Debug)]
-pub struct SessionTurn(oneshot::Receiver<()>);
+pub(crate) struct SessionTurn(oneshot::Receiver<()>);
 
 impl Sessions {
     /// A new edit of a session, which replaces the one before.
-    pub fn next(&self, parent: Uuid, peer: Option<Peer>, name: String) -> SessionTurn {
+    pub(crate) fn next(&self, parent: Uuid, peer: Option<Peer>, name: String) -> SessionTurn {
         let (newest, replaced) = oneshot::channel();
         let mut sessions = self.0.lock();
         sessions.retain(|_, newest| !newest.is_closed());
@@ -38,7 +38,7 @@ impl Sessions {
 
 impl SessionTurn {
     /// Completes when a newer edit has replaced this one.
-    pub async fn replaced(&mut self) {
+    pub(crate) async fn replaced(&mut self) {
         // Nothing is ever sent: the sender is dropped. After that there is nothing to wait for.
         if !self.0.is_terminated() {
             let _ = (&mut self.0).await;

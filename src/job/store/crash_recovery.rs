@@ -18,19 +18,19 @@ use super::{Record, StoreError, record};
 use crate::job::state::{Failure, State, Status};
 
 /// A job that was running in so many crashes is not run again.
-pub const MOST_CRASHES: u32 = 3;
+pub(crate) const MOST_CRASHES: u32 = 3;
 
 /// How long a job that was running in a crash runs before the next one starts.
-pub const PROBATION: Duration = Duration::from_millis(250);
+pub(crate) const PROBATION: Duration = Duration::from_millis(250);
 
 impl Record {
     /// Whether it was on probation in the crash.
-    pub fn was_on_probation(&self) -> bool {
+    pub(crate) fn was_on_probation(&self) -> bool {
         self.status.state == State::Running && self.on_probation
     }
 
     /// Puts a job that was running in a crash back into the queue, or fails it.
-    pub fn recover(&mut self, any_on_probation: bool) {
+    pub(crate) fn recover(&mut self, any_on_probation: bool) {
         let counts = !any_on_probation || self.on_probation || self.crashes == 0;
         self.crashes += u32::from(counts);
         self.on_probation = false;

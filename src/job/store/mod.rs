@@ -40,7 +40,7 @@ use super::scheduler::Broken;
 use super::state::{State, Status};
 use crate::fit::problem::Problem;
 use database::JobDatabase;
-pub use opening::OpenError;
+pub(crate) use opening::OpenError;
 use writer::Writer;
 
 /// The name of the file in the data directory.
@@ -48,14 +48,14 @@ const FILE: &str = "piad.redb";
 
 /// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
 /// frees some: where the disk is nearly full, many jobs could not be forgotten together.
-pub const FORGOTTEN_AT_ONCE: usize = 100;
+pub(crate) const FORGOTTEN_AT_ONCE: usize = 100;
 
 /// How long an idempotency key is remembered.
-pub const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
+pub(crate) const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// A job as it is kept, without its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+pub(crate) struct Record {
     /// What it is.
     pub outline: Outline,
     /// What has become of it.
@@ -68,7 +68,7 @@ pub struct Record {
 
 impl Record {
     /// The record of a job that was just accepted.
-    pub fn new(outline: Outline, status: Status) -> Self {
+    pub(crate) fn new(outline: Outline, status: Status) -> Self {
         Self {
             outline,
             status,
@@ -81,7 +81,7 @@ impl Record {
 /// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
 /// what was asked for with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct IdempotencyKey {
+pub(crate) struct IdempotencyKey {
     /// The name.
     pub name: String,
     /// SHA-256 of the request.
@@ -91,7 +91,7 @@ pub struct IdempotencyKey {
 impl IdempotencyKey {
     /// A key of a peer, under the name that it has chosen. Each peer has keys of its own: no name contains
     /// the end of a line.
-    pub fn new(peer: Option<Peer>, name: &str, digest: [u8; 32]) -> Self {
+    pub(crate) fn new(peer: Option<Peer>, name: &str, digest: [u8; 32]) -> Self {
         let owner = peer.map_or_else(String::new, |peer| peer.to_string());
         Self {
             name: format!("{owner}\n{name}"),
@@ -102,7 +102,7 @@ impl IdempotencyKey {
 
 /// What is remembered of an idempotency key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct IdempotencyEntry {
+pub(crate) struct IdempotencyEntry {
     /// The job that was made.
     pub id: Uuid,
     /// The digest of the request that made it.
@@ -113,14 +113,14 @@ pub struct IdempotencyEntry {
 
 impl IdempotencyEntry {
     /// Whether the key is not remembered any more.
-    pub fn has_expired(&self) -> bool {
+    pub(crate) fn has_expired(&self) -> bool {
         is_older(self.created, KEY_LIFETIME)
     }
 }
 
 /// Which jobs to list.
 #[derive(Clone, Copy, Debug)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// Only jobs in this state.
     pub state: Option<State>,
     /// Only jobs older than this one.
@@ -131,7 +131,7 @@ pub struct Selection {
 
 /// How much of the past is kept: the first jobs to end are the first to be forgotten.
 #[derive(Clone, Copy, Debug)]
-pub struct Retention {
+pub(crate) struct Retention {
     /// The most jobs that have ended.
     pub jobs: usize,
     /// The most bytes of their data and results.
@@ -158,7 +158,7 @@ pub enum StoreError {
 }
 
 /// Completes when a change is durable, with what has come of it.
-pub type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
+pub(crate) type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 
 /// Keeps jobs.
 ///
@@ -176,7 +176,7 @@ pub type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 ///   changes that were called before it and are not acknowledged yet. What a read has given stays valid when
 ///   the job is deleted.
 /// - **A job that is gone stays gone.** Changes of a job that is not there succeed, and do nothing.
-pub struct Store {
+pub(crate) struct Store {
     database: Arc<JobDatabase>,
     writer: Writer,
 }
@@ -184,7 +184,7 @@ pub struct Store {
 impl Store {
     /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
     /// go back to the queue, or fail if that has happened too often.
-    pub fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
+    pub(crate) fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::open(directory, FILE)?);
         let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
@@ -192,7 +192,7 @@ impl Store {
     }
 
     /// Makes a store in memory, which ends with the process.
-    pub fn in_memory(counters: Counters) -> Result<Self, OpenError> {
+    pub(crate) fn in_memory(counters: Counters) -> Result<Self, OpenError> {
         let database = Arc::new(JobDatabase::in_memory()?);
         let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(OpenError::Recovery)?;
@@ -200,7 +200,7 @@ impl Store {
     }
 
     /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
-    pub fn insert(
+    pub(crate) fn insert(
         &self,
         record: Record,
         problem: Arc<Problem>,
@@ -213,7 +213,12 @@ impl Store {
     }
 
     /// Keeps that a job runs now, and whether it is on probation.
-    pub fn start(&self, id: Uuid, status: Status, on_probation: bool) -> Acknowledgement<()> {
+    pub(crate) fn start(
+        &self,
+        id: Uuid,
+        status: Status,
+        on_probation: bool,
+    ) -> Acknowledgement<()> {
         self.writer.write(0, move |transaction| {
             transaction.update(id, |record| {
                 record.status = status.clone();
@@ -223,7 +228,7 @@ impl Store {
     }
 
     /// Puts a job back into the queue at an orderly end of the process, and clears its count of crashes.
-    pub fn requeue(&self, id: Uuid) -> Acknowledgement<()> {
+    pub(crate) fn requeue(&self, id: Uuid) -> Acknowledgement<()> {
         self.writer.write(0, move |transaction| {
             transaction.update(id, |record| {
                 record.status = Status::QUEUED;
@@ -233,7 +238,7 @@ impl Store {
     }
 
     /// Keeps the final state and control points of a job.
-    pub fn finish(
+    pub(crate) fn finish(
         &self,
         id: Uuid,
         status: Status,
@@ -246,7 +251,7 @@ impl Store {
     }
 
     /// Forgets a job and its key; says whether there was one.
-    pub fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
+    pub(crate) fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
         self.writer
             .write(0, move |transaction| transaction.remove(id))
     }
@@ -254,7 +259,7 @@ impl Store {
     /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
     /// and keys that have expired. Jobs in `spared` stay, beyond the retention. Gives the ids of those that
     /// were forgotten.
-    pub fn retain(
+    pub(crate) fn retain(
         &self,
         retention: Retention,
         spared: HashSet<Uuid>,
@@ -264,34 +269,34 @@ impl Store {
     }
 
     /// The job of this id.
-    pub async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+    pub(crate) async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
         self.read(move |database| database.record(id)).await
     }
 
     /// The problem of the job of this id.
-    pub async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
+    pub(crate) async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
         self.read(move |database| database.problem(id)).await
     }
 
     /// The geometry of the last level of a job that has ended.
-    pub async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
+    pub(crate) async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
         self.read(move |database| database.result(id)).await
     }
 
     /// Jobs, the newest first.
-    pub async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
+    pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
         // An empty change is acknowledged after the changes before it.
         self.writer.write(0, |_| Ok(())).await?;
         self.read(move |database| database.list(selection)).await
     }
 
     /// Jobs that have not ended, the oldest first.
-    pub async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
+    pub(crate) async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
         self.read(JobDatabase::unfinished).await
     }
 
     /// What is remembered of an idempotency key.
-    pub async fn idempotency_entry(
+    pub(crate) async fn idempotency_entry(
         &self,
         key: &str,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {

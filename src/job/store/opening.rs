@@ -24,7 +24,7 @@ const CHECKED: u64 = 1 << 30;
 
 /// The store cannot be opened.
 #[derive(Debug, Error)]
-pub enum OpenError {
+pub(crate) enum OpenError {
     /// The directory cannot be made or read.
     #[error("the data directory {directory:?} cannot be used: {reason}")]
     Directory {

@@ -31,7 +31,7 @@ names!(EndWord, "rule for ends", [
 
 /// How a direction ends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EndsInput {
+pub(crate) struct EndsInput {
     start: Option<EndInput>,
     end: Option<EndInput>,
 }
@@ -67,7 +67,7 @@ impl<'de> Deserialize<'de> for EndsInput {
 /// How a direction of a surface ends; those that are closed are left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct DirectionEnds(pub Option<EndsInput>);
+pub(crate) struct DirectionEnds(pub Option<EndsInput>);
 
 impl<'de> Object<'de> for DirectionEnds {
     const EXPECTED: &'static str = EndsInput::EXPECTED;
@@ -157,7 +157,7 @@ impl Serialize for EndsInput {
 
 /// How ends are written, for the places of mistakes.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct EndsForm {
+pub(crate) struct EndsForm {
     /// One word for both sides.
     one_word: bool,
     /// The fields of the vectors at the start and at the end.
@@ -168,7 +168,7 @@ pub struct EndsForm {
 
 impl EndsForm {
     /// The pointer to a part of ends, below that of the ends.
-    pub fn pointer(&self, place: Place) -> String {
+    pub(crate) fn pointer(&self, place: Place) -> String {
         let number = |side| usize::from(side == Side::End);
         match place {
             Place::End(_, side) if !self.one_word => format!("/{}", side.name()),
@@ -203,7 +203,7 @@ impl EndsInput {
     }
 
     /// The ends of a direction as they would be asked for.
-    pub fn of(ends: &Ends, is_surface: bool) -> Self {
+    pub(crate) fn of(ends: &Ends, is_surface: bool) -> Self {
         let side = |end: &End| {
             Some(match end {
                 End::Estimated => EndInput::Word(EndWord::Estimated),
@@ -235,7 +235,7 @@ impl EndsInput {
     }
 
     /// How it is written.
-    pub fn form(&self, surface: bool) -> EndsForm {
+    pub(crate) fn form(&self, surface: bool) -> EndsForm {
         let field = |end: &Option<EndInput>| match end {
             Some(EndInput::Vectors(name, _)) => *name,
             _ => "derivative",

@@ -9,14 +9,14 @@ use crate::model::schema::schema_of;
 use crate::model::shape::MAX_DIMENSION;
 
 /// The ends of a curve: a word, or an end for each side.
-pub enum CurveEnds {}
+pub(crate) enum CurveEnds {}
 
 /// The ends of both sides of a curve, and one with vectors.
 enum CurveEndPair {}
 enum CurveEnd {}
 
 /// The ends of a surface: those of both directions, or of each that is not closed.
-pub enum SurfaceEnds {}
+pub(crate) enum SurfaceEnds {}
 
 /// Ends for each direction that has some, and those of one direction.
 enum SurfaceEndsPair {}

@@ -19,7 +19,7 @@ use crate::model::settings::{Index, Omega, Thresholds};
 
 /// A method, and the points that it selects.
 #[derive(Clone, Debug)]
-pub struct MethodChoice {
+pub(crate) struct MethodChoice {
     /// The method with its settings.
     pub method: Method,
     /// Local fits: the indices of the points that are adjusted, if not all.
@@ -35,7 +35,7 @@ impl From<Method> for MethodChoice {
 
 impl MethodInput {
     /// The method for data points arranged in `grid`, and the points that it selects.
-    pub fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
+    pub(crate) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
         let method = match self {
             Self::Global => Method::Global,
             Self::Weighted(WeightedInput { omega }) => Method::Weighted(Weighted {

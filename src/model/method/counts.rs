@@ -14,7 +14,7 @@ number_or_word!(
 );
 
 /// What a request can say of the number of control points.
-pub enum ControlPoints {}
+pub(crate) enum ControlPoints {}
 
 schema_of!(ControlPoints, "ControlPointCount", generator => {
     let count = json_schema!({"type": "integer", "minimum": 2});
@@ -30,7 +30,7 @@ schema_of!(ControlPoints, "ControlPointCount", generator => {
 });
 
 /// The most control points.
-pub enum MostControlPoints {}
+pub(crate) enum MostControlPoints {}
 
 schema_of!(MostControlPoints, "MostControlPoints", generator => {
     let count = json_schema!({"type": "integer", "minimum": 2});

@@ -25,7 +25,7 @@ const FAIRNESS_ORDER: usize = 2;
 /// The settings of least squares.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct LeastSquaresInput {
+pub(crate) struct LeastSquaresInput {
     /// The number of control points; on surfaces of both directions, or one for each.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ControlPoints>")]
@@ -159,7 +159,7 @@ impl LeastSquaresInput {
     }
 
     /// Settings that are not the usual ones, as they would be asked for.
-    pub fn of(settings: &LeastSquares, grid: Grid, surface: bool) -> Self {
+    pub(crate) fn of(settings: &LeastSquares, grid: Grid, surface: bool) -> Self {
         let counts = match surface {
             false => PerDirection::Both(Whole(settings.u)),
             true => PerDirection::Each {

@@ -28,15 +28,14 @@ use super::settings::{Index, Matrix, Omega, Thresholds};
 use crate::fit::invalid::Place as P;
 use crate::fit::method::{METHODS, Start, Sweeps};
 
-pub use choice::MethodChoice;
 pub(crate) use constraint::ConstraintInput;
 pub(crate) use kinds::{MethodKind, VariantKind};
-pub use least_squares::LeastSquaresInput;
+pub(crate) use least_squares::LeastSquaresInput;
 
 /// How the control points move from iteration to iteration.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum MethodInput {
+pub(crate) enum MethodInput {
     /// Classical PIA.
     #[default]
     Global,
@@ -70,7 +69,7 @@ struct NoSettings {}
 /// Settings of weighted PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct WeightedInput {
+pub(crate) struct WeightedInput {
     /// The relaxation. Without one it is `auto` for `weighted`, and 1 for the others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub omega: Option<Omega>,
@@ -79,7 +78,7 @@ pub struct WeightedInput {
 /// Settings of local PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct LocalInput {
+pub(crate) struct LocalInput {
     /// The data points whose control points may move.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1), extend("uniqueItems" = true))]
@@ -96,7 +95,7 @@ pub struct LocalInput {
 /// Settings of adaptive PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct AdaptiveInput {
+pub(crate) struct AdaptiveInput {
     /// Only control points move whose data point is further away than this, in data units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<Thresholds>,
@@ -108,7 +107,7 @@ pub struct AdaptiveInput {
 /// Settings of extended PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct ExtendedInput {
+pub(crate) struct ExtendedInput {
     /// What iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Start>,
@@ -122,7 +121,7 @@ pub struct ExtendedInput {
 /// Settings of convexity-preserving PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct ConvexInput {
+pub(crate) struct ConvexInput {
     /// How near bisection comes to the longest step that keeps the turns, as a part of the plain step.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "default" = 1e-6))]
@@ -132,7 +131,7 @@ pub struct ConvexInput {
 /// Settings of PIA with a given transform.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct CustomInput {
+pub(crate) struct CustomInput {
     /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<PerDirection<Matrix>>,
@@ -210,7 +209,7 @@ fn fields(schema: &mut Schema) -> Map<String, Value> {
 }
 
 /// The settings of a method.
-pub fn settings(kind: &str) -> Vec<String> {
+pub(crate) fn settings(kind: &str) -> Vec<String> {
     static SETTINGS: LazyLock<Vec<(&str, Vec<String>)>> = LazyLock::new(|| {
         let schemas = schemas(&mut SchemaGenerator::default()).into_iter();
         let names = |mut schema| fields(&mut schema).into_iter().map(|(name, _)| name);
@@ -260,7 +259,7 @@ impl JsonSchema for MethodInput {
 
 impl MethodInput {
     /// How it is written.
-    pub fn form(&self) -> MethodForm {
+    pub(crate) fn form(&self) -> MethodForm {
         match self {
             Self::LeastSquares(settings) => settings.form(),
             Self::Custom(CustomInput { transform }) => MethodForm {
@@ -274,7 +273,7 @@ impl MethodInput {
 
 /// How a method is written.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct MethodForm {
+pub(crate) struct MethodForm {
     /// The directions have a setting each.
     pub each: bool,
     /// The numbers of control points are limits.
@@ -282,7 +281,7 @@ pub struct MethodForm {
 }
 
 /// The JSON pointer to a setting, or a part of it; everything else is the method.
-pub fn pointer(place: P, MethodForm { each, limited }: MethodForm) -> String {
+pub(crate) fn pointer(place: P, MethodForm { each, limited }: MethodForm) -> String {
     let setting = match place {
         P::Setting(setting) => setting.name().to_owned(),
         P::Index(index) => format!("indices/{index}"),

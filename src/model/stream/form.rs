@@ -9,7 +9,7 @@ use crate::model::short::quoted;
 
 use super::{self as chosen, Choice, MOST_SAMPLES};
 
-pub use super::Digits;
+pub(crate) use super::Digits;
 
 const CURVE_SAMPLES: Grid = Grid {
     rows: 200,
@@ -26,7 +26,7 @@ const LARGEST_F32: f64 = 1e35;
 
 /// What to show of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum View {
+pub(crate) enum View {
     /// The complete control net.
     ControlPoints,
     /// The control points that have moved since the iteration before.
@@ -39,7 +39,7 @@ pub enum View {
 
 /// How arrays of numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub(crate) enum Encoding {
     /// Lists of numbers.
     Json,
     /// Little-endian numbers of 64 bits in base64.
@@ -52,7 +52,7 @@ pub enum Encoding {
 
 /// The form of an iteration on the wire.
 #[derive(Clone, Debug)]
-pub struct Form {
+pub(crate) struct Form {
     /// What is shown.
     pub view: View,
     /// How arrays of numbers are written.
@@ -66,7 +66,7 @@ pub struct Form {
 
 impl Form {
     /// A form, with its key.
-    pub fn new(view: View, encoding: Encoding, digits: Digits) -> Self {
+    pub(crate) fn new(view: View, encoding: Encoding, digits: Digits) -> Self {
         Self {
             view,
             encoding,
@@ -113,28 +113,28 @@ impl Form {
     }
 
     /// What tells this form from others: what is made in one form is shared by all who want it.
-    pub fn key(&self) -> &Arc<str> {
+    pub(crate) fn key(&self) -> &Arc<str> {
         &self.key
     }
 
     /// The same as a protobuf message, in which numbers are written in one way only.
-    pub fn in_protobuf(&self) -> Self {
+    pub(crate) fn in_protobuf(&self) -> Self {
         Self::new(self.view, Encoding::Protobuf, Digits::Full)
     }
 
     /// Whether it is a protobuf message.
-    pub fn is_protobuf(&self) -> bool {
+    pub(crate) fn is_protobuf(&self) -> bool {
         self.encoding == Encoding::Protobuf
     }
 
     /// The same with all digits.
-    pub fn in_full(&self) -> Self {
+    pub(crate) fn in_full(&self) -> Self {
         let full = Self::new(self.view, self.encoding, Digits::Full);
         if self.knots { full.with_knots() } else { full }
     }
 
     /// The same with the knots of fits that choose them by themselves.
-    pub fn with_knots(&self) -> Self {
+    pub(crate) fn with_knots(&self) -> Self {
         Self {
             knots: true,
             key: format!("{} with knots", self.key).into(),
@@ -171,7 +171,7 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
 }
 
 /// Why a text is no number of samples of a curve or a surface.
-pub fn not_samples(text: &str, surface: bool) -> String {
+pub(crate) fn not_samples(text: &str, surface: bool) -> String {
     let form = match surface {
         false => "200 for a curve",
         true => "40x40 for a surface",

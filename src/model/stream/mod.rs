@@ -21,10 +21,10 @@ use form::not_samples;
 use schema::Milestone;
 
 /// The most milestones of a stream.
-pub const MOST_MILESTONES: usize = 100;
+pub(crate) const MOST_MILESTONES: usize = 100;
 
 /// The most points that are sampled.
-pub const MOST_SAMPLES: usize = 1_000_000;
+pub(crate) const MOST_SAMPLES: usize = 1_000_000;
 
 named!(
     /// What is shown of an iteration.

@@ -11,7 +11,7 @@ use crate::model::short::quoted;
 
 /// How a stream goes.
 #[derive(Clone, Debug)]
-pub struct StreamOptions {
+pub(crate) struct StreamOptions {
     /// What each event shows.
     pub form: Form,
     /// What events show instead once the client has complete control points.
@@ -31,7 +31,7 @@ pub struct StreamOptions {
 impl StreamOptions {
     /// The options of a stream of a curve or a surface of JSON events or of `protobuf`
     /// messages. What `request` does not say, `job` says for all of its streams.
-    pub fn new(
+    pub(crate) fn new(
         request: &StreamSpec,
         job: Option<&StreamSpec>,
         protobuf: bool,
@@ -57,7 +57,7 @@ impl StreamOptions {
 
     /// The options of a stream of a job that another request has made: it shows the job, and does not end
     /// it, whatever the job says of its own stream.
-    pub fn of_reader(
+    pub(crate) fn of_reader(
         request: &StreamSpec,
         job: Option<&StreamSpec>,
         protobuf: bool,
@@ -166,18 +166,18 @@ impl StreamSpec {
 }
 
 /// The form of a single iteration of a curve or a surface in JSON.
-pub fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
+pub(crate) fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
     Form::of(Choices::new(request, None), surface)
 }
 
 /// The form of a single iteration of a curve or a surface as a protobuf message.
-pub fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
+pub(crate) fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
     refuse_numbers(request)?;
     Ok(json_form(request, surface)?.in_protobuf())
 }
 
 /// Checks that numbers of 32 bits, where they are asked for, have room for the data.
-pub fn check_range(
+pub(crate) fn check_range(
     request: &StreamSpec,
     job: Option<&StreamSpec>,
     problem: &Problem,
@@ -208,7 +208,7 @@ fn every(choices: Choices<'_>) -> Result<usize, ChoiceMistake> {
 }
 
 /// Why a text does not say every how many iterations are shown.
-pub fn not_positive(text: &str) -> String {
+pub(crate) fn not_positive(text: &str) -> String {
     format!("{} is no positive whole number", quoted(text))
 }
 
@@ -235,6 +235,6 @@ fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, ChoiceMistake> {
 }
 
 /// Why a text is no milestone.
-pub fn no_milestone(text: &str) -> String {
+pub(crate) fn no_milestone(text: &str) -> String {
     format!("{} is no positive finite number", quoted(text))
 }

@@ -6,10 +6,10 @@ use super::{Describe, Digits, Encoding, MOST_SAMPLES, OnDisconnect, Pace, Sample
 use crate::model::schema::{names, schema_of};
 
 /// How a number of samples of a surface is written.
-pub const SAMPLE_GRID: &str = "^[1-9][0-9]{0,5}x[1-9][0-9]{0,5}$";
+pub(crate) const SAMPLE_GRID: &str = "^[1-9][0-9]{0,5}x[1-9][0-9]{0,5}$";
 
 /// A distance to be reached.
-pub enum Milestone {}
+pub(crate) enum Milestone {}
 
 schema_of!(
     Samples,

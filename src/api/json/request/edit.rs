@@ -9,7 +9,7 @@ use crate::job::outline::Outline;
 use crate::model::edit::EditRequest;
 
 /// The edit of a job that a body asks for, and where its parts stand.
-pub fn read(body: Bytes, parent: &Outline) -> Result<(EditRequest, Places), Problem> {
+pub(crate) fn read(body: Bytes, parent: &Outline) -> Result<(EditRequest, Places), Problem> {
     let request: EditRequest = parse(&body)?;
     let places = Places::of_edit(&request, parent.surface.then_some(parent.grid));
     Ok((request, places))

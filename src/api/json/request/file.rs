@@ -16,7 +16,7 @@ use crate::model::mistakes::SpecPart;
 use crate::model::short;
 
 /// What these fields, and a size in rows and columns, say of a file of at most so many points.
-pub fn hints(fields: &Map<String, Value>, size: Option<Grid>, most: usize) -> Hints {
+pub(crate) fn hints(fields: &Map<String, Value>, size: Option<Grid>, most: usize) -> Hints {
     let has = |name| fields.contains_key(name);
     let kind = match (has("curve"), has("surface") || size.is_some()) {
         (true, _) => Some(Kind::Curve),
@@ -42,7 +42,7 @@ fn closed(fields: &Map<String, Value>) -> Option<bool> {
 }
 
 /// Reads a job of these fields, with these points of a file, which are of that kind if anybody says so.
-pub fn read(
+pub(crate) fn read(
     mut fields: Map<String, Value>,
     file: Imported,
     kind: Option<Kind>,
@@ -89,7 +89,7 @@ pub fn read(
 
 /// Where the parts of such a job stand.
 #[derive(Debug)]
-pub struct FileWords {
+pub(crate) struct FileWords {
     places: Places,
     lines: Lines,
 }

@@ -12,7 +12,7 @@ use crate::model::job::JobRequest;
 use crate::model::points::{PointGrid, PointList};
 
 /// The job that a body asks for, and where its parts stand.
-pub fn read(body: Bytes) -> Result<(JobRequest, Places), Problem> {
+pub(crate) fn read(body: Bytes) -> Result<(JobRequest, Places), Problem> {
     let request: JobRequest = parse(&body)?;
     let places = Places::of_job(&request);
     Ok((request, places))
@@ -20,7 +20,7 @@ pub fn read(body: Bytes) -> Result<(JobRequest, Places), Problem> {
 
 /// Points that are not a part of the JSON of a job.
 #[derive(Debug)]
-pub enum Data {
+pub(crate) enum Data {
     /// Those of a curve.
     Curve(Points),
     /// Those of a surface, in rows.
@@ -30,7 +30,7 @@ pub enum Data {
 }
 
 /// The job that these fields ask for, with these points in the place of the ones that are empty there.
-pub fn read_with(fields: &[u8], data: Data) -> Result<(JobRequest, Places), Problem> {
+pub(crate) fn read_with(fields: &[u8], data: Data) -> Result<(JobRequest, Places), Problem> {
     let mut request: JobRequest = parse(fields)?;
     match (data, &mut request.curve, &mut request.surface) {
         (Data::Curve(points), Some(curve), _) => curve.points = PointList(Arc::new(points)),

@@ -6,14 +6,18 @@ use serde_json::{Map, Value};
 const DEEPEST: usize = 6;
 
 /// Puts a value where its path says: JSON if it is some, else a text.
-pub fn insert(fields: &mut Map<String, Value>, path: &str, text: &str) -> Result<(), String> {
+pub(crate) fn insert(
+    fields: &mut Map<String, Value>,
+    path: &str,
+    text: &str,
+) -> Result<(), String> {
     // A name of digits is a name.
     let json = serde_json::from_str(text).ok().filter(|_| path != "name");
     insert_value(fields, path, json.unwrap_or_else(|| Value::from(text)))
 }
 
 /// Puts a value where its path says.
-pub fn insert_value(
+pub(crate) fn insert_value(
     fields: &mut Map<String, Value>,
     path: &str,
     value: Value,

@@ -18,7 +18,7 @@ const SURFACE: &str = "/surface";
 
 /// Which parts of the request have a value for each direction.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Places {
+pub(crate) struct Places {
     /// What the parts of the curve or surface stand in; they are fields of edits themselves.
     root: &'static str,
     /// The number of columns of a surface; `None` for a curve.
@@ -40,7 +40,7 @@ pub struct Places {
 
 impl Places {
     /// Those of a job.
-    pub fn of_job(request: &JobRequest) -> Self {
+    pub(crate) fn of_job(request: &JobRequest) -> Self {
         let places = match (&request.curve, &request.surface) {
             (Some(curve), None) => Self::of_curve(curve),
             (None, Some(surface)) => Self::of_surface(surface),
@@ -53,7 +53,7 @@ impl Places {
     }
 
     /// Those of an edit, of a surface with points in this grid or of a curve.
-    pub fn of_edit(request: &EditRequest, surface: Option<Grid>) -> Self {
+    pub(crate) fn of_edit(request: &EditRequest, surface: Option<Grid>) -> Self {
         Self {
             columns: surface.and_then(columns),
             weights_each: true,
@@ -102,7 +102,7 @@ impl Places {
     }
 
     /// Of a job as it is shown, of whose parts only the bases are looked for.
-    pub fn of_input(surface: Option<Grid>, basis_each: bool) -> Self {
+    pub(crate) fn of_input(surface: Option<Grid>, basis_each: bool) -> Self {
         Self {
             root: if surface.is_some() { SURFACE } else { CURVE },
             columns: surface.and_then(columns),

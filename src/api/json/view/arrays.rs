@@ -22,22 +22,22 @@ impl Serialize for ArraySlot {
 /// A list of numbers.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct NumberArray(pub(super) ArraySlot);
+pub(super) struct NumberArray(pub(super) ArraySlot);
 
 /// The knots of a direction. Only B-splines have some.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct KnotArray(pub(super) Option<NumberArray>);
+pub(super) struct KnotArray(pub(super) Option<NumberArray>);
 
 /// Points of a curve, or rows of points of a surface.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct PointArray(pub(super) ArraySlot);
+pub(super) struct PointArray(pub(super) ArraySlot);
 
 /// Weights of a curve, or rows of weights of a surface.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(transparent)]
-pub struct WeightArray(pub(super) ArraySlot);
+pub(super) struct WeightArray(pub(super) ArraySlot);
 
 fn number() -> Schema {
     json_schema!({"type": "number"})

@@ -6,7 +6,7 @@ const LARGEST: f64 = 1e14;
 
 /// Rounding to a power of ten.
 #[derive(Clone, Copy, Debug)]
-pub struct Rounding {
+pub(crate) struct Rounding {
     /// Digits behind the decimal point; negative where tens, hundreds… are left out.
     places: i32,
     /// `10^|places|`.

@@ -17,7 +17,7 @@ use crate::model::settings::Index;
     "iteration": 12, "max": 0.0021, "rms": 0.0009, "at": 41,
     "percentiles": {"50": 0.0007, "90": 0.0016, "95": 0.0018, "99": 0.002},
 }]))]
-pub struct DeviationView {
+pub(crate) struct DeviationView {
     /// The number of the iteration.
     iteration: usize,
     /// The largest distance.
@@ -62,7 +62,12 @@ enum Distances {
 
 impl DeviationView {
     /// The deviation of an iteration, with the distances of all points if they are wanted.
-    pub fn new(problem: &Problem, iteration: usize, deviation: &Deviation, list: bool) -> Self {
+    pub(crate) fn new(
+        problem: &Problem,
+        iteration: usize,
+        deviation: &Deviation,
+        list: bool,
+    ) -> Self {
         let [half, ninety, ninety_five, ninety_nine] = deviation.percentiles;
         let distances = &deviation.distances;
         let distances = list.then(|| match problem.v().is_some() && !problem.is_scattered() {

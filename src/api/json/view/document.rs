@@ -28,7 +28,7 @@ pub(super) enum BinaryEncoding {
 }
 
 /// The arrays of a JSON document.
-pub struct Document {
+pub(super) struct Document {
     digits: Digits,
     arrays: Vec<Array>,
 }
@@ -52,7 +52,7 @@ enum Precision {
 
 impl Document {
     /// A document without arrays.
-    pub fn new(digits: Digits) -> Self {
+    pub(super) fn new(digits: Digits) -> Self {
         Self {
             digits,
             arrays: Vec::new(),
@@ -60,17 +60,17 @@ impl Document {
     }
 
     /// An array of points with this shape: the numbers of points and of coordinates.
-    pub fn points(&mut self, shape: &[usize], coordinates: impl Source) -> PointArray {
+    pub(super) fn points(&mut self, shape: &[usize], coordinates: impl Source) -> PointArray {
         PointArray(self.array(shape, coordinates, Precision::Rounded))
     }
 
     /// An array of weights with this shape.
-    pub fn weights(&mut self, shape: &[usize], weights: impl Source) -> WeightArray {
+    pub(super) fn weights(&mut self, shape: &[usize], weights: impl Source) -> WeightArray {
         WeightArray(self.array(shape, weights, Precision::Full))
     }
 
     /// A list of so many numbers.
-    pub fn numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
+    pub(super) fn numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
         NumberArray(self.array(&[count], numbers, Precision::Full))
     }
 
@@ -105,7 +105,7 @@ impl Document {
     }
 
     /// The JSON of this answer, with the arrays in place of their placeholders.
-    pub fn finish(self, answer: &impl Serialize) -> Content {
+    pub(super) fn finish(self, answer: &impl Serialize) -> Content {
         let mut text = Vec::with_capacity(1024);
         let mut serializer = Serializer::with_formatter(&mut text, Marks);
         if let Err(error) = answer.serialize(&mut serializer) {

@@ -15,7 +15,7 @@ use crate::model::settings::Index;
 
 /// How the data points of a job are numbered, and whether the fit is local.
 #[derive(Clone, Copy)]
-pub struct Arrangement {
+pub(crate) struct Arrangement {
     /// The number of columns of points in rows.
     columns: Option<usize>,
     local: bool,
@@ -46,7 +46,7 @@ impl From<&Outline> for Arrangement {
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
 #[schemars(rename = "FitError", example = examples::error())]
-pub struct ErrorView {
+pub(crate) struct ErrorView {
     /// The largest distance.
     max: Distance,
     /// The root mean square of the distances.
@@ -77,7 +77,7 @@ pub(super) fn index(index: usize, problem: &Problem) -> Index {
 
 impl ErrorView {
     /// The distances of a level from the data.
-    pub fn new(error: &norms::FitError, of: impl Into<Arrangement>) -> Self {
+    pub(crate) fn new(error: &norms::FitError, of: impl Into<Arrangement>) -> Self {
         let of = of.into();
         Self {
             max: Distance(error.max),

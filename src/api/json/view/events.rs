@@ -94,7 +94,7 @@ fn weights_or_null(generator: &mut SchemaGenerator) -> Schema {
 }
 
 /// The data of the `job` event, with its arrays or without them.
-pub fn description(
+pub(crate) fn description(
     job: &Job,
     problem: &Arc<Problem>,
     levels: Option<Levels>,
@@ -168,7 +168,7 @@ struct EndLinks {
 }
 
 /// The data of the `end` event.
-pub fn end(job: &Job, status: &Status) -> Bytes {
+pub(crate) fn end(job: &Job, status: &Status) -> Bytes {
     let level = status.levels.map(|levels| levels.last);
     let times = status.started.zip(status.finished);
     to_bytes(&EndEvent {
@@ -187,7 +187,7 @@ pub fn end(job: &Job, status: &Status) -> Bytes {
 }
 
 /// The schema of a server-sent event.
-pub enum ServerSentEvent {}
+pub(crate) enum ServerSentEvent {}
 
 schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
     let data = [
@@ -214,7 +214,7 @@ schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
 });
 
 /// An event as a line of JSON.
-pub enum EventLine {}
+pub(crate) enum EventLine {}
 
 schema_of!(EventLine, "EventLine", generator => {
     let lines = [

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 /// The id of the job of all examples.
-pub const ID: &str = "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10";
+pub(crate) const ID: &str = "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10";
 
 /// Its distances.
 pub(super) fn error() -> Value {
@@ -41,7 +41,7 @@ pub(super) fn job() -> Value {
 }
 
 /// Its first event.
-pub fn job_event() -> Value {
+pub(crate) fn job_event() -> Value {
     json!({
         "id": ID, "name": null, "kind": "curve", "points": 4, "dimension": 2, "control_points": 6,
         "basis": "bspline", "degree": 3, "closed": false, "ends": {"start": "repeated", "end": "repeated"}, "rational": null,
@@ -53,7 +53,7 @@ pub fn job_event() -> Value {
 }
 
 /// One of its iterations.
-pub fn iteration() -> Value {
+pub(crate) fn iteration() -> Value {
     json!({
         "iteration": 1, "error": error(), "rate": 0.7, "moved": 4,
         "control_points": [[0, 0], [0, 0], [1, 2.4], [3.1, 0.6], [4, 3], [4, 3]],
@@ -61,7 +61,7 @@ pub fn iteration() -> Value {
 }
 
 /// Its last event.
-pub fn end() -> Value {
+pub(crate) fn end() -> Value {
     json!({
         "state": "converged", "reason": null, "detail": null, "iterations": 23, "error": error(), "elapsed": 0.00015,
         "links": end_links(),
@@ -79,7 +79,7 @@ pub(super) fn result() -> Value {
 }
 
 /// The problem of another job.
-pub fn problem() -> Value {
+pub(crate) fn problem() -> Value {
     json!({
         "type": "/problems/invalid-fit", "title": "The job is not a fit that can be computed", "status": 422,
         "detail": "/curve/points/2: point 2 equals point 1",

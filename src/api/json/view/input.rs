@@ -9,7 +9,7 @@ use crate::job::outline::Outline;
 use crate::model::job::JobRequest;
 
 /// The body that would ask for the same problem again.
-pub fn input(outline: &Outline, problem: &Problem) -> Bytes {
+pub(crate) fn input(outline: &Outline, problem: &Problem) -> Bytes {
     let (name, stream) = (outline.label.name.clone(), stream(outline).cloned());
     to_bytes(&JobRequest::of(name, stream, problem.request()))
 }

@@ -21,7 +21,7 @@ use crate::model::stream::StreamSpec;
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
 #[schemars(rename = "Job", example = examples::job())]
-pub struct JobView<'a> {
+pub(crate) struct JobView<'a> {
     /// Its id; ids grow with time.
     id: Uuid,
     /// The client's name for it.
@@ -73,7 +73,7 @@ pub struct JobView<'a> {
 
 impl<'a> JobView<'a> {
     /// The job as it stands.
-    pub fn new(job: &'a Job) -> Self {
+    pub(crate) fn new(job: &'a Job) -> Self {
         let status = job.status();
         let outline = job.outline();
         let level = status.levels.map(|levels| levels.last);
@@ -119,7 +119,7 @@ pub(super) fn failure(status: &Status) -> Option<ProblemBody> {
 /// A page of the list of jobs.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"jobs": [], "next": null}]))]
-pub struct JobPage<'a> {
+pub(crate) struct JobPage<'a> {
     /// Jobs, the newest first.
     pub jobs: Vec<JobView<'a>>,
     /// The next page, if there is one.
@@ -251,7 +251,7 @@ impl Links {
 }
 
 /// The path of a job.
-pub fn path(job: &Job) -> String {
+pub(crate) fn path(job: &Job) -> String {
     format!("{}/v1/jobs/{}", job.resources().base_path, job.id())
 }
 

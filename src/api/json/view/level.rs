@@ -28,7 +28,7 @@ use crate::model::stream::form::{self, Encoding, Form, View};
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
 #[schemars(example = examples::iteration())]
-pub struct IterationEvent {
+pub(crate) struct IterationEvent {
     /// The smallest milestone that this iteration is the first to reach; with `milestones`.
     // Streams write it in front of the shared rest, so it is never set here.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,7 +83,7 @@ struct Shown {
 }
 
 /// The data of an `iteration` event.
-pub fn level(frame: &Frame, form: &Form) -> Content {
+pub(crate) fn level(frame: &Frame, form: &Form) -> Content {
     let (level, problem) = (&frame.level, &frame.problem);
     let mut document = Document::new(digits(form, level));
     let points = &frame.control_points;

@@ -12,7 +12,7 @@ use crate::model::settings::Index;
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Limit")]
 #[schemars(extend("examples" = [{"points": [0, 3], "differences": [[0.0, 0.0], [0.1, -0.2]], "max": 0.223606797749979}]))]
-pub struct LimitView {
+pub(crate) struct LimitView {
     /// The fixed data points.
     points: Vec<Index>,
     /// Their difference vectors, from the limit to the data point, in the same order.
@@ -23,7 +23,7 @@ pub struct LimitView {
 
 impl LimitView {
     /// The limit of a fit.
-    pub fn new(problem: &Problem, limit: &LocalLimit) -> Self {
+    pub(crate) fn new(problem: &Problem, limit: &LocalLimit) -> Self {
         let indices = limit.fixed.iter();
         let vectors = (0..limit.differences.len()).map(|i| limit.differences.point(i));
         Self {

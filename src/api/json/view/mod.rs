@@ -37,7 +37,7 @@ use bytes::Bytes;
 use serde::Serialize;
 
 /// A value as bytes of JSON. The values of this module always have a JSON form.
-pub fn to_bytes(value: &impl Serialize) -> Bytes {
+pub(crate) fn to_bytes(value: &impl Serialize) -> Bytes {
     match serde_json::to_vec(value) {
         Ok(bytes) => bytes.into(),
         Err(error) => {

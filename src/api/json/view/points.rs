@@ -14,7 +14,7 @@ use crate::model::points::{PointGrid, PointList};
 #[schemars(transform = never_null)]
 #[schemars(rename = "FilePoints")]
 #[schemars(extend("examples" = [{"name": "NACA 2412", "curve": {"points": [[1, 0.0013], [0.95, 0.0114]]}, "notices": []}]))]
-pub struct PointsView {
+pub(crate) struct PointsView {
     /// What the file calls itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
@@ -49,7 +49,7 @@ struct SurfacePoints {
 
 impl PointsView {
     /// The points of a file.
-    pub fn new(file: Imported) -> Self {
+    pub(crate) fn new(file: Imported) -> Self {
         let Imported {
             points,
             grid,

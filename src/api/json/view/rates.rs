@@ -10,7 +10,7 @@ use crate::model::basis::BasisKind;
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Rates")]
 #[schemars(extend("examples" = [{"points": 3, "tolerance": 1e-6, "bases": [{"basis": "bernstein", "degree": 2, "lambda_min": 0.5, "rate": 0.5, "iterations": 20}]}]))]
-pub struct RatesView {
+pub(crate) struct RatesView {
     /// The number of points.
     points: usize,
     /// To which part an error is reduced.
@@ -42,7 +42,7 @@ struct RateView {
 
 impl RatesView {
     /// A comparison.
-    pub fn new(rates: &Rates) -> Self {
+    pub(crate) fn new(rates: &Rates) -> Self {
         let view = |rate: &crate::fit::rates::BasisRate| RateView {
             basis: rate.basis,
             degree: rate.degree,

@@ -26,7 +26,7 @@ use crate::model::weights::Rational;
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
 #[schemars(example = examples::result())]
-pub struct FitResult<'a> {
+pub(crate) struct FitResult<'a> {
     /// The id of the job.
     id: Uuid,
     /// The client's name for it.
@@ -88,7 +88,7 @@ schema_of!(ResultWeights, "ResultWeights", generator => json_schema!({
 }));
 
 /// The result: geometry that can be read without anything else.
-pub fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content {
+pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content {
     let Frame {
         level,
         problem,

@@ -2,7 +2,7 @@
 
 /// The shape of an array: up to three levels of nested lists; the last index runs fastest.
 #[derive(Clone, Copy, Debug)]
-pub struct NestedShape {
+pub(crate) struct NestedShape {
     /// How many numbers a list of each level has, the innermost first.
     sizes: [usize; 3],
     depth: usize,

@@ -12,7 +12,7 @@ use crate::fit::problem::Problem;
 use crate::fit::samples::{Samples, Uniform};
 
 /// An array of numbers. It is shared between threads and lives until all of it has been sent.
-pub trait Source: Send + Sync + 'static {
+pub(crate) trait Source: Send + Sync + 'static {
     /// Copies the numbers from `start` on, as many as there is room for.
     fn fill(&self, start: usize, numbers: &mut [f64]);
 
@@ -73,7 +73,7 @@ impl Source for Uniform {
 }
 
 /// The complete control net of a level, end copies included: the coordinates of its points.
-pub struct NetPoints {
+pub(crate) struct NetPoints {
     /// What was fitted.
     pub problem: Arc<Problem>,
     /// The free control points.
@@ -185,7 +185,7 @@ fn interleave<const D: usize>(lanes: [&[f64]; D], places: &mut [f64]) {
 }
 
 /// The weights of the control net of a homogeneous fit.
-pub struct NetWeights(pub NetPoints);
+pub(crate) struct NetWeights(pub NetPoints);
 
 impl Source for NetWeights {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
@@ -204,7 +204,7 @@ impl Source for NetWeights {
 }
 
 /// Numbers of a direction: its parameters, knots or weights.
-pub struct Along {
+pub(crate) struct Along {
     /// What was fitted.
     pub problem: Arc<Problem>,
     /// The direction.
@@ -220,7 +220,7 @@ impl Along {
     }
 
     /// How many there are.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.all().len()
     }
 }

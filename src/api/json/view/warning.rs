@@ -15,7 +15,7 @@ use crate::model::mistakes::SpecPart;
 /// What is doubtful about a fit that is computed even so.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Warning", example = example())]
-pub struct WarningView {
+pub(crate) struct WarningView {
     /// What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
     /// number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
     /// the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
@@ -34,7 +34,7 @@ pub struct WarningView {
 
 impl WarningView {
     /// What is doubtful about a job, as far as is known by now.
-    pub fn of(outline: &Outline, levels: Option<&Levels>) -> Vec<Self> {
+    pub(crate) fn of(outline: &Outline, levels: Option<&Levels>) -> Vec<Self> {
         let surface = outline.surface.then_some(outline.grid);
         let places = Places::of_input(surface, outline.bases_differ);
         let view = |warning: fit::Warning| Self {

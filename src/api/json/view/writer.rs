@@ -20,7 +20,7 @@ const PIECE: usize = 16 * CHUNK;
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug)]
-pub enum Digits {
+pub(crate) enum Digits {
     /// As nested lists of decimal numbers, in full or rounded.
     Decimal(Option<Rounding>),
     /// As a string: little-endian numbers of 64 bits in base64.
@@ -45,7 +45,7 @@ impl Digits {
 
 /// Text that is written now, and large arrays that are written later.
 #[derive(Default)]
-pub struct ArrayWriter {
+pub(crate) struct ArrayWriter {
     text: Vec<u8>,
     pieces: Vec<Piece>,
     /// The bytes of all pieces, as long as they are known.
@@ -54,7 +54,7 @@ pub struct ArrayWriter {
 
 impl ArrayWriter {
     /// A writer with room for so many bytes.
-    pub fn with_capacity(bytes: usize) -> Self {
+    pub(crate) fn with_capacity(bytes: usize) -> Self {
         Self {
             text: Vec::with_capacity(bytes.min(512 + PIECE * Digits::Decimal(None).size())),
             pieces: Vec::new(),
@@ -63,12 +63,12 @@ impl ArrayWriter {
     }
 
     /// The text after the last large array.
-    pub fn text(&mut self) -> &mut Vec<u8> {
+    pub(crate) fn text(&mut self) -> &mut Vec<u8> {
         &mut self.text
     }
 
     /// Writes an array, now or later.
-    pub fn array(&mut self, shape: NestedShape, source: impl Source, digits: Digits) {
+    pub(crate) fn array(&mut self, shape: NestedShape, source: impl Source, digits: Digits) {
         let count = shape.count();
         if count <= PIECE {
             return write(shape, 0..count, &source, digits, &mut self.text);
@@ -98,7 +98,7 @@ impl ArrayWriter {
     }
 
     /// The content of the text and all arrays.
-    pub fn finish(mut self) -> Content {
+    pub(crate) fn finish(mut self) -> Content {
         if self.pieces.is_empty() {
             return Bytes::from(self.text).into();
         }

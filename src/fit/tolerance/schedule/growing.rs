@@ -8,7 +8,7 @@ use super::super::insertion::refine;
 use super::super::line::KnotLine;
 use super::super::steps::Steps;
 use super::super::values::Values;
-use super::{GAIN, Phase, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
+use super::{GAIN, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
 use crate::fit::points::Points;
 use crate::fit::termination::Outcome;
 
@@ -20,7 +20,7 @@ impl<M: Minimum> Schedule<M> {
             return;
         };
         let fewest = line.control_points() <= self.options.degree + 1;
-        self.issue_new(Phase::Steps, line, &values, control_points);
+        self.issue_new(line, &values, control_points);
         // Fewer there are not.
         if self.best.is_none() || !fewest {
             self.stage = self.begin_steps(values);
@@ -72,7 +72,7 @@ impl<M: Minimum> Schedule<M> {
         };
         let mut control_points = last.control_points.clone();
         steps.step(&last.line, &values, &mut control_points);
-        let level = self.level(Phase::Steps, last.line.clone(), &values, control_points);
+        let level = self.level(last.line.clone(), &values, control_points);
         let distances = &level.distances;
         let alone = last.line.control_points() > self.points.len();
         let most = if alone { STEPS_ALONE } else { STEPS };
@@ -97,7 +97,7 @@ impl<M: Minimum> Schedule<M> {
         };
         let mut nearest = Arc::clone(&last);
         if let Some(control_points) = self.minimum.minimum(&last.line, values, None) {
-            nearest = self.level(Phase::Steps, last.line.clone(), values, control_points);
+            nearest = self.level(last.line.clone(), values, control_points);
             if nearest.distances.max < last.distances.max * (1.0 - GAIN) {
                 self.issue(Arc::clone(&nearest));
             }
@@ -116,7 +116,7 @@ impl<M: Minimum> Schedule<M> {
             Some(line) => {
                 let control_points = refine(&last.line, &line, &last.control_points);
                 let values = Values::new(&line, &self.parameters);
-                self.issue_new(Phase::Insertion, line, &values, control_points);
+                self.issue_new(line, &values, control_points);
                 self.stage = self.begin_steps(values);
             }
             None => self.begin_search(&nearest, values),

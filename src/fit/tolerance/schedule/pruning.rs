@@ -69,13 +69,7 @@ impl<M: Minimum> Schedule<M> {
         let values = Values::new(&line, &best.parameters);
         let control_points = self.minimum.minimum(&line, &values, weights)?;
         let parameters = Arc::clone(&best.parameters);
-        Some(self.level_at(
-            self.phase_of(&line),
-            line,
-            &values,
-            control_points,
-            parameters,
-        ))
+        Some(self.level_at(line, &values, control_points, parameters))
     }
 
     /// A level within the tolerance over the knots of this one, if weights bring it there.

@@ -17,7 +17,7 @@ const DAMPING: f64 = 0.7;
 
 /// Redistributions of some number of control points.
 #[derive(Debug)]
-pub struct Attempt {
+pub(super) struct Attempt {
     counts: [usize; 2],
     /// The knots of the last fit.
     lines: [KnotLine; 2],
@@ -32,7 +32,7 @@ pub struct Attempt {
 
 impl Attempt {
     /// With so many control points, whose first knots are those that a fit asks for.
-    pub fn new(data: &dyn Data, from: &Fit, counts: [usize; 2]) -> Self {
+    pub(super) fn new(data: &dyn Data, from: &Fit, counts: [usize; 2]) -> Self {
         Self {
             counts,
             lines: from.level.lines.clone(),
@@ -43,13 +43,8 @@ impl Attempt {
         }
     }
 
-    /// The numbers of control points.
-    pub fn counts(&self) -> [usize; 2] {
-        self.counts
-    }
-
     /// The knots to be tried next, if the data can determine such.
-    pub fn lines(&self, data: &dyn Data) -> Option<[KnotLine; 2]> {
+    pub(super) fn lines(&self, data: &dyn Data) -> Option<[KnotLine; 2]> {
         let place = |axis: usize| {
             let (monitor, count) = (&self.monitors[axis], self.counts[axis]);
             // A direction with more control points than data keeps its knots.
@@ -61,7 +56,7 @@ impl Attempt {
     }
 
     /// Takes the fit over these knots; returns whether it is the closest so far.
-    pub fn take(&mut self, data: &dyn Data, fit: &Fit) -> bool {
+    pub(super) fn take(&mut self, data: &dyn Data, fit: &Fit) -> bool {
         let largest = fit.level.distances.max;
         let is_closer = largest < self.lowest;
         self.part = largest / self.lowest;
@@ -73,7 +68,7 @@ impl Attempt {
     }
 
     /// Whether it has failed.
-    pub fn is_over(&self, tolerance: f64) -> bool {
+    pub(super) fn is_over(&self, tolerance: f64) -> bool {
         let left = TRIES.saturating_sub(self.tries);
         let hoped = self.lowest * self.part.powi(left as i32);
         left == 0 || self.lowest > NEAR * tolerance && hoped > tolerance

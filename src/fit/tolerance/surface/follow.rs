@@ -11,7 +11,7 @@ use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::values::Values;
 
 /// The control points over `lines` of about the surface of a level.
-pub fn following(level: &SurfaceLevel, lines: &[KnotLine; 2]) -> Points {
+pub(super) fn following(level: &SurfaceLevel, lines: &[KnotLine; 2]) -> Points {
     let maps = [0, 1].map(|axis| Map::new(&level.lines[axis], &lines[axis]));
     let [rows, columns] = level.counts();
     let [new_rows, new_columns] = [0, 1].map(|axis| lines[axis].control_points());

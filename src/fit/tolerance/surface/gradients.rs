@@ -18,7 +18,7 @@ const WINDOW: usize = 10;
 const GAIN: f64 = 1e-3;
 
 /// The diagonal D; zero where there are no data.
-pub fn diagonal(rows: &Rows<'_>) -> Vec<f64> {
+pub(super) fn diagonal(rows: &Rows<'_>) -> Vec<f64> {
     let mut sums = vec![0.0; rows.control_points()];
     rows.apply_transposed(&vec![1.0; rows.points()], &mut sums);
     let inverse = |sum: f64| if sum > 0.0 { 1.0 / sum } else { 0.0 };
@@ -27,7 +27,7 @@ pub fn diagonal(rows: &Rows<'_>) -> Vec<f64> {
 
 /// Moves one coordinate of the control points towards the least-squares fit of `data`, multiplied
 /// with `unit`, until the root of the mean square is at most `enough` or hardly falls any more.
-pub fn descend(
+pub(super) fn descend(
     rows: &Rows<'_>,
     diagonal: &[f64],
     data: &[f64],
@@ -76,7 +76,7 @@ pub fn descend(
 }
 
 /// How much one step of steepest descent lowers the sum of squares of a residual.
-pub fn first_gain(rows: &Rows<'_>, diagonal: &[f64], residual: &[f64]) -> f64 {
+pub(super) fn first_gain(rows: &Rows<'_>, diagonal: &[f64], residual: &[f64]) -> f64 {
     let mut gradient = vec![0.0; diagonal.len()];
     rows.apply_transposed(residual, &mut gradient);
     let gamma = weighed_square(&gradient, diagonal);

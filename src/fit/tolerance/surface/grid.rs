@@ -26,7 +26,7 @@ const SHARE: f64 = 0.6;
 
 /// A grid of points.
 #[derive(Debug)]
-pub struct GridData {
+pub(crate) struct GridData {
     points: Arc<Points>,
     grid: Grid,
     parameters: [Arc<Vec<f64>>; 2],
@@ -36,7 +36,7 @@ pub struct GridData {
 
 impl GridData {
     /// Points row by row, where rows are successive in u, at increasing parameters in u and in v.
-    pub fn new(points: Arc<Points>, grid: Grid, parameters: [Arc<Vec<f64>>; 2]) -> Self {
+    pub(crate) fn new(points: Arc<Points>, grid: Grid, parameters: [Arc<Vec<f64>>; 2]) -> Self {
         let Grid { rows, columns } = grid;
         let v = lines_of(&points, rows, columns);
         let u = lines_of(&transposed(&points, rows, columns), columns, rows);

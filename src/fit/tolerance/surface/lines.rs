@@ -6,7 +6,7 @@ use crate::fit::tolerance::insertion::refine;
 use crate::fit::tolerance::line::KnotLine;
 
 /// The same surface with more knots in a direction.
-pub fn refined(level: &SurfaceLevel, axis: usize, fine: &KnotLine) -> Points {
+pub(super) fn refined(level: &SurfaceLevel, axis: usize, fine: &KnotLine) -> Points {
     let coarse = &level.lines[axis];
     let [rows, columns] = level.counts();
     let (points, dimension) = (&level.control_points, level.control_points.dimension());
@@ -22,14 +22,14 @@ pub fn refined(level: &SurfaceLevel, axis: usize, fine: &KnotLine) -> Points {
 }
 
 /// The lines of a grid side by side: coordinate c of line k becomes lane c · lines + k.
-pub fn lines_of(points: &Points, lines: usize, length: usize) -> Points {
+pub(super) fn lines_of(points: &Points, lines: usize, length: usize) -> Points {
     let all = points.lanes().iter();
     debug_assert_eq!(points.len(), lines * length);
     Points::from_lanes(all.flat_map(|lane| lane.chunks_exact(length)))
 }
 
 /// The inverse of [`lines_of`].
-pub fn joined(curves: &Points, dimension: usize, lines: usize, length: usize) -> Points {
+pub(super) fn joined(curves: &Points, dimension: usize, lines: usize, length: usize) -> Points {
     Points::from_lanes((0..dimension).map(|c| {
         let mut lane = Vec::with_capacity(lines * length);
         (0..lines).for_each(|k| lane.extend_from_slice(curves.lane(c * lines + k)));
@@ -38,13 +38,13 @@ pub fn joined(curves: &Points, dimension: usize, lines: usize, length: usize) ->
 }
 
 /// The grid with rows and columns exchanged.
-pub fn transposed(points: &Points, rows: usize, columns: usize) -> Points {
+pub(super) fn transposed(points: &Points, rows: usize, columns: usize) -> Points {
     let lanes = points.lanes().iter();
     Points::from_lanes(lanes.map(|lane| flipped(lane, rows, columns)))
 }
 
 /// The same for one coordinate.
-pub fn flipped(lane: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+pub(super) fn flipped(lane: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     (0..columns)
         .flat_map(|j| (0..rows).map(move |i| lane[i * columns + j]))
         .collect()

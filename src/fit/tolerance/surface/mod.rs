@@ -33,7 +33,6 @@ mod search;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::Phase;
 use super::equations::Distances;
 use super::line::KnotLine;
 use super::monitor::{Monitor, needed, span_maxima};
@@ -41,13 +40,13 @@ use crate::fit::points::Points;
 
 use follow::following;
 
-pub use grid::GridData;
-pub use scattered::ScatteredData;
-pub use schedule::SurfaceSchedule;
+pub(crate) use grid::GridData;
+pub(crate) use scattered::ScatteredData;
+pub(crate) use schedule::SurfaceSchedule;
 
 /// What is asked for; pairs are those of u and v.
 #[derive(Clone, Debug)]
-pub struct SurfaceOptions {
+pub(crate) struct SurfaceOptions {
     /// The degrees p, q ≥ 1.
     pub degrees: [usize; 2],
     /// The periods of closed directions, after which they are back at their first data.
@@ -65,9 +64,7 @@ pub struct SurfaceOptions {
 
 /// A surface on the way.
 #[derive(Clone, Debug)]
-pub struct SurfaceLevel {
-    /// What was done since the level before.
-    pub phase: Phase,
+pub(crate) struct SurfaceLevel {
     /// The knots in u and in v.
     pub lines: [KnotLine; 2],
     /// The control points, row by row.
@@ -78,17 +75,17 @@ pub struct SurfaceLevel {
 
 impl SurfaceLevel {
     /// The number of control points in u and in v.
-    pub fn counts(&self) -> [usize; 2] {
+    pub(crate) fn counts(&self) -> [usize; 2] {
         [0, 1].map(|axis| self.lines[axis].control_points())
     }
 
     /// The number of control points.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.counts().iter().product()
     }
 
     /// The control points over these lines of about the same surface.
-    pub fn over(&self, lines: &[KnotLine; 2]) -> Points {
+    pub(crate) fn over(&self, lines: &[KnotLine; 2]) -> Points {
         match self.lines == *lines {
             true => self.control_points.clone(),
             false => following(self, lines),
@@ -97,7 +94,7 @@ impl SurfaceLevel {
 }
 
 /// What the schedule asks of the data.
-pub trait Data: Debug + Send + Sync {
+pub(crate) trait Data: Debug + Send + Sync {
     /// The parameters of a direction, each once, increasing.
     fn parameters(&self, axis: usize) -> &[f64];
 
@@ -132,7 +129,7 @@ pub trait Data: Debug + Send + Sync {
 
 /// A least-squares surface.
 #[derive(Debug)]
-pub struct Nearest {
+pub(crate) struct Nearest {
     /// The control points, row by row.
     pub control_points: Points,
     /// For each direction, the largest distance that it leaves at each of its parameters.
@@ -141,7 +138,7 @@ pub struct Nearest {
 
 /// A least-squares surface with its distances.
 #[derive(Clone, Debug)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// The surface.
     pub level: Arc<SurfaceLevel>,
     /// For each direction, the largest distance that it leaves at each of its parameters.

@@ -18,7 +18,7 @@ const PART: usize = 16_384;
 
 /// Points at places among the different parameters of both directions.
 #[derive(Debug)]
-pub struct Sites {
+pub(super) struct Sites {
     /// The different parameters of each direction, increasing.
     pub parameters: [Vec<f64>; 2],
     /// Which of them is that of each point.
@@ -65,7 +65,7 @@ impl Functions {
 
 /// The matrix.
 #[derive(Debug)]
-pub struct Rows<'a> {
+pub(super) struct Rows<'a> {
     sites: &'a Sites,
     u: Functions,
     v: Functions,
@@ -73,7 +73,7 @@ pub struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// Evaluates the functions over some knots.
-    pub fn new(sites: &'a Sites, lines: &[KnotLine; 2]) -> Self {
+    pub(super) fn new(sites: &'a Sites, lines: &[KnotLine; 2]) -> Self {
         Self {
             u: Functions::new(&lines[0], &sites.parameters[0]),
             v: Functions::new(&lines[1], &sites.parameters[1]),
@@ -82,17 +82,17 @@ impl<'a> Rows<'a> {
     }
 
     /// The number of points.
-    pub fn points(&self) -> usize {
+    pub(super) fn points(&self) -> usize {
         self.sites.places[0].len()
     }
 
     /// The number of control points.
-    pub fn control_points(&self) -> usize {
+    pub(super) fn control_points(&self) -> usize {
         self.u.line.control_points() * self.v.line.control_points()
     }
 
     /// `y = A x` for one coordinate of the control points.
-    pub fn apply(&self, x: &[f64], y: &mut [f64]) {
+    pub(super) fn apply(&self, x: &[f64], y: &mut [f64]) {
         let columns = self.v.count();
         let x = self.with_margin(x);
         let value = |i: usize| {
@@ -113,7 +113,7 @@ impl<'a> Rows<'a> {
 
     /// `y = Aᵀ x` for one coordinate of the points. The order of the sums does not depend on the
     /// number of threads.
-    pub fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
+    pub(super) fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
         let columns = self.v.count();
         let mut sums = vec![0.0; self.u.count() * columns];
         for (i, x) in x.iter().enumerate() {

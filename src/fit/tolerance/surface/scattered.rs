@@ -20,7 +20,7 @@ const ENOUGH: f64 = 1e-3;
 
 /// Points at scattered parameters.
 #[derive(Debug)]
-pub struct ScatteredData {
+pub(crate) struct ScatteredData {
     /// The data, sorted by u and then by v.
     points: Points,
     /// The index of each of them among those that were given.
@@ -37,7 +37,7 @@ pub struct ScatteredData {
 impl ScatteredData {
     /// Points with a u and a v each; those of a closed direction lie within one period, from the
     /// smallest of them on.
-    pub fn new(points: &Points, parameters: &[Arc<Vec<f64>>; 2], tolerance: f64) -> Self {
+    pub(crate) fn new(points: &Points, parameters: &[Arc<Vec<f64>>; 2], tolerance: f64) -> Self {
         let [u, v] = parameters;
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         order.sort_by(|&i, &j| {
@@ -65,7 +65,7 @@ impl ScatteredData {
     }
 
     /// The same with so many control points at most, rather than as many as data.
-    pub fn with_most(self, most: usize) -> Self {
+    pub(crate) fn with_most(self, most: usize) -> Self {
         Self { most, ..self }
     }
 
@@ -84,7 +84,7 @@ impl ScatteredData {
     }
 
     /// For each direction, the largest distance that a surface leaves at each of its parameters.
-    pub fn left(&self, lines: &[KnotLine; 2], control_points: &Points) -> [Vec<f64>; 2] {
+    pub(crate) fn left(&self, lines: &[KnotLine; 2], control_points: &Points) -> [Vec<f64>; 2] {
         let squares = self.squares(&Rows::new(&self.sites, lines), control_points);
         [0, 1].map(|axis| {
             let mut left = vec![0.0; self.sites.parameters[axis].len()];

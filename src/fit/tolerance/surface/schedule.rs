@@ -9,7 +9,6 @@ use super::search::Search;
 use super::{Data, Fit, SurfaceLevel, SurfaceOptions};
 use crate::fit::points::Points;
 use crate::fit::termination::Outcome;
-use crate::fit::tolerance::Phase;
 use crate::fit::tolerance::growth::grown;
 use crate::fit::tolerance::line::KnotLine;
 
@@ -25,7 +24,7 @@ const BISECTIONS: usize = 100;
 
 /// A surface with as few control points as its tolerance needs, level by level.
 #[derive(Debug)]
-pub struct SurfaceSchedule {
+pub(crate) struct SurfaceSchedule {
     data: Box<dyn Data>,
     options: SurfaceOptions,
     stage: Stage,
@@ -64,7 +63,7 @@ enum Stage {
 
 impl SurfaceSchedule {
     /// A fit of data; nothing is computed before the first level is asked for.
-    pub fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
+    pub(crate) fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
         Self {
             data,
             options,
@@ -81,12 +80,12 @@ impl SurfaceSchedule {
     }
 
     /// How it has ended, after the last level.
-    pub fn outcome(&self) -> Option<Outcome> {
+    pub(crate) fn outcome(&self) -> Option<Outcome> {
         self.outcome.filter(|_| self.queue.is_empty())
     }
 
     /// The next level, or `None` after the last one.
-    pub fn next_level(&mut self) -> Option<Arc<SurfaceLevel>> {
+    pub(crate) fn next_level(&mut self) -> Option<Arc<SurfaceLevel>> {
         while self.queue.is_empty() && self.outcome.is_none() {
             self.advance();
         }
@@ -126,7 +125,7 @@ impl SurfaceSchedule {
     /// The first level: the given surface, or the least-squares surface of the fewest control points.
     fn begin(&mut self) -> Stage {
         if let Some((lines, control_points)) = self.options.first.take() {
-            let level = self.level(Phase::Steps, lines, control_points);
+            let level = self.level(lines, control_points);
             self.issue(&level);
             return Stage::Steps;
         }
@@ -145,7 +144,7 @@ impl SurfaceSchedule {
             self.outcome = Some(Outcome::Overflow);
             return Stage::Done;
         };
-        match self.fit(Phase::Steps, [u, v]) {
+        match self.fit([u, v]) {
             Some(fit) => {
                 self.issue(&fit.level);
                 Stage::Growth(fit)
@@ -165,7 +164,7 @@ impl SurfaceSchedule {
         let Some(last) = self.last.clone() else {
             return Stage::Done;
         };
-        let Some(fit) = self.fit(Phase::Steps, last.lines.clone()) else {
+        let Some(fit) = self.fit(last.lines.clone()) else {
             return Stage::Done;
         };
         if fit.level.distances.max <= last.distances.max {
@@ -187,7 +186,7 @@ impl SurfaceSchedule {
             let control_points = refined(&last, axis, &line);
             let mut lines = last.lines.clone();
             lines[axis] = line;
-            let inserted = self.level(Phase::Insertion, lines, control_points);
+            let inserted = self.level(lines, control_points);
             self.issue(&inserted);
             return Stage::Steps;
         }
@@ -279,14 +278,8 @@ impl SurfaceSchedule {
 
     /// One redistribution.
     fn attempt(&mut self, mut search: Search, mut attempt: Box<Attempt>) -> Stage {
-        let before = self.last.as_ref().map_or(0, |last| last.count());
-        let fewer = attempt.counts().iter().product::<usize>() < before;
-        let phase = match fewer {
-            true => Phase::Removal,
-            false => Phase::Redistribution,
-        };
         let lines = attempt.lines(&*self.data);
-        let Some(fit) = lines.and_then(|lines| self.fit(phase, lines)) else {
+        let Some(fit) = lines.and_then(|lines| self.fit(lines)) else {
             return Self::failed(search);
         };
         if attempt.take(&*self.data, &fit) {
@@ -316,10 +309,7 @@ impl SurfaceSchedule {
         if let (Some(end), Some(last)) = (end, &self.last)
             && !Arc::ptr_eq(&end, last)
         {
-            self.queue.push_back(Arc::new(SurfaceLevel {
-                phase: Phase::Result,
-                ..SurfaceLevel::clone(&end)
-            }));
+            self.queue.push_back(end);
         }
         // As many as data would go through all of a grid.
         let all = [0, 1].map(|axis| self.data.parameters(axis).len());
@@ -334,9 +324,9 @@ impl SurfaceSchedule {
     }
 
     /// The least-squares surface over some knots, if the data determine it.
-    fn fit(&self, phase: Phase, lines: [KnotLine; 2]) -> Option<Fit> {
+    fn fit(&self, lines: [KnotLine; 2]) -> Option<Fit> {
         let nearest = self.data.nearest(&lines, self.last.as_deref())?;
-        let level = self.level(phase, lines, nearest.control_points);
+        let level = self.level(lines, nearest.control_points);
         level.distances.max.is_finite().then(|| Fit {
             level,
             left: Arc::new(nearest.left),
@@ -344,15 +334,9 @@ impl SurfaceSchedule {
     }
 
     /// The level of some control points.
-    fn level(
-        &self,
-        phase: Phase,
-        lines: [KnotLine; 2],
-        control_points: Points,
-    ) -> Arc<SurfaceLevel> {
+    fn level(&self, lines: [KnotLine; 2], control_points: Points) -> Arc<SurfaceLevel> {
         let distances = self.data.distances(&lines, &control_points);
         Arc::new(SurfaceLevel {
-            phase,
             lines,
             control_points,
             distances,

@@ -18,7 +18,7 @@ const BISECTIONS: usize = 4;
 
 /// The numbers of control points that are known to do, and those that are not.
 #[derive(Debug)]
-pub struct Search {
+pub(super) struct Search {
     /// The fewest control points.
     fewest: [usize; 2],
     /// The most control points.
@@ -52,7 +52,7 @@ enum Goal {
 impl Search {
     /// After growth: `start` is its last fit, which is within the tolerance or not, and `asked` what
     /// its distances ask for.
-    pub fn new(
+    pub(super) fn new(
         start: Fit,
         is_within: bool,
         asked: [usize; 2],
@@ -75,12 +75,12 @@ impl Search {
     }
 
     /// The fit that the next attempt starts from.
-    pub fn from(&self) -> &Fit {
+    pub(super) fn from(&self) -> &Fit {
         self.within.as_ref().unwrap_or(&self.start)
     }
 
     /// The numbers of the next attempt, or `None` if there is none left.
-    pub fn counts(&mut self) -> Option<[usize; 2]> {
+    pub(super) fn counts(&mut self) -> Option<[usize; 2]> {
         let now = self.within.as_ref().map(|fit| fit.level.counts());
         let counts = match (self.goal, now) {
             (Goal::Asked(asked), _) => asked,
@@ -111,7 +111,7 @@ impl Search {
     }
 
     /// Goes on after an attempt came within the tolerance.
-    pub fn succeed(&mut self, fit: Fit) {
+    pub(super) fn succeed(&mut self, fit: Fit) {
         self.goal = match self.goal {
             Goal::Most(low) => Goal::Between(low, BISECTIONS),
             Goal::Between(low, left) if left > 1 => Goal::Between(low, left - 1),
@@ -121,7 +121,7 @@ impl Search {
     }
 
     /// Goes on after an attempt has failed.
-    pub fn fail(&mut self) -> bool {
+    pub(super) fn fail(&mut self) -> bool {
         let now = self.within.as_ref().map(|fit| fit.level.counts());
         self.goal = match (self.goal, now) {
             (Goal::Asked(asked), Some(_)) => Goal::Between(asked, 1),

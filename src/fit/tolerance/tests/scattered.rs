@@ -1,8 +1,7 @@
 //! Surfaces of scattered points.
 
-use super::surface::{all, bicubic, franke};
+use super::surface::{all, bicubic, franke, is_inserted};
 use super::*;
-use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::surface::{
     ScatteredData, SurfaceLevel, SurfaceOptions, SurfaceSchedule,
 };
@@ -46,11 +45,9 @@ fn hills() {
         let last = levels.last().unwrap();
         assert!(last.distances.max <= tolerance);
         assert!(last.count() <= ours && ours < scipy, "{}", last.count());
-        for pair in levels.windows(2) {
-            if pair[1].phase == Phase::Insertion {
-                let mut each = pair[0].distances.each.iter().zip(&pair[1].distances.each);
-                assert!(each.all(|(a, b)| (a - b).abs() < 1e-13));
-            }
+        for pair in levels.windows(2).filter(|pair| is_inserted(pair)) {
+            let mut each = pair[0].distances.each.iter().zip(&pair[1].distances.each);
+            assert!(each.all(|(a, b)| (a - b).abs() < 1e-13));
         }
         // Between the data it is as near.
         let [u, v] = &parameters;
