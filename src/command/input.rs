@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use crate::import::{self, Hints};
+use crate::model::short::without_mark;
 
 /// What an input is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +81,7 @@ pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
 
 /// What is found out about a file of points, in sentences.
 pub(super) fn notices(bytes: &[u8], hints: &Hints) -> Vec<String> {
-    let read = import::read(&String::from_utf8_lossy(bytes), hints);
+    let read = import::read(bytes, hints);
     read.map(|read| read.notices).unwrap_or_default()
 }
 
@@ -96,10 +97,6 @@ fn content(bytes: &[u8]) -> Content {
         Some(b'[') => Content::Points,
         _ => Content::Text,
     }
-}
-
-fn without_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 #[cfg(test)]

@@ -187,8 +187,7 @@ fn shape(input: &Input) -> Result<&'static str, Failure> {
         Content::Text => {
             let hints = Asked::default().hints();
             // What is wrong with it is told by those who read it.
-            let text = String::from_utf8_lossy(&input.bytes);
-            import::read(&text, &hints).is_ok_and(|read| read.grid.is_some())
+            import::read(&input.bytes, &hints).is_ok_and(|read| read.grid.is_some())
         }
         Content::Points => is_grid(&input.value()?),
         Content::Job => input.value()?.get("surface").is_some(),

@@ -68,14 +68,6 @@ impl BasisRate {
 /// # Errors
 ///
 /// Parameters that do not increase strictly or are not finite, too few points, or a degree of 0.
-///
-/// ```
-/// use piad::fit::rates::compare;
-///
-/// let rates = compare(3, None, 3).unwrap();
-/// let bernstein = rates[0].lambda_min.unwrap();
-/// assert!((bernstein - 0.5).abs() < 1e-15); // 2! / 2²
-/// ```
 pub(crate) fn compare(
     count: usize,
     parameters: Option<&[f64]>,

@@ -20,7 +20,10 @@ mod notation;
 mod plain;
 mod table;
 
+use std::borrow::Cow;
+
 use crate::fit::points::{Grid, Points};
+use crate::model::short::without_mark;
 
 /// The most mistakes of a file that are told.
 const MOST_MISTAKES: usize = 10;
@@ -89,9 +92,13 @@ impl Mistake {
     }
 }
 
-/// Reads a file of points; tells the first mistakes.
-pub(crate) fn read(text: &str, hints: &Hints) -> Result<Imported, Vec<Mistake>> {
-    let table = table::read(text, hints.most)?;
+/// Reads a file of points in UTF-8, with a mark before it or without; tells the first mistakes.
+pub(crate) fn read(file: &[u8], hints: &Hints) -> Result<Imported, Vec<Mistake>> {
+    let file = without_mark(file);
+    // Where all of it is UTF-8, which is found out much faster than where it is not.
+    let text = str::from_utf8(file).map(Cow::Borrowed);
+    let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
+    let table = table::read(&text, hints.most)?;
     let table = airfoil::around(table);
     lattice::arranged(table, hints).map_err(|mistake| vec![mistake])
 }

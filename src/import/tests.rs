@@ -11,6 +11,10 @@ const HINTS: Hints = Hints {
     most: 100,
 };
 
+fn read(text: &str, hints: &Hints) -> Result<Imported, Vec<Mistake>> {
+    super::read(text.as_bytes(), hints)
+}
+
 fn points(text: &str) -> Vec<Vec<f64>> {
     let imported = read(text, &HINTS).unwrap();
     let lanes = imported.points.lanes();
@@ -192,6 +196,15 @@ proptest! {
             Err(mistakes) => prop_assert!(!mistakes.is_empty()),
         }
     }
+}
+
+#[test]
+fn marks_and_other_encodings_do_no_harm() {
+    let marked = super::read(b"\xef\xbb\xbf1,2\n3,4\n", &HINTS).unwrap();
+    assert_eq!((marked.points.len(), marked.name), (2, None));
+    let latin = super::read(b"Fl\xfcgel\n1 2\n3 4\n", &HINTS).unwrap();
+    assert_eq!(latin.points.len(), 2);
+    assert_eq!(latin.name.as_deref(), Some("Fl\u{fffd}gel"));
 }
 
 #[test]

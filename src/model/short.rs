@@ -1,9 +1,14 @@
-//! Texts of clients, short enough to be repeated in an answer.
+//! Texts of clients: without a mark before them, and short enough to be repeated in an answer.
 
 use std::borrow::Cow;
 
 /// The most characters that are repeated of a text of a client.
 const LONGEST: usize = 100;
+
+/// A text without the byte-order mark that some programs write before UTF-8.
+pub(crate) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
 
 /// The text up to so many characters, with an ellipsis where it goes on.
 pub(crate) fn cut(text: &str, most: usize) -> Cow<'_, str> {

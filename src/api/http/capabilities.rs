@@ -15,7 +15,7 @@ use crate::config::Config;
 use crate::export::Format;
 use crate::fit::basis::MAX_DEGREE;
 use crate::model::basis::BasisKind;
-use crate::model::method::{MethodKind, settings};
+use crate::model::method::{MethodKind, settings_of};
 use crate::model::named::Named;
 use crate::model::shape::MAX_DIMENSION;
 use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
@@ -128,7 +128,7 @@ impl MethodCapability {
     fn all() -> Vec<Self> {
         let method = |&kind: &&'static str| Self {
             kind,
-            settings: settings(kind),
+            settings: settings_of(kind),
             knots: match kind {
                 "least_squares" => &["spread", "explicit"],
                 _ => &[],

@@ -18,7 +18,6 @@ use serde_json::{Map, Value};
 use super::answer::whole;
 use super::{body, negotiate};
 use crate::api::app::App;
-use crate::api::json::read::without_mark;
 use crate::api::json::request::file::{self, FileWords};
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
@@ -86,8 +85,7 @@ fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
 
 /// The points of a body.
 fn imported(bytes: &Bytes, hints: &Hints) -> Result<Imported, Problem> {
-    let text = String::from_utf8_lossy(without_mark(bytes));
-    import::read(&text, hints).map_err(Problem::from)
+    import::read(bytes, hints).map_err(Problem::from)
 }
 
 /// What the query says of a job whose points are in the body.

@@ -7,7 +7,7 @@ use serde_path_to_error::{Deserializer, Track};
 
 use crate::api::problem::{Kind, Problem};
 use crate::model::either::{MARK, pointer};
-use crate::model::short::{cut, plain, quoted};
+use crate::model::short::{cut, plain, quoted, without_mark};
 
 /// Reads a body. Only if that fails it is read once more, for the place of the error.
 pub(crate) fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
@@ -21,11 +21,6 @@ pub(crate) fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
         let _ = T::deserialize(Deserializer::new(&mut Json::from_slice(body), &mut track));
         problem(body, &error, pointer(&track.path()))
     })
-}
-
-/// A text without the byte-order mark that some programs write before UTF-8.
-pub(crate) fn without_mark(text: &[u8]) -> &[u8] {
-    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
 
 /// What is wrong, at a place that the error says more about.

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use super::MethodForm;
 use super::constraint::ConstraintInput;
 use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
-use super::kinds::VariantKind;
 use crate::fit::invalid::{Place, Setting};
 use crate::fit::method::{
     AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
@@ -16,7 +15,9 @@ use crate::fit::points::Grid;
 use crate::model::either::{AtMost, Whole, whole};
 use crate::model::lists::PointNumbers;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::named::names;
 use crate::model::per_direction::PerDirection;
+use crate::model::schema::{names as schema_of_names, schema_of};
 use crate::model::settings::DataWeights;
 
 /// The order of the derivative of fairness where none is given.
@@ -193,3 +194,45 @@ impl LeastSquaresInput {
         }
     }
 }
+
+/// The step of a least-squares fit: with a diagonal matrix, with one number, of conjugate gradients,
+/// the fastest iteration, or `direct` to the minimum, which iteration 1 is then.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[schemars(rename_all = "snake_case")]
+#[schemars(rename = "LeastSquaresVariant", extend("default" = "cg"), example = &"cg")]
+pub(crate) enum VariantKind {
+    Diagonal,
+    Lspia,
+    Cg,
+    Direct,
+}
+
+names!(VariantKind, "variant of the method least_squares", [
+    "diagonal" => Diagonal,
+    "lspia" => Lspia,
+    "cg" => Cg,
+    "direct" => Direct,
+]);
+names!(EndPoints, "choice of end points of the method least_squares", [
+    "interpolated" => Interpolated,
+    "free" => Free,
+]);
+
+impl From<Variant> for VariantKind {
+    fn from(variant: Variant) -> Self {
+        match variant {
+            Variant::Diagonal => Self::Diagonal,
+            Variant::Lspia { .. } => Self::Lspia,
+            Variant::ConjugateGradients => Self::Cg,
+            Variant::Direct => Self::Direct,
+        }
+    }
+}
+
+schema_of!(
+    EndPoints,
+    "LeastSquaresEnds",
+    schema_of_names::<Self>(
+        "Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others."
+    )
+);

@@ -1,36 +1,37 @@
-//! Methods and their settings as they are asked for.
+//! Methods as they are asked for, and what they are for a fit.
 //!
-//! - `kinds`: the kinds of methods, and names of settings;
-//! - `least_squares`: the settings of least squares, with `constraint`;
-//! - `choice`: what they are for a fit.
+//! - `settings`: their settings; `least_squares`: those of least squares, with `constraint` and `counts`;
+//! - `schema`: their schema.
 
-mod choice;
 mod constraint;
 pub(crate) mod counts;
-mod kinds;
 mod least_squares;
+mod schema;
+mod settings;
 
-use std::borrow::Cow;
 use std::fmt;
-use std::sync::LazyLock;
+use std::sync::Arc;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
 use super::either::Kept;
-use super::named::Named;
+use super::mistakes::OrMistakes;
+use super::named::{Named, names};
 use super::per_direction::{PerDirection, direction};
-use super::schema;
-use super::settings::{Index, Matrix, Omega, Thresholds};
 use crate::fit::invalid::Place as P;
-use crate::fit::method::{METHODS, Start, Sweeps};
+use crate::fit::method::Method;
+use crate::fit::points::Grid;
+use crate::fit::problem::Request;
 
 pub(crate) use constraint::ConstraintInput;
-pub(crate) use kinds::{MethodKind, VariantKind};
-pub(crate) use least_squares::LeastSquaresInput;
+pub(crate) use least_squares::{LeastSquaresInput, VariantKind};
+pub(crate) use schema::settings_of;
+pub(crate) use settings::{
+    AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, WeightedInput,
+};
 
 /// How the control points move from iteration to iteration.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -61,81 +62,42 @@ pub(crate) enum MethodInput {
     Custom(CustomInput),
 }
 
+/// A kind of method.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
+#[schemars(rename_all = "snake_case")]
+#[schemars(rename = "MethodKind", example = &"global")]
+pub(crate) enum MethodKind {
+    Global,
+    Weighted,
+    Local,
+    Adaptive,
+    Extended,
+    Transpose,
+    Convex,
+    Chebyshev,
+    Direct,
+    LeastSquares,
+    Custom,
+}
+
+names!(MethodKind, "kind of method", [
+    "global" => Global,
+    "weighted" => Weighted,
+    "local" => Local,
+    "adaptive" => Adaptive,
+    "extended" => Extended,
+    "transpose" => Transpose,
+    "convex" => Convex,
+    "chebyshev" => Chebyshev,
+    "direct" => Direct,
+    "least_squares" => LeastSquares,
+    "custom" => Custom,
+]);
+
 /// A method without settings.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NoSettings {}
-
-/// Settings of weighted PIA.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct WeightedInput {
-    /// The relaxation. Without one it is `auto` for `weighted`, and 1 for the others.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub omega: Option<Omega>,
-}
-
-/// Settings of local PIA.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct LocalInput {
-    /// The data points whose control points may move.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(length(min = 1), extend("uniqueItems" = true))]
-    pub indices: Option<Vec<Index>>,
-    /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
-    /// tolerance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sweeps: Option<Sweeps>,
-    /// The relaxation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub omega: Option<Omega>,
-}
-
-/// Settings of adaptive PIA.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct AdaptiveInput {
-    /// Only control points move whose data point is further away than this, in data units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub threshold: Option<Thresholds>,
-    /// The relaxation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub omega: Option<Omega>,
-}
-
-/// Settings of extended PIA.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ExtendedInput {
-    /// What iteration 0 is.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub start: Option<Start>,
-    /// Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
-    /// control point moves in the next one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = false))]
-    pub transformed_error: Option<bool>,
-}
-
-/// Settings of convexity-preserving PIA.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ConvexInput {
-    /// How near bisection comes to the longest step that keeps the turns, as a part of the plain step.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "default" = 1e-6))]
-    pub step_tolerance: Option<f64>,
-}
-
-/// Settings of PIA with a given transform.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct CustomInput {
-    /// The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transform: Option<PerDirection<Matrix>>,
-}
 
 /// Reads a method by its kind, wherever that stands, or from the name of the kind alone.
 impl<'de> Deserialize<'de> for MethodInput {
@@ -187,77 +149,61 @@ impl MethodInput {
     }
 }
 
-/// The schemas of the settings of methods that have some.
-fn schemas(generator: &mut SchemaGenerator) -> [(&'static str, Schema); 7] {
-    [
-        ("weighted", WeightedInput::json_schema(generator)),
-        ("local", LocalInput::json_schema(generator)),
-        ("adaptive", AdaptiveInput::json_schema(generator)),
-        ("convex", ConvexInput::json_schema(generator)),
-        ("extended", ExtendedInput::json_schema(generator)),
-        ("least_squares", LeastSquaresInput::json_schema(generator)),
-        ("custom", CustomInput::json_schema(generator)),
-    ]
+/// A method, and the points that it selects.
+#[derive(Clone, Debug)]
+pub(crate) struct MethodChoice {
+    /// The method with its settings.
+    pub method: Method,
+    /// Local fits: the indices of the points that are adjusted, if not all.
+    pub selected: Option<Arc<[usize]>>,
 }
 
-/// The fields of a schema.
-fn fields(schema: &mut Schema) -> Map<String, Value> {
-    match schema.remove("properties") {
-        Some(Value::Object(fields)) => fields,
-        _ => Map::new(),
-    }
-}
-
-/// The settings of a method.
-pub(crate) fn settings(kind: &str) -> Vec<String> {
-    static SETTINGS: LazyLock<Vec<(&str, Vec<String>)>> = LazyLock::new(|| {
-        let schemas = schemas(&mut SchemaGenerator::default()).into_iter();
-        let names = |mut schema| fields(&mut schema).into_iter().map(|(name, _)| name);
-        let own = schemas.map(|(kind, schema)| (kind, names(schema).collect()));
-        own.collect()
-    });
-    let entry = SETTINGS.iter().find(|(method, _)| *method == kind);
-    entry.map_or_else(Vec::new, |(_, settings)| settings.clone())
-}
-
-/// One object with the settings of all methods, each of which says to which it belongs: generated
-/// clients have one type for it.
-impl JsonSchema for MethodInput {
-    fn schema_name() -> Cow<'static, str> {
-        "Method".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let mut kind = generator.subschema_for::<MethodKind>();
-        kind.insert("description".to_owned(), "The kind of the method.".into());
-        let mut all = Map::from_iter([("kind".to_owned(), kind.to_value())]);
-        let mut owners: Vec<(String, Vec<&str>)> = Vec::new();
-        for (kind, mut schema) in schemas(generator) {
-            for (name, setting) in fields(&mut schema) {
-                match owners.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, kinds)) => kinds.push(kind),
-                    None => owners.push((name.clone(), vec![kind])),
-                }
-                all.entry(name).or_insert(setting);
-            }
-        }
-        let mut schema = json_schema!({
-            "description": "How the control points move from iteration to iteration.",
-            "type": "object",
-            "properties": all,
-            "required": ["kind"],
-            "additionalProperties": false,
-            "examples": [{"kind": "weighted", "omega": "auto"}],
-        });
-        schema::explain(&mut schema, &METHODS);
-        for (name, kinds) in owners {
-            schema::belongs(&mut schema, &name, &kinds);
-        }
-        schema
+impl From<Method> for MethodChoice {
+    fn from(method: Method) -> Self {
+        let selected = None;
+        Self { method, selected }
     }
 }
 
 impl MethodInput {
+    /// The method for data points arranged in `grid`, and the points that it selects.
+    pub(crate) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
+        let method = match self {
+            Self::Global => Method::Global,
+            Self::Weighted(it) => Method::Weighted(it.settings()),
+            Self::Local(it) => return it.choice(grid, surface),
+            Self::Adaptive(it) => Method::Adaptive(it.settings(grid, surface)?),
+            Self::Extended(it) => Method::Extended(it.settings()),
+            Self::Transpose => Method::Transpose,
+            Self::Convex(it) => Method::Convex(it.settings()),
+            Self::Chebyshev => Method::Chebyshev,
+            Self::Direct => Method::Direct,
+            Self::LeastSquares(it) => Method::LeastSquares(it.settings(grid, surface)?),
+            Self::Custom(it) => Method::Custom(it.settings()?),
+        };
+        Ok(method.into())
+    }
+
+    /// The method of a problem as it would be asked for.
+    pub(in crate::model) fn of(request: &Request) -> Self {
+        let (grid, surface) = (request.grid, request.v.is_some());
+        match &request.method {
+            Method::Global => Self::Global,
+            Method::Weighted(it) => Self::Weighted(WeightedInput::of(*it)),
+            Method::Local(it) => Self::Local(LocalInput::of(it, request)),
+            Method::Adaptive(it) => Self::Adaptive(AdaptiveInput::of(it, grid, surface)),
+            Method::Extended(it) => Self::Extended(ExtendedInput::of(*it)),
+            Method::Transpose => Self::Transpose,
+            Method::Convex(it) => Self::Convex(ConvexInput::of(*it)),
+            Method::Chebyshev => Self::Chebyshev,
+            Method::Direct => Self::Direct,
+            Method::LeastSquares(it) => {
+                Self::LeastSquares(LeastSquaresInput::of(it, grid, surface).into())
+            }
+            Method::Custom(it) => Self::Custom(CustomInput::of(it)),
+        }
+    }
+
     /// How it is written.
     pub(crate) fn form(&self) -> MethodForm {
         match self {
