@@ -81,7 +81,7 @@ impl RatesRequest {
         let (part, count) = match (self.points, given) {
             (None, None) => ("points", USUAL_POINTS),
             (Some(points), Some(given)) if points != given => {
-                let detail = format!("{given} parameters for {points} points");
+                let detail = format!("{given} parameters for {points} points: one for each is needed");
                 return Err(WrongPart("parameters", detail));
             }
             (_, Some(given)) => ("parameters", given),

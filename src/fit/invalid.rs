@@ -69,7 +69,7 @@ impl Invalid {
     pub(super) fn parameter_count(axis: Axis, given: usize, expected: usize) -> Self {
         Self::at(
             Place::Parameters(axis),
-            format!("{given} parameters for {expected} points"),
+            format!("{given} parameters for {expected} points: one for each is needed"),
         )
     }
 
@@ -123,7 +123,7 @@ impl Invalid {
     pub fn weight_count(given: usize, expected: usize) -> Self {
         Self::at(
             Place::Weights,
-            format!("{given} weights for {expected} points"),
+            format!("{given} weights for {expected} points: one for each is needed"),
         )
     }
 

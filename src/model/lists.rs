@@ -305,7 +305,7 @@ impl PointNumbers {
                     columns: each,
                 } = grid;
                 Err(format!(
-                    "{rows} rows of {columns} {things} for {needed} rows of {each} points"
+                    "{rows} rows of {columns} {things} for {needed} rows of {each} points: one for each is needed"
                 ))
             }
             _ => Err(format!("the {things} of {points} of numbers")),

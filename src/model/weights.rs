@@ -153,7 +153,7 @@ fn check_grid(values: &[f64], columns: usize, grid: Grid) -> OrMistakes<()> {
         return Ok(());
     }
     let detail = format!(
-        "{rows} rows of {columns} weights for {} rows of {} points",
+        "{rows} rows of {columns} weights for {} rows of {} points: one for each is needed",
         grid.rows, grid.columns
     );
     Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into())
@@ -166,7 +166,7 @@ fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> OrMistakes<()> {
     for (axis, weights, expected) in axes {
         let given = weights.len();
         if given != expected {
-            let detail = format!("{given} weights for {expected} points");
+            let detail = format!("{given} weights for {expected} points: one for each is needed");
             return wrong(fit::Place::AxisWeights(axis), detail);
         }
     }

@@ -271,7 +271,7 @@ pub(crate) fn surface_weights(
         (false, true) if values.len() != rows * columns => {
             let given = values.len();
             wrong(format!(
-                "{given} weights for {rows} rows of {columns} points"
+                "{given} weights for {rows} rows of {columns} points: one for each is needed"
             ))
         }
         (false, true) => Ok(Some(PerDirection::Both(PointNumbers::Grid {

@@ -101,13 +101,13 @@ fn not_json() -> Vec<Bad> {
             "{\"curve\":{\"points\":[[0,0],[1e999,1]]}}",
             422,
             Some("/curve/points/1/0"),
-            "number out of range",
+            "the number at line 1 column",
         ),
         text(
             "{\"curve\":{\"points\":[[0,0],[-1e400,1]]}}",
             422,
             Some("/curve/points/1/0"),
-            "finite",
+            "64-bit floating-point numbers",
         ),
     ]
 }

@@ -27,8 +27,8 @@ pub(crate) fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
 fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
     let text = error.to_string();
     // 1e999 is JSON, but no 64-bit number.
-    if text.starts_with("number out of range") {
-        let detail = format!("the {text}: numbers are finite 64-bit floating-point numbers");
+    if let Some(place) = text.strip_prefix("number out of range") {
+        let detail = format!("the number{place} is beyond the 64-bit floating-point numbers, which end at 1.8e308");
         return Problem::at_pointer(Kind::InvalidFit, pointer, detail);
     }
     if error.classify() != Category::Data {

@@ -84,7 +84,7 @@ fn changes(
 ) -> Result<Vec<Move>, Mistake> {
     if edit.weighted.len() != edit.point_weights.len() {
         let (given, needed) = (edit.point_weights.len(), edit.weighted.len());
-        let detail = format!("{given} weights for {needed} points");
+        let detail = format!("{given} weights for {needed} points: one for each is needed");
         return Err(Mistake::at_text("point_weights", detail));
     }
     let places = edit.points.chunks_exact(layout.dimension);

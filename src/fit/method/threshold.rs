@@ -56,7 +56,7 @@ impl Threshold {
         if given != expected {
             return Err(Invalid::at(
                 Place::Setting(Setting::Threshold),
-                format!("{given} thresholds for {expected} points"),
+                format!("{given} thresholds for {expected} points: one for each is needed"),
             ));
         }
         let wrong = |value: &f64| !(*value > 0.0 && value.is_finite());

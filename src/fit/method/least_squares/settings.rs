@@ -86,7 +86,7 @@ impl LeastSquares {
         if given != expected {
             return Err(Invalid::at(
                 Place::Setting(Setting::DataWeights),
-                format!("{given} weights of data for {expected} points"),
+                format!("{given} weights of data for {expected} points: one for each is needed"),
             ));
         }
         let wrong = |weight: &f64| !(weight.is_finite() && *weight >= 0.0);
