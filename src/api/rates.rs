@@ -3,7 +3,7 @@
 use super::app::App;
 use super::order;
 use super::problem::Problem;
-use crate::fit::invalid::{Invalid, Place};
+use crate::fit::invalid::{Invalid, Place, one_for_each};
 use crate::fit::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 
 /// The part of an error that is left, if nothing else is asked for.
@@ -81,7 +81,7 @@ impl RatesRequest {
         let (part, count) = match (self.points, given) {
             (None, None) => ("points", USUAL_POINTS),
             (Some(points), Some(given)) if points != given => {
-                let detail = format!("{given} parameters for {points} points: one for each is needed");
+                let detail = one_for_each(given, "parameters", points);
                 return Err(WrongPart("parameters", detail));
             }
             (_, Some(given)) => ("parameters", given),

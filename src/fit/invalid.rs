@@ -14,6 +14,11 @@ pub struct Invalid {
     others: Vec<Self>,
 }
 
+/// There is another number of things than of the points that have one each.
+pub(crate) fn one_for_each(given: usize, things: &str, points: usize) -> String {
+    format!("{given} {things} for {points} points: one for each is needed")
+}
+
 impl Invalid {
     /// A mistake in a part of the problem.
     pub(super) fn at(place: Place, detail: impl Into<String>) -> Self {
@@ -69,7 +74,7 @@ impl Invalid {
     pub(super) fn parameter_count(axis: Axis, given: usize, expected: usize) -> Self {
         Self::at(
             Place::Parameters(axis),
-            format!("{given} parameters for {expected} points: one for each is needed"),
+            one_for_each(given, "parameters", expected),
         )
     }
 
@@ -121,10 +126,7 @@ impl Invalid {
 
     /// The number of weights is not that of the data points.
     pub fn weight_count(given: usize, expected: usize) -> Self {
-        Self::at(
-            Place::Weights,
-            format!("{given} weights for {expected} points: one for each is needed"),
-        )
+        Self::at(Place::Weights, one_for_each(given, "weights", expected))
     }
 
     /// A fixed weight of a direction is not a finite number greater than 0.

@@ -230,7 +230,8 @@ impl CurveInput {
     pub(super) fn of(request: &Request) -> Self {
         let weights = match weights::asked(request) {
             Some(PerDirection::Both(weights)) => Some(weights),
-            _ => None,
+            // Only a surface has a list for each direction.
+            Some(PerDirection::Each { .. }) | None => None,
         };
         Self {
             points: PointList(Arc::clone(&request.points)),

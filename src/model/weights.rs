@@ -166,7 +166,7 @@ fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> OrMistakes<()> {
     for (axis, weights, expected) in axes {
         let given = weights.len();
         if given != expected {
-            let detail = format!("{given} weights for {expected} points: one for each is needed");
+            let detail = fit::one_for_each(given, "weights", expected);
             return wrong(fit::Place::AxisWeights(axis), detail);
         }
     }

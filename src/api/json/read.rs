@@ -28,7 +28,9 @@ fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
     let text = error.to_string();
     // 1e999 is JSON, but no 64-bit number.
     if let Some(place) = text.strip_prefix("number out of range") {
-        let detail = format!("the number{place} is beyond the 64-bit floating-point numbers, which end at 1.8e308");
+        let detail = format!(
+            "the number{place} is beyond the 64-bit floating-point numbers, which end at 1.8e308"
+        );
         return Problem::at_pointer(Kind::InvalidFit, pointer, detail);
     }
     if error.classify() != Category::Data {

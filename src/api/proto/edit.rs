@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::fields::MessageLayout;
 use crate::api::problem::Problem;
+use crate::fit::invalid::one_for_each;
 use crate::job::outline::Outline;
 use crate::model::edit::{EditRequest, Move};
 use crate::model::iteration::IterationChoice;
@@ -84,7 +85,7 @@ fn changes(
 ) -> Result<Vec<Move>, Mistake> {
     if edit.weighted.len() != edit.point_weights.len() {
         let (given, needed) = (edit.point_weights.len(), edit.weighted.len());
-        let detail = format!("{given} weights for {needed} points: one for each is needed");
+        let detail = one_for_each(given, "weights", needed);
         return Err(Mistake::at_text("point_weights", detail));
     }
     let places = edit.points.chunks_exact(layout.dimension);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::fit::invalid::{Invalid, Place, Setting};
+use crate::fit::invalid::{Invalid, Place, Setting, one_for_each};
 
 /// One distance for all points, or one for each, in data units. Clones share them.
 ///
@@ -56,7 +56,7 @@ impl Threshold {
         if given != expected {
             return Err(Invalid::at(
                 Place::Setting(Setting::Threshold),
-                format!("{given} thresholds for {expected} points: one for each is needed"),
+                one_for_each(given, "thresholds", expected),
             ));
         }
         let wrong = |value: &f64| !(*value > 0.0 && value.is_finite());

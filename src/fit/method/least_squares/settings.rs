@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::automatic::Automatic;
 use super::constraints::Constraint;
 use crate::fit::choice::BasisChoice;
-use crate::fit::invalid::{Invalid, Place, Setting};
+use crate::fit::invalid::{Invalid, Place, Setting, one_for_each};
 
 /// The number of control points of a direction that its explicit knots imply.
 pub const BY_KNOTS: usize = usize::MAX - 1;
@@ -86,7 +86,7 @@ impl LeastSquares {
         if given != expected {
             return Err(Invalid::at(
                 Place::Setting(Setting::DataWeights),
-                format!("{given} weights of data for {expected} points: one for each is needed"),
+                one_for_each(given, "weights of data", expected),
             ));
         }
         let wrong = |weight: &f64| !(weight.is_finite() && *weight >= 0.0);
