@@ -25,7 +25,7 @@ COPY --from=build /piad /piad
 COPY --from=build /etc/ssl/certs/ca-certificates.crt /etc/ssl/certs/ca-certificates.crt
 COPY --from=build --chown=65532:65532 /data /data
 USER 65532:65532
-ENV PIAD_LISTEN=0.0.0.0:8080 PIAD_DATA_DIR=/data
+ENV PIAD_LISTEN=0.0.0.0:8080 PIAD_STORE=/data
 VOLUME /data
 EXPOSE 8080
 STOPSIGNAL SIGTERM

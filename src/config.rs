@@ -146,9 +146,20 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_REQUESTS_PER_PEER", default_value_t = 1000)]
     pub max_requests_per_peer: usize,
 
-    /// Directory in which jobs are kept, or :memory: to forget them when the server ends.
-    #[arg(long, env = "PIAD_DATA_DIR", default_value = "./piad-data")]
-    pub data_dir: DataDir,
+    /// Where jobs are kept: a directory; :memory: to forget them when the server ends; or a PostgreSQL
+    /// database, such as postgres://piad@db.example/piad?sslmode=verify-full, that several servers share.
+    #[arg(
+        long,
+        env = "PIAD_STORE",
+        default_value = "./piad-data",
+        value_name = "PLACE",
+        hide_env_values = true
+    )]
+    pub store: Storage,
+
+    /// Most connections with the database, besides one that listens.
+    #[arg(long, env = "PIAD_STORE_CONNECTIONS", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub store_connections: u16,
 
     /// Memory for all that takes much of it: running fits, what their readers are served from, requests
     /// and files. Jobs that do not fit in wait, those that never fit are refused
@@ -251,24 +262,46 @@ impl fmt::Display for BasePath {
 }
 
 /// Where jobs are kept.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DataDir {
+#[derive(Clone, PartialEq, Eq)]
+pub enum Storage {
     /// Nowhere: they end with the server.
     Memory,
     /// In a file of this directory.
     Directory(PathBuf),
+    /// In the PostgreSQL database of this URL.
+    Database(String),
 }
 
-impl FromStr for DataDir {
+/// Without the URL of a database, which may contain a password.
+impl fmt::Debug for Storage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Memory => f.write_str(":memory:"),
+            Self::Directory(path) => write!(f, "{path:?}"),
+            Self::Database(_) => f.write_str("a database"),
+        }
+    }
+}
+
+impl FromStr for Storage {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             ":memory:" => Ok(Self::Memory),
-            "" => Err("the name of a directory, or :memory:".to_owned()),
+            "" => Err("a directory, :memory: or the URL of a database".to_owned()),
+            url if is_database(url) => Ok(Self::Database(url.to_owned())),
+            url if url.contains("://") => {
+                Err("a database has a URL that begins with postgres://".to_owned())
+            }
             path => Ok(Self::Directory(path.into())),
         }
     }
+}
+
+fn is_database(text: &str) -> bool {
+    let schemes = ["postgres://", "postgresql://"];
+    schemes.iter().any(|scheme| text.starts_with(scheme))
 }
 
 /// How log lines look.

@@ -60,7 +60,7 @@ def stop(process: subprocess.Popen) -> None:
 
 
 def servers(program: str) -> dict[str, tuple[list[str], int, str]]:
-    piad = [os.path.abspath(program), "--listen", f"127.0.0.1:{PIAD}", "--data-dir", ":memory:", "--log", "warn", "--retain-jobs", "10"]
+    piad = [os.path.abspath(program), "--listen", f"127.0.0.1:{PIAD}", "--store", ":memory:", "--log", "warn", "--retain-jobs", "10"]
     fastapi = [sys.executable, "-m", "uvicorn", "fastapi_service:app", "--port", str(FASTAPI), "--workers", "2", "--log-level", "warning"]
     return {"piad": (piad, PIAD, "/v1/jobs"), "fastapi": (fastapi, FASTAPI, "/fit")}
 

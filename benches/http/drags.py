@@ -97,7 +97,7 @@ def by_curl(path: str, count: int) -> tuple[list[float], list[int]]:
 
 
 def start(program: str, directory: str) -> subprocess.Popen:
-    command = [os.path.abspath(program), "--listen", f"127.0.0.1:{PORT}", "--data-dir", directory, "--log", "warn"]
+    command = [os.path.abspath(program), "--listen", f"127.0.0.1:{PORT}", "--store", directory, "--log", "warn"]
     process = subprocess.Popen(command)
     for _ in range(200):
         try:

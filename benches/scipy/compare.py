@@ -96,7 +96,7 @@ def over_http(points: np.ndarray, language: str) -> tuple[float, np.ndarray]:
 
 
 def start(program: str) -> subprocess.Popen:
-    command = [os.path.abspath(program), "--listen", f"127.0.0.1:{PORT}", "--data-dir", ":memory:", "--log", "warn", "--retain-jobs", "2"]
+    command = [os.path.abspath(program), "--listen", f"127.0.0.1:{PORT}", "--store", ":memory:", "--log", "warn", "--retain-jobs", "2"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     for _ in range(100):
         try:

@@ -96,7 +96,7 @@ def main() -> int:
     print("| fit | tolerance | control points | admitted, MiB | idle, MiB | peak, MiB |")
     print("|---|---|---|---|---|---|")
     for name, make, tolerance in CASES:
-        command = [sys.argv[1], "--listen", "127.0.0.1:0", "--data-dir", ":memory:", "--log-format", "json", "--max-body", "256MiB"]
+        command = [sys.argv[1], "--listen", "127.0.0.1:0", "--store", ":memory:", "--log-format", "json", "--max-body", "256MiB"]
         process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         try:
             found = (re.search(r"listening on (http://[^\s\"]+)", line) for line in process.stderr)

@@ -18,7 +18,7 @@ use tower::ServiceExt;
 
 use super::failure::Failure;
 use super::refusal::Refusal;
-use crate::config::{Config, DataDir};
+use crate::config::{Config, Storage};
 use crate::server::local::{self, Local};
 
 /// The memory of a job in this process: large jobs get 5/16 of that of a server, so that this is
@@ -55,7 +55,7 @@ impl Client {
     pub(super) async fn here(many_iterations: bool) -> Result<Self, Failure> {
         let failed = |reason: io::Error| Failure::Failed(reason.to_string());
         let mut config = Config::standard();
-        config.data_dir = DataDir::Memory;
+        config.store = Storage::Memory;
         config.memory = Some(ByteSize(
             config
                 .memory_bytes()

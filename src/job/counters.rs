@@ -21,10 +21,18 @@ pub(crate) struct Counters {
     pub accepted: Counter,
     /// Ephemeral edits begun, which are no jobs that are accepted.
     pub ephemeral: Counter,
-    /// Commits of the store.
+    /// Commits of the embedded store.
     pub commits: Counter,
     /// Writes in those commits.
     pub writes: Counter,
+    /// Statements that were sent to the database of several replicas.
+    pub store_statements: Counter,
+    /// Those of them that have failed as it could not be reached, and may have been sent again.
+    pub store_retries: Counter,
+    /// Ends of jobs that were refused, as another replica had claimed the job.
+    pub stale_writes: Counter,
+    /// Jobs of replicas that were gone, put back into the queue or failed by this one.
+    pub jobs_recovered: Counter,
     ended: Family<EndLabel, Counter>,
     streams: Gauge,
     connections: Gauge,
@@ -94,6 +102,26 @@ impl Counters {
                 "store_writes",
                 "Writes in commits of the store",
                 &self.writes,
+            ),
+            (
+                "store_statements",
+                "Statements sent to the database",
+                &self.store_statements,
+            ),
+            (
+                "store_retries",
+                "Statements that failed as the database could not be reached",
+                &self.store_retries,
+            ),
+            (
+                "store_stale_writes",
+                "Ends of jobs refused, as another replica had claimed the job",
+                &self.stale_writes,
+            ),
+            (
+                "jobs_recovered",
+                "Jobs taken over from replicas that were gone",
+                &self.jobs_recovered,
             ),
         ];
         for (name, help, counter) in plain {

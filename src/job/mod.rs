@@ -47,9 +47,11 @@ mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, Weak};
+use std::time::Duration;
 
 use parking_lot::Mutex;
 use tokio::sync::{Notify, watch};
+use tokio::time::sleep;
 use uuid::Uuid;
 
 use crate::fit::iteration::Level;
@@ -87,6 +89,10 @@ pub(crate) struct Job {
     result: OnceLock<Option<LastGeometry>>,
     cancel_requested: AtomicBool,
     cancel: Notify,
+    /// Another replica runs it, or may.
+    elsewhere: AtomicBool,
+    /// It was not stored, or nobody knows.
+    abandoned: AtomicBool,
     /// The run whose end is the end of the job; gone once the job has ended.
     primary: Mutex<Weak<Run>>,
     /// Runs that readers can share, including the primary one.
@@ -113,6 +119,8 @@ impl Job {
             result: OnceLock::new(),
             cancel_requested: AtomicBool::new(false),
             cancel: Notify::new(),
+            elsewhere: AtomicBool::new(false),
+            abandoned: AtomicBool::new(false),
             primary: Mutex::new(Weak::new()),
             runs: Mutex::new(Vec::new()),
             resources,
@@ -228,13 +236,44 @@ impl Job {
         }
     }
 
+    /// Whether another replica runs the job, or may.
+    fn is_elsewhere(&self) -> bool {
+        self.elsewhere.load(Ordering::Acquire)
+    }
+
+    /// Takes over what another replica has made of the job.
+    fn follow(&self, theirs: Status) {
+        self.status.send_if_modified(|mine| {
+            let begins = mine.state == State::Queued && theirs.state == State::Running;
+            let is_news = theirs.state.is_final() || begins;
+            let is_news = is_news && !mine.state.is_final();
+            if is_news {
+                *mine = theirs;
+            }
+            is_news
+        });
+    }
+
     /// Asks the job to end as soon as its current step is done.
     pub(crate) fn request_cancel(&self) {
+        if self.is_elsewhere()
+            && let Some(shared) = self.store.as_deref().and_then(Store::shared)
+        {
+            let (shared, id) = (Arc::clone(shared), self.id());
+            tokio::spawn(async move { patiently(|| shared.cancel(id)).await });
+        }
         self.cancel_requested.store(true, Ordering::Release);
         self.cancel.notify_waiters();
         if let Some(run) = self.primary.lock().upgrade() {
             run.stop();
         }
+    }
+
+    /// Stops a job that was not stored, or may not have been: nobody is told of its end.
+    fn abandon(&self) {
+        self.cancel_requested.store(true, Ordering::Release);
+        self.abandoned.store(true, Ordering::Release);
+        self.suspend();
     }
 
     /// Stops the job; it runs again after the next start of the server.
@@ -336,6 +375,22 @@ impl Job {
         };
         let mut quickest = live.iter().filter(is_quickest);
         quickest.find_map(|run| run.attach(next, peer))
+    }
+}
+
+/// How long to wait before the store is asked again that could not do something.
+const STORE_AGAIN: Duration = Duration::from_secs(2);
+
+/// Asks the store again and again while its database cannot be reached.
+async fn patiently<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
+where
+    F: Future<Output = Result<T, StoreError>>,
+{
+    loop {
+        match ask().await {
+            Err(StoreError::Away(_)) => sleep(STORE_AGAIN).await,
+            answer => return answer,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Jobs that are deleted while others read, edit or make them again.
 
 use futures_util::future::join_all;
-use piad::config::DataDir;
+use piad::config::Storage;
 use reqwest::{Method, RequestBuilder, Response};
 use serde_json::{Value, json};
 
@@ -18,7 +18,7 @@ async fn durable() -> (tempfile::TempDir, Server) {
     let directory = data.path().to_owned();
     // Nothing is at hand once nobody holds it: everything is read from the store.
     let server = Server::with(|config| {
-        config.data_dir = DataDir::Directory(directory);
+        config.store = Storage::Directory(directory);
         config.recent = bytesize::ByteSize::b(0);
     });
     let server = server.await;
@@ -165,9 +165,9 @@ async fn streams_of_jobs_that_are_deleted_while_they_wait_come_to_their_ends() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn jobs_that_are_read_are_not_forgotten() {
     let directory = tempfile::tempdir().unwrap();
-    let data_dir = DataDir::Directory(directory.path().to_owned());
+    let data_dir = Storage::Directory(directory.path().to_owned());
     let server = Server::with(|config| {
-        config.data_dir = data_dir;
+        config.store = data_dir;
         config.recent = bytesize::ByteSize::b(0);
         config.retain_jobs = 0;
     })

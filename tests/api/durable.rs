@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use futures_util::StreamExt;
-use piad::config::DataDir;
+use piad::config::Storage;
 use serde_json::{Value, json};
 use tokio::time::sleep;
 
@@ -262,7 +262,7 @@ async fn a_server_waits_for_the_one_before_it() {
     let data = tempfile::tempdir().unwrap();
     let start = || {
         let directory = data.path().to_owned();
-        Server::with(|config| config.data_dir = DataDir::Directory(directory))
+        Server::with(|config| config.store = Storage::Directory(directory))
     };
     let first = start().await;
     let job = first.fit(&small_job()).await;

@@ -56,7 +56,7 @@ fn help_names_every_flag_and_its_variable() {
         "max-jobs-per-peer",
         "max-connections",
         "max-connections-per-peer",
-        "data-dir",
+        "store",
         "memory",
         "ring",
         "recent",
@@ -90,7 +90,7 @@ fn wrong_settings_are_refused() {
         vec!["--heartbeat", "0"],
         vec!["--log", "="],
         vec!["--retain-age", "long"],
-        vec!["--data-dir", ""],
+        vec!["--store", ""],
         vec!["--allowed-host", "*example.org"],
         vec!["--trusted-proxy", "10.0.0.0/33"],
         vec!["--cors-origin", "https://cad.example/path"],
@@ -136,7 +136,7 @@ fn the_version_is_told() {
 #[tokio::test]
 async fn names_are_resolved() {
     let mut child = Command::new(PROGRAM)
-        .args(["--listen", "localhost:0", "--data-dir", ":memory:"])
+        .args(["--listen", "localhost:0", "--store", ":memory:"])
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();

@@ -59,7 +59,7 @@ impl Program {
         let mut child = command
             .args(["--listen", "127.0.0.1:0", "--log-format", "json"])
             .args(["--max-iterations", "1000000000"])
-            .args([OsStr::new("--data-dir"), data.as_os_str()])
+            .args([OsStr::new("--store"), data.as_os_str()])
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
@@ -87,7 +87,7 @@ impl Program {
     /// Starts a server that must refuse to start, and gives what it has said.
     pub fn refused(data: &Path) -> Output {
         let mut command = Command::new(PROGRAM);
-        command.args(["--listen", "127.0.0.1:0", "--data-dir"]);
+        command.args(["--listen", "127.0.0.1:0", "--store"]);
         command.arg(data).output().unwrap()
     }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use eventsource_stream::Eventsource;
 use futures_util::{Stream, StreamExt};
-use piad::config::{Config, DataDir};
+use piad::config::{Config, Storage};
 use reqwest::{Client, RequestBuilder, Response};
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
@@ -55,7 +55,7 @@ impl Server {
         let mut config = Config::standard();
         // So that there are jobs that outlast any test.
         config.max_iterations = 1_000_000_000;
-        config.data_dir = DataDir::Memory;
+        config.store = Storage::Memory;
         change(&mut config);
         let url = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();

@@ -12,7 +12,7 @@ fn shells_complete_the_flags() {
     for shell in ["bash", "zsh", "fish"] {
         let (status, script) = run(&["completions", shell]);
         assert_eq!(status, 0);
-        for flag in ["tolerance", "control-points", "token-file", "data-dir"] {
+        for flag in ["tolerance", "control-points", "token-file", "store"] {
             assert!(script.contains(flag), "{shell}: {flag}");
         }
     }

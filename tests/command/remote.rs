@@ -11,7 +11,7 @@ pub struct Server(Child, pub String);
 
 impl Server {
     pub fn start(folder: &Folder) -> Self {
-        let mut command = folder.command(&["--listen", "127.0.0.1:0", "--data-dir", ":memory:"]);
+        let mut command = folder.command(&["--listen", "127.0.0.1:0", "--store", ":memory:"]);
         let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
         let lines = BufReader::new(child.stderr.take().unwrap()).lines();
         let mut told = lines.map_while(Result::ok);

@@ -53,7 +53,7 @@ pb, pb_grpc = generate()
 @contextlib.contextmanager
 def server(program):
     """A server on a free port; stopped as an operator would stop it."""
-    command = [program, "--listen", "127.0.0.1:0", "--data-dir", ":memory:", "--max-iterations", "1000000000"]
+    command = [program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--max-iterations", "1000000000"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         for line in process.stderr:

@@ -23,7 +23,7 @@ FORMATS = {"step": "step", "iges": "igs", "obj": "obj", "gltf": "glb", "stl": "s
 @contextlib.contextmanager
 def server(program: str, *flags: str):
     """A server on a free port; gives its address."""
-    command = [program, "--listen", "127.0.0.1:0", "--data-dir", ":memory:", "--log-format", "json", *flags]
+    command = [program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--log-format", "json", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         for line in process.stderr:

@@ -26,7 +26,7 @@ export class Server {
   }
 
   async start(): Promise<this> {
-    const flags = ["--listen", this.#address, "--data-dir", this.#directory, "--log-format", "json", "--base-path", this.#basePath];
+    const flags = ["--listen", this.#address, "--store", this.#directory, "--log-format", "json", "--base-path", this.#basePath];
     const child = spawn(PROGRAM, flags, { stdio: ["ignore", "ignore", "pipe"] });
     this.#process = child;
     const log: string[] = [];

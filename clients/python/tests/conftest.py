@@ -30,7 +30,7 @@ class Server:
         return f"http://{self.address}"
 
     def start(self) -> None:
-        command = [PROGRAM, "--listen", self.address, "--data-dir", self._data_dir, "--log-format", "json"]
+        command = [PROGRAM, "--listen", self.address, "--store", self._data_dir, "--log-format", "json"]
         self._process = subprocess.Popen([*command, *self._flags], stderr=subprocess.PIPE, text=True)
         assert self._process.stderr is not None
         for line in self._process.stderr:

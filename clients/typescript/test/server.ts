@@ -32,7 +32,7 @@ export class Server {
   }
 
   async start(): Promise<this> {
-    const flags = ["--listen", this.#address, "--data-dir", this.#data, "--log-format", "json", "--cors-origin", "*", "--base-path", this.#basePath];
+    const flags = ["--listen", this.#address, "--store", this.#data, "--log-format", "json", "--cors-origin", "*", "--base-path", this.#basePath];
     const child = spawn(PROGRAM, flags, { stdio: ["ignore", "ignore", "pipe"] });
     this.#process = child;
     const log: string[] = [];

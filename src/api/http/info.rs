@@ -18,6 +18,7 @@ use super::path::InPath;
 use crate::api::app::App;
 use crate::api::order;
 use crate::api::problem::{Kind, Problem};
+use crate::job::store::StoreError;
 use crate::model::short::quoted;
 
 /// What the server is.
@@ -64,6 +65,13 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response, Problem>
     let queued = i64::try_from(app.jobs.queued()).unwrap_or(i64::MAX);
     let help = "Jobs that wait for their turn";
     registry.register("piad_jobs_queued", help, ConstGauge::new(queued));
+    if let Some((open, used)) = app.jobs.store_connections() {
+        let count = |count: usize| ConstGauge::new(i64::try_from(count).unwrap_or(i64::MAX));
+        let help = "Connections with the database";
+        registry.register("piad_store_connections", help, count(open));
+        let help = "Connections with the database that are in use";
+        registry.register("piad_store_connections_used", help, count(used));
+    }
     let gauge = |bytes: usize| ConstGauge::new(i64::try_from(bytes).unwrap_or(i64::MAX));
     let memory = &app.jobs.resources().memory;
     let help = "Memory that is handed out, or kept to be quick, in bytes";
@@ -101,6 +109,10 @@ pub(super) async fn livez() -> Json<Health> {
 pub(super) async fn readyz(State(app): State<App>) -> Response {
     if *app.stopping.borrow() {
         return order::stopping().into_response();
+    }
+    if app.jobs.store_is_away() {
+        let reason = "the last statements have had no answer".to_owned();
+        return Problem::from(StoreError::Away(reason)).into_response();
     }
     Json(Health { status: "ready" }).into_response()
 }

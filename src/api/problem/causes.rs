@@ -69,6 +69,7 @@ impl From<StoreError> for Problem {
         match error {
             StoreError::Gone(id) => Self::unknown_job(&id.to_string()),
             StoreError::Full(_) => Self::new(Kind::StoreFull, detail).retry_after(60),
+            StoreError::Away(_) => Self::new(Kind::StoreAway, detail).retry_after(5),
             StoreError::Failed(_) | StoreError::Broken(_) => Self::new(Kind::Internal, detail),
         }
     }

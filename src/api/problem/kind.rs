@@ -182,6 +182,11 @@ kinds! {
         "The server has no room to keep the job",
         "The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs."
     }
+    StoreAway {
+        "store-away", SERVICE_UNAVAILABLE, Unavailable,
+        "The database of the server cannot be reached",
+        "No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored."
+    }
     Stopping {
         "stopping", SERVICE_UNAVAILABLE, Unavailable,
         "The server is stopping",

@@ -72,7 +72,7 @@ impl Jobs {
         };
         let record = Record::new(outline, status);
         // In memory before it is in the store, so that whoever finds it there finds this one.
-        let job = self.bring_to_life(record.clone(), peer);
+        let job = self.bring_to_life(record.clone(), peer, false);
         let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
         // The answer waits for the disk, the fit does not. A job that has to wait for memory drops its
         // points and reads them from the store again.
@@ -85,9 +85,9 @@ impl Jobs {
             }
             None => Some(slot),
         };
-        let existing = inserted.await.inspect_err(|_| job.request_cancel())?;
+        let existing = inserted.await.inspect_err(|_| job.abandon())?;
         if let Some(entry) = existing {
-            job.request_cancel();
+            job.abandon();
             return self.job_of(entry, key.as_ref()).await;
         }
         if let Some(slot) = waiting {

@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
 
 use jiff::Timestamp;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::{sleep, timeout};
-use tracing::{error, info, warn};
+use tracing::{debug, error, info, warn};
 
 use super::Jobs;
 use crate::fit::iteration::Outcome;
-use crate::job::Job;
+use crate::job::{Job, STORE_AGAIN, patiently};
 use crate::job::frame::Frame;
 use crate::job::result::LastGeometry;
 use crate::job::run::{Ending, Run, SharedSystem};
@@ -20,14 +19,20 @@ use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::PROBATION;
 
-/// How long to wait before a result that could not be stored is stored again.
-const STORE_AGAIN: Duration = Duration::from_secs(2);
-
 /// A run that was started.
 struct StartedRun {
     run: Arc<Run>,
     /// Held while the job is on probation after a crash.
     probation: Option<OwnedSemaphorePermit>,
+}
+
+/// What has come of waiting for a turn.
+enum Turn {
+    Run(StartedRun),
+    /// It was cancelled before.
+    Cancelled,
+    /// Another replica was quicker.
+    Elsewhere,
 }
 
 /// The final state of a job whose run has ended like this.
@@ -49,26 +54,29 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
 impl Jobs {
     /// Takes a job to its end: at once if it has a run, else when its turn comes.
     pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
-        let ended = async {
-            let turn = match run {
-                Some(run) => Some(StartedRun {
-                    run,
-                    probation: None,
-                }),
-                None => self.turn(&job).await?,
-            };
-            match turn {
-                Some(start) => {
-                    let _running = self.resources.counters.run_job();
-                    Ok(self.run(&job, start).await)
-                }
-                None => Ok((Ending::Stopped, None)),
+        let probation = None;
+        let turn = match run {
+            Some(run) => Ok(Turn::Run(StartedRun { run, probation })),
+            None => self.turn(&job).await,
+        };
+        let (ending, last) = match turn {
+            Ok(Turn::Run(start)) => {
+                let _running = self.resources.counters.run_job();
+                self.run(&job, start).await
+            }
+            Ok(Turn::Cancelled) => (Ending::Stopped, None),
+            Ok(Turn::Elsewhere) => {
+                drop(slot);
+                return self.leave(&job).await;
+            }
+            Err(error) => {
+                error!(job = %job.id(), %error, "a job could not be run");
+                (Ending::Broken, None)
             }
         };
-        let (ending, last) = ended.await.unwrap_or_else(|error: StoreError| {
-            error!(job = %job.id(), %error, "a job could not be run");
-            (Ending::Broken, None)
-        });
+        if job.abandoned.load(Ordering::Acquire) {
+            return drop(slot);
+        }
         if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
             if let Some(store) = &job.store
                 && let Err(error) = store.requeue(job.id()).await
@@ -81,7 +89,7 @@ impl Jobs {
     }
 
     /// Stores the end of a job and publishes it.
-    async fn end(&self, job: &Job, ending: Ending, last: Option<Arc<Frame>>, slot: Slot) {
+    async fn end(&self, job: &Arc<Job>, ending: Ending, last: Option<Arc<Frame>>, slot: Slot) {
         let (state, reason, failure) = verdict(ending);
         let status = Status {
             state,
@@ -96,31 +104,55 @@ impl Jobs {
                 let (status, result) = (status.clone(), result.clone());
                 store.finish(job.id(), status, result).await
             }
-            None => Ok(()),
+            None => Ok(true),
         };
+        // With other replicas, it is the store that says who ends a job; alone, nobody else can.
+        let is_alone = self.store.shared().is_none();
         let mut finished = finish().await;
-        if job.is_kept() {
-            info!(job = %job.id(), %state, "job ended");
-            self.resources.counters.count_end(state);
-        }
         drop(slot);
-        let _ = job.result.set(result.clone());
-        // From here on clients know that the job has ended.
-        job.status.send_replace(status.clone());
+        if is_alone {
+            self.publish(job, &status, &result);
+        }
         // Until it is stored the job stays in memory; after a crash it would run again.
-        while let Err(error) = finished {
+        while let Err(error) = &finished {
             error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
             self.retain().await;
             sleep(STORE_AGAIN).await;
             finished = finish().await;
+        }
+        match finished {
+            Ok(false) => return self.leave(job).await,
+            _ if !is_alone => self.publish(job, &status, &result),
+            _ => {}
         }
         if job.is_kept() {
             self.ended.notify_one();
         }
     }
 
-    /// Waits for the turn of a queued job and starts its run; `None` if it is cancelled before.
-    async fn turn(&self, job: &Job) -> Result<Option<StartedRun>, StoreError> {
+    /// Tells clients that a job has ended.
+    fn publish(&self, job: &Job, status: &Status, result: &Option<LastGeometry>) {
+        if job.is_kept() {
+            let state = status.state;
+            info!(job = %job.id(), %state, "job ended");
+            self.resources.counters.count_end(state);
+        }
+        let _ = job.result.set(result.clone());
+        job.status.send_replace(status.clone());
+    }
+
+    /// Leaves a job to the replica that has claimed it.
+    async fn leave(&self, job: &Arc<Job>) {
+        job.elsewhere.store(true, Ordering::Release);
+        if let Some(shared) = self.store.shared()
+            && let Err(error) = self.refresh(shared, vec![Arc::clone(job)]).await
+        {
+            debug!(job = %job.id(), %error, "what another replica has made of a job is not known yet");
+        }
+    }
+
+    /// Waits for the turn of a queued job and starts its run.
+    async fn turn(&self, job: &Job) -> Result<Turn, StoreError> {
         let permits = async {
             let outline = job.outline();
             let memory = self.share(outline).take(job.peer, outline.memory).await?;
@@ -136,18 +168,20 @@ impl Jobs {
             permits = permits => permits,
         };
         let Some((memory, probation)) = permits else {
-            return Ok(None);
+            return Ok(Turn::Cancelled);
         };
-        let status = Status::running();
+        let (status, store) = (Status::running(), job.store()?);
         // After a crash the store must tell which jobs were running.
         let on_probation = probation.is_some();
-        let started = job.store()?.start(job.id(), status.clone(), on_probation);
-        started.await?;
-        let problem = job.problem().await?;
+        let start = || store.start(job.id(), status.clone(), on_probation);
+        if !patiently(start).await? {
+            return Ok(Turn::Elsewhere);
+        }
+        let problem = patiently(|| job.problem()).await?;
         let system = SharedSystem::new(problem, None);
         let run = job.begin(Arc::new(system), Some(memory));
         job.status.send_replace(status);
-        Ok(Some(StartedRun { run, probation }))
+        Ok(Turn::Run(StartedRun { run, probation }))
     }
 
     /// Takes the run of a job to its end.

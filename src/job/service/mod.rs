@@ -1,12 +1,14 @@
 //! All jobs of a server: creating, finding, listing, cancelling and deleting them.
 //!
 //! - [`creating`]: accepts jobs; [`refused`]: why not;
-//! - `lifecycle`: takes a job from the queue to its end.
+//! - `lifecycle`: takes a job from the queue to its end;
+//! - `replicas`: works together with other replicas.
 
 pub(crate) mod creating;
 pub(crate) mod ephemeral;
 mod lifecycle;
 pub(crate) mod refused;
+mod replicas;
 pub(crate) mod sessions;
 
 use std::collections::{HashMap, HashSet};
@@ -16,7 +18,7 @@ use std::time::Duration;
 
 use parking_lot::Mutex;
 use tokio::sync::{Notify, Semaphore};
-use tokio::time::sleep;
+use tokio::time::{sleep, timeout};
 use tracing::{error, info};
 use uuid::Uuid;
 
@@ -46,6 +48,9 @@ const MOST_OF_A_STEP: usize = 2_000_000_000;
 
 /// The most multiplications before the first iteration. They have the long lane and take some seconds.
 const MOST_OF_A_START: usize = 20_000_000_000;
+
+/// How long a deletion waits for the end of a job that another replica runs.
+const MOST_WAITING: Duration = Duration::from_secs(5);
 
 /// Limits of the jobs of a server.
 #[derive(Clone, Copy, Debug)]
@@ -125,8 +130,28 @@ impl Jobs {
         self.slots.taken().saturating_sub(running)
     }
 
-    /// Queues the jobs that had not ended when the process did, and removes old jobs from now on.
+    /// Whether the database of the store could not be reached the last time.
+    pub(crate) fn store_is_away(&self) -> bool {
+        self.store.shared().is_some_and(|shared| shared.is_away())
+    }
+
+    /// Connections with the database of the store that are open, and those that are in use.
+    pub(crate) fn store_connections(&self) -> Option<(usize, usize)> {
+        self.store.shared().map(|shared| shared.open_connections())
+    }
+
+    /// Queues the jobs that had not ended when the process did, and removes old jobs from now on. With other
+    /// replicas, takes part in their work.
     pub(crate) async fn resume(self: &Arc<Self>) -> Result<(), StoreError> {
+        match self.store.shared() {
+            Some(shared) => self.join(shared),
+            None => self.resume_unfinished().await?,
+        }
+        tokio::spawn(Self::go_on_retaining(Arc::downgrade(self)));
+        Ok(())
+    }
+
+    async fn resume_unfinished(self: &Arc<Self>) -> Result<(), StoreError> {
         let mut unfinished = self.store.unfinished().await?;
         // The quickest first, as they end soonest.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
@@ -134,11 +159,10 @@ impl Jobs {
             info!(count = unfinished.len(), "jobs go on where they were left");
         }
         for record in unfinished {
-            let job = self.bring_to_life(record, None);
+            let job = self.bring_to_life(record, None, false);
             let slot = self.slots.occupy();
             tokio::spawn(Arc::clone(self).drive(job, None, slot));
         }
-        tokio::spawn(Self::go_on_retaining(Arc::downgrade(self)));
         Ok(())
     }
 
@@ -190,6 +214,9 @@ impl Jobs {
 
     /// The job of this id.
     pub(crate) async fn find(&self, id: Uuid) -> Result<Option<Arc<Job>>, StoreError> {
+        if let Some(shared) = self.store.shared() {
+            return self.find_among_replicas(shared, id).await;
+        }
         loop {
             if let Some(job) = self.live(id) {
                 return Ok(Some(job));
@@ -198,7 +225,7 @@ impl Jobs {
             match self.store.get(id).await? {
                 None => return Ok(None),
                 Some(record) if record.status.state.is_final() => {
-                    let job = self.bring_to_life(record, None);
+                    let job = self.bring_to_life(record, None, false);
                     if self.deletions.load(Ordering::Acquire) == deletions {
                         return Ok(Some(job));
                     }
@@ -215,11 +242,11 @@ impl Jobs {
     pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Arc<Job>>, StoreError> {
         let mut jobs = Vec::new();
         for record in self.store.list(selection).await? {
-            let job = match record.status.state.is_final() {
-                true => Some(
-                    self.live(record.outline.id)
-                        .unwrap_or_else(|| self.job(record, None)),
-                ),
+            // In a store of one process, what has not ended is live, or has ended just now.
+            let is_complete = record.status.state.is_final() || self.store.shared().is_some();
+            let live = self.live(record.outline.id);
+            let job = match is_complete {
+                true => Some(live.unwrap_or_else(|| self.job(record, None, true))),
                 false => self.find(record.outline.id).await?,
             };
             jobs.extend(job);
@@ -229,9 +256,17 @@ impl Jobs {
 
     /// Deletes a job, and cancels it first if it has not ended; returns whether there was one.
     pub(crate) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
-        if let Some(job) = self.live(id) {
+        let job = match self.store.shared() {
+            Some(shared) => self.find_among_replicas(shared, id).await?,
+            None => self.live(id),
+        };
+        if let Some(job) = job {
             job.request_cancel();
-            job.ended().await;
+            // One that another replica runs ends there when it is gone.
+            match job.is_elsewhere() {
+                true => drop(timeout(MOST_WAITING, job.ended()).await),
+                false => drop(job.ended().await),
+            }
         }
         let existed = self.store.remove(id).await?;
         self.forget(&[id]);
@@ -251,15 +286,15 @@ impl Jobs {
         self.live.lock().get(&id).and_then(Weak::upgrade)
     }
 
-    /// The [`Job`] of a record, which is computed for this peer. There is only one in memory, which all
-    /// share.
-    fn bring_to_life(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
+    /// The [`Job`] of a record, which is computed for this peer, or by another replica. There is only one in
+    /// memory, which all share.
+    fn bring_to_life(&self, record: Record, peer: Option<Peer>, elsewhere: bool) -> Arc<Job> {
         let mut live = self.live.lock();
         let id = record.outline.id;
         if let Some(job) = live.get(&id).and_then(Weak::upgrade) {
             return job;
         }
-        let job = self.job(record, peer);
+        let job = self.job(record, peer, elsewhere);
         if live.len() == live.capacity() {
             live.retain(|_, job| job.strong_count() > 0);
         }
@@ -267,9 +302,11 @@ impl Jobs {
         job
     }
 
-    fn job(&self, record: Record, peer: Option<Peer>) -> Arc<Job> {
+    fn job(&self, record: Record, peer: Option<Peer>, elsewhere: bool) -> Arc<Job> {
         let store = Some(Arc::clone(&self.store));
-        Arc::new(Job::new(record, store, peer, Arc::clone(&self.resources)))
+        let job = Job::new(record, store, peer, Arc::clone(&self.resources));
+        job.elsewhere.store(elsewhere, Ordering::Release);
+        Arc::new(job)
     }
 
     /// The share of the memory that a job is run in.

@@ -2,7 +2,8 @@
 
 use uuid::Uuid;
 
-use super::record::{self, Header};
+use super::embedded::tables::{self, Header};
+use super::record;
 use super::{IdempotencyEntry, Record, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
@@ -29,7 +30,7 @@ pub(crate) fn kept_record(record: &Record) -> Vec<u8> {
 
 /// The job that is kept in these bytes.
 pub(crate) fn record(bytes: &[u8]) -> Result<Record, StoreError> {
-    Ok(record::header(Uuid::nil(), bytes)?.record)
+    Ok(tables::header(Uuid::nil(), bytes)?.record)
 }
 
 /// The last level of a job as it is kept.

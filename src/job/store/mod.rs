@@ -1,28 +1,19 @@
-//! Where jobs are kept: their problems, states and final control points, in one file of the embedded ACID
-//! database redb, or in memory. Frames are not kept.
+//! Where jobs are kept: their problems, states and final control points. Frames are not kept.
 //!
-//! - [`record`]: the tables of the file, and what stands in them;
-//! - [`database`]: the open file, and what is read from it; [`opening`]: opens the file, or says what is
-//!   wrong with it; [`error`]: errors and panics of the database;
-//! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
-//!   and back; [`transaction`]: what changes do to the tables;
-//! - [`crash_recovery`]: what becomes of jobs that were running in a crash; [`ended`]: which jobs that have
-//!   ended to forget.
+//! - [`embedded`]: in a file or in the memory of one process; [`shared`]: in PostgreSQL, for any number of
+//!   replicas;
+//! - [`record`]: the bytes of a job;
+//! - [`crash_recovery`]: what becomes of jobs that were running in a crash.
 
-mod change;
 pub(crate) mod crash_recovery;
-mod database;
-mod ended;
-mod error;
+pub(crate) mod embedded;
 #[cfg(any(test, fuzzing))]
 pub(crate) mod fuzzing;
-mod opening;
 pub(super) mod record;
-mod transaction;
-mod writer;
+pub(crate) mod shared;
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::fmt::Display;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -32,19 +23,15 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use uuid::Uuid;
 
-use super::counters::Counters;
 use super::outline::Outline;
 use super::peer::Peer;
 use super::result::LastGeometry;
 use super::scheduler::Broken;
 use super::state::{State, Status};
 use crate::fit::problem::Problem;
-use database::JobDatabase;
-pub(crate) use opening::OpenError;
-use writer::Writer;
-
-/// The name of the file in the data directory.
-const FILE: &str = "piad.redb";
+use embedded::Embedded;
+pub(crate) use embedded::opening::OpenError;
+use shared::Shared;
 
 /// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
 /// frees some: where the disk is nearly full, many jobs could not be forgotten together.
@@ -149,12 +136,22 @@ pub enum StoreError {
     /// The job was deleted in the meantime.
     #[error("the job {0} was deleted")]
     Gone(Uuid),
+    /// The database cannot be reached. It may succeed later.
+    #[error("the database cannot be reached: {0}")]
+    Away(String),
     /// Anything else.
     #[error("the store failed: {0}")]
     Failed(String),
     /// The store worked, but the computation that needed its records panicked.
     #[error(transparent)]
     Broken(#[from] Broken),
+}
+
+impl StoreError {
+    /// What was read makes no sense.
+    fn damaged(what: impl Display, reason: impl Display) -> Self {
+        Self::Failed(format!("{what} cannot be read: {reason}"))
+    }
 }
 
 /// Completes when a change is durable, with what has come of it.
@@ -164,39 +161,30 @@ pub(crate) type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 ///
 /// It promises:
 ///
-/// - **Order.** Changes take effect in the order in which the methods are called, whether or not anybody
-///   waits for their acknowledgements.
+/// - **Order.** Changes of a job take effect in the order in which the methods are called, whether or not
+///   anybody waits for their acknowledgements.
 /// - **Atomicity.** A change happens as a whole or not at all. One that has failed can be asked for again.
 /// - **Durability.** A change that was acknowledged survives whatever happens to the process, and in a store
-///   on a disk also a loss of power. A crash may lose changes that were not acknowledged yet, the latest
-///   ones first: if a change is there, all changes before it are there that have not
-///   failed. A store in memory ends with the
-///   process.
+///   on a disk also a loss of power. A crash may lose changes that were not acknowledged yet, of each job
+///   the latest ones first. A store in memory ends with the process.
 /// - **Reads** see everything that was acknowledged before they were called; [`list`](Self::list) also sees
 ///   changes that were called before it and are not acknowledged yet. What a read has given stays valid when
 ///   the job is deleted.
 /// - **A job that is gone stays gone.** Changes of a job that is not there succeed, and do nothing.
-pub(crate) struct Store {
-    database: Arc<JobDatabase>,
-    writer: Writer,
+pub(crate) enum Store {
+    /// Of one process.
+    Embedded(Embedded),
+    /// Of several replicas.
+    Shared(Arc<Shared>),
 }
 
 impl Store {
-    /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
-    /// go back to the queue, or fail if that has happened too often.
-    pub(crate) fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
-        let database = Arc::new(JobDatabase::open(directory, FILE)?);
-        let writer = Writer::start(Arc::clone(&database), counters);
-        let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
-        Ok(Self { database, writer })
-    }
-
-    /// Makes a store in memory, which ends with the process.
-    pub(crate) fn in_memory(counters: Counters) -> Result<Self, OpenError> {
-        let database = Arc::new(JobDatabase::in_memory()?);
-        let writer = Writer::start(Arc::clone(&database), counters);
-        let writer = writer.map_err(OpenError::Recovery)?;
-        Ok(Self { database, writer })
+    /// The store of several replicas, if this is one.
+    pub(crate) fn shared(&self) -> Option<&Arc<Shared>> {
+        match self {
+            Self::Embedded(_) => None,
+            Self::Shared(it) => Some(it),
+        }
     }
 
     /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
@@ -206,54 +194,52 @@ impl Store {
         problem: Arc<Problem>,
         key: Option<IdempotencyKey>,
     ) -> Acknowledgement<Option<IdempotencyEntry>> {
-        let points = problem.grid().count();
-        self.writer.write(points, move |transaction| {
-            transaction.insert(&record, &problem, key.as_ref())
-        })
+        match self {
+            Self::Embedded(it) => it.insert(record, problem, key),
+            Self::Shared(it) => it.insert(record, problem, key),
+        }
     }
 
-    /// Keeps that a job runs now, and whether it is on probation.
+    /// Keeps that a job runs now, and whether it is on probation. False if another replica runs it.
     pub(crate) fn start(
         &self,
         id: Uuid,
         status: Status,
         on_probation: bool,
-    ) -> Acknowledgement<()> {
-        self.writer.write(0, move |transaction| {
-            transaction.update(id, |record| {
-                record.status = status.clone();
-                record.on_probation = on_probation;
-            })
-        })
+    ) -> Acknowledgement<bool> {
+        match self {
+            Self::Embedded(it) => it.start(id, status, on_probation),
+            Self::Shared(it) => it.start(id, status, on_probation),
+        }
     }
 
     /// Puts a job back into the queue at an orderly end of the process, and clears its count of crashes.
     pub(crate) fn requeue(&self, id: Uuid) -> Acknowledgement<()> {
-        self.writer.write(0, move |transaction| {
-            transaction.update(id, |record| {
-                record.status = Status::QUEUED;
-                (record.crashes, record.on_probation) = (0, false);
-            })
-        })
+        match self {
+            Self::Embedded(it) => it.requeue(id),
+            Self::Shared(it) => it.requeue(id),
+        }
     }
 
-    /// Keeps the final state and control points of a job.
+    /// Keeps the final state and control points of a job. False if another replica runs it, or has ended it.
     pub(crate) fn finish(
         &self,
         id: Uuid,
         status: Status,
         result: Option<LastGeometry>,
-    ) -> Acknowledgement<()> {
-        let points = result.as_ref().map_or(0, |it| it.control_points.len());
-        self.writer.write(points, move |transaction| {
-            transaction.finish(id, &status, result.as_ref())
-        })
+    ) -> Acknowledgement<bool> {
+        match self {
+            Self::Embedded(it) => it.finish(id, status, result),
+            Self::Shared(it) => it.finish(id, status, result),
+        }
     }
 
     /// Forgets a job and its key; says whether there was one.
     pub(crate) fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
-        self.writer
-            .write(0, move |transaction| transaction.remove(id))
+        match self {
+            Self::Embedded(it) => it.remove(id),
+            Self::Shared(it) => it.remove(id),
+        }
     }
 
     /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
@@ -264,35 +250,50 @@ impl Store {
         retention: Retention,
         spared: HashSet<Uuid>,
     ) -> Acknowledgement<Vec<Uuid>> {
-        self.writer
-            .write(0, move |transaction| transaction.retain(retention, &spared))
+        match self {
+            Self::Embedded(it) => it.retain(retention, spared),
+            Self::Shared(it) => it.retain(retention, spared),
+        }
     }
 
     /// The job of this id.
     pub(crate) async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
-        self.read(move |database| database.record(id)).await
+        match self {
+            Self::Embedded(it) => it.get(id).await,
+            Self::Shared(it) => it.get(id).await,
+        }
     }
 
     /// The problem of the job of this id.
     pub(crate) async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
-        self.read(move |database| database.problem(id)).await
+        match self {
+            Self::Embedded(it) => it.problem(id).await,
+            Self::Shared(it) => it.problem(id).await,
+        }
     }
 
     /// The geometry of the last level of a job that has ended.
     pub(crate) async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
-        self.read(move |database| database.result(id)).await
+        match self {
+            Self::Embedded(it) => it.result(id).await,
+            Self::Shared(it) => it.result(id).await,
+        }
     }
 
     /// Jobs, the newest first.
     pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
-        // An empty change is acknowledged after the changes before it.
-        self.writer.write(0, |_| Ok(())).await?;
-        self.read(move |database| database.list(selection)).await
+        match self {
+            Self::Embedded(it) => it.list(selection).await,
+            Self::Shared(it) => it.list(selection).await,
+        }
     }
 
     /// Jobs that have not ended, the oldest first.
     pub(crate) async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
-        self.read(JobDatabase::unfinished).await
+        match self {
+            Self::Embedded(it) => it.unfinished().await,
+            Self::Shared(it) => it.unfinished().await,
+        }
     }
 
     /// What is remembered of an idempotency key.
@@ -300,20 +301,10 @@ impl Store {
         &self,
         key: &str,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
-        let key = key.to_owned();
-        self.read(move |database| database.idempotency_entry(&key))
-            .await
-    }
-
-    /// Reads off the threads that serve the network.
-    async fn read<T: Send + 'static>(
-        &self,
-        read: impl FnOnce(&JobDatabase) -> Result<T, StoreError> + Send + 'static,
-    ) -> Result<T, StoreError> {
-        let database = Arc::clone(&self.database);
-        let read = tokio::task::spawn_blocking(move || database.read(read));
-        read.await
-            .unwrap_or_else(|error| Err(StoreError::Failed(error.to_string())))
+        match self {
+            Self::Embedded(it) => it.idempotency_entry(key).await,
+            Self::Shared(it) => it.idempotency_entry(key).await,
+        }
     }
 }
 

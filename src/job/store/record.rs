@@ -1,5 +1,5 @@
-//! The tables of the file, and what stands in them: records in MessagePack, with the names of their fields,
-//! and problems as messages of the contract.
+//! What is kept of a job: records in MessagePack, with the names of their fields, and problems as messages
+//! of the contract.
 //!
 //! In JSON the errors of a fit could not be infinite. Arrays of numbers are kept as their bytes.
 
@@ -7,48 +7,20 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use prost::Message;
-use redb::{AccessGuard, StorageError, TableDefinition};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use super::error::damaged;
-use super::{IdempotencyEntry, Record, StoreError};
+use super::{IdempotencyEntry, StoreError};
 use crate::fit::aligned::Lane;
 use crate::fit::bases::Bases;
 use crate::fit::points::Points;
 use crate::fit::problem::{Problem, Request};
+use crate::job::outline::Outline;
 use crate::job::result::LastGeometry;
+use crate::job::state::Status;
 use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
-
-/// The version of what is described here. Files of other versions are refused.
-pub(super) const VERSION: u64 = 1;
-
-/// Facts about the file itself.
-pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");
-pub(super) const VERSION_FACT: &str = "version";
-
-/// Jobs without their points, by id: lists read only these.
-pub(super) const HEADERS: TableDefinition<u128, &[u8]> = TableDefinition::new("headers");
-/// Problems as they were asked for, by the id of the job.
-pub(super) const INPUTS: TableDefinition<u128, &[u8]> = TableDefinition::new("inputs");
-/// The free control points of the last level, by the id of the job.
-pub(super) const RESULTS: TableDefinition<u128, &[u8]> = TableDefinition::new("results");
-/// Which job was made for a key.
-pub(super) const KEYS: TableDefinition<&str, &[u8]> = TableDefinition::new("keys");
-/// Nothing: pages are taken and given back here, so that there are some.
-pub(super) const SLACK: TableDefinition<u64, &[u8]> = TableDefinition::new("slack");
-
-/// A job without its points.
-#[derive(Serialize, Deserialize)]
-pub(super) struct Header {
-    pub(super) record: Record,
-    /// Bytes of the problem and of the result.
-    pub(super) bytes: u64,
-    /// The name of the idempotency key of the request that made the job.
-    pub(super) key: Option<String>,
-}
 
 /// What a problem has besides what a client can ask for.
 #[derive(Serialize, Deserialize)]
@@ -76,27 +48,29 @@ pub(super) fn write<T: Serialize>(record: &T) -> Result<Vec<u8>, StoreError> {
 }
 
 /// The record of these bytes, or an error that says which one cannot be read.
-fn read<'a, T: Deserialize<'a>>(what: impl Display, bytes: &'a [u8]) -> Result<T, StoreError> {
-    rmp_serde::from_slice(bytes).map_err(|error| damaged(what, error))
+pub(super) fn read<'a, T: Deserialize<'a>>(what: impl Display, bytes: &'a [u8]) -> Result<T, StoreError> {
+    rmp_serde::from_slice(bytes).map_err(|error| StoreError::damaged(what, error))
 }
 
-/// The header of this job.
-pub(super) fn header(id: Uuid, bytes: &[u8]) -> Result<Header, StoreError> {
-    let what = format!("the header of job {id}");
-    let header: Header = read(&what, bytes)?;
-    let grid = header.record.outline.grid;
-    match grid.rows.checked_mul(grid.columns) {
-        Some(1..) => Ok(header),
-        _ => Err(damaged(what, "there are no points, or more than can be")),
+/// The outline of this job.
+pub(super) fn outline(id: Uuid, bytes: &[u8]) -> Result<Outline, StoreError> {
+    let what = format!("the outline of job {id}");
+    let outline: Outline = read(&what, bytes)?;
+    check(&outline, what)?;
+    Ok(outline)
+}
+
+/// Checks that an outline can be that of a job.
+pub(super) fn check(outline: &Outline, what: impl Display) -> Result<(), StoreError> {
+    match outline.grid.rows.checked_mul(outline.grid.columns) {
+        Some(1..) => Ok(()),
+        _ => Err(StoreError::damaged(what, "there are no points, or more than can be")),
     }
 }
 
-/// The record of an entry of the table of headers.
-pub(super) fn of_entry(
-    entry: Result<(AccessGuard<'_, u128>, AccessGuard<'_, &'static [u8]>), StorageError>,
-) -> Result<Record, StoreError> {
-    let (id, bytes) = entry?;
-    Ok(header(Uuid::from_u128(id.value()), bytes.value())?.record)
+/// The status of this job.
+pub(super) fn status(id: Uuid, bytes: &[u8]) -> Result<Status, StoreError> {
+    read(format!("the status of job {id}"), bytes)
 }
 
 /// The entry of an idempotency key.
@@ -124,17 +98,17 @@ pub(super) fn input(problem: &Problem) -> Result<Vec<u8>, StoreError> {
 /// The problem of this job: what follows from what was asked for is computed again.
 pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
     let what = format!("the problem of job {id}");
-    let (start, message) = parts(bytes).ok_or_else(|| damaged(&what, "its end is missing"))?;
+    let (start, message) = parts(bytes).ok_or_else(|| StoreError::damaged(&what, "its end is missing"))?;
     let start: Start = read(&what, start)?;
-    let message = pb::JobInput::decode(message).map_err(|error| damaged(&what, error))?;
+    let message = pb::JobInput::decode(message).map_err(|error| StoreError::damaged(&what, error))?;
     let request = job::request(message, usize::MAX).and_then(JobRequest::request);
     let request = Request {
         start: start.control_points,
         start_breaks: lists(start.breaks),
         lambda_min: start.lambda_min,
-        ..request.map_err(|mistakes| damaged(&what, mistakes))?
+        ..request.map_err(|mistakes| StoreError::damaged(&what, mistakes))?
     };
-    Problem::new(request).map_err(|error| damaged(what, error))
+    Problem::new(request).map_err(|error| StoreError::damaged(what, error))
 }
 
 /// The start of a problem, and its message.
@@ -203,40 +177,6 @@ mod tests {
     use super::*;
     use crate::job::samples;
     use crate::proto::messages::job_input::Geometry as Shape;
-
-    fn queued() -> (Uuid, Vec<u8>) {
-        let record = samples::queued();
-        let (bytes, key) = (7, Some("key".to_owned()));
-        let id = record.outline.id;
-        (id, write(&Header { record, bytes, key }).unwrap())
-    }
-
-    #[test]
-    fn a_record_that_cannot_be_read_is_named() {
-        let (id, bytes) = queued();
-        assert!(header(id, &bytes).is_ok());
-        let shorter = (0..bytes.len()).map(|length| bytes[..length].to_vec());
-        let place = bytes.windows(6).position(|it| it == b"Queued").unwrap();
-        let mut unknown = bytes.clone();
-        unknown[place..][..6].copy_from_slice(b"Behind");
-        for damaged in shorter.chain([unknown]) {
-            let error = header(id, &damaged).map(|it| it.record).unwrap_err();
-            let text = error.to_string();
-            assert!(text.contains(&format!("job {id} cannot be read")), "{text}");
-        }
-    }
-
-    #[test]
-    fn flipped_bits_are_damage_or_another_record() {
-        let (id, bytes) = queued();
-        for bit in 0..8 * bytes.len() {
-            let mut flipped = bytes.clone();
-            flipped[bit / 8] ^= 1 << (bit % 8);
-            if let Ok(header) = header(id, &flipped) {
-                assert!(header.record.outline.grid.count() > 0);
-            }
-        }
-    }
 
     #[test]
     fn points_have_coordinates_all_of_them_as_many() {

@@ -14,8 +14,8 @@ use super::database::JobDatabase;
 use super::ended::Ended;
 use super::error::{catch_panic, not_open};
 use super::transaction::{EndedChange, Transaction};
-use super::{Acknowledgement, StoreError};
 use crate::job::counters::Counters;
+use crate::job::store::{Acknowledgement, StoreError};
 
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashSet};
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use super::{FORGOTTEN_AT_ONCE, Retention, is_older};
+use crate::job::store::{FORGOTTEN_AT_ONCE, Retention, is_older};
 
 /// The jobs that have ended and their bytes, in the order of the times at which they ended.
 #[derive(Debug, Default)]

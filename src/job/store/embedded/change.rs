@@ -2,7 +2,7 @@
 
 use tokio::sync::oneshot;
 
-use super::StoreError;
+use crate::job::store::StoreError;
 use super::transaction::Transaction;
 use super::writer::closed;
 

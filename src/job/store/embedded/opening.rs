@@ -11,9 +11,9 @@ use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
 use tracing::warn;
 
-use super::StoreError;
 use super::error::catch_panic;
-use super::record::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
+use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
+use crate::job::store::StoreError;
 
 /// Bytes of the cache of a database, whether its file is on a disk or in memory. Half of it holds the pages
 /// of a commit; pages that do not fit in are written first and read again for their checksums.
@@ -47,7 +47,7 @@ pub(crate) enum OpenError {
     /// It was written by another version of the program.
     #[error(
         "{path:?} has version {found} of the format, this program reads version {VERSION} only: keep the \
-         file and use the program that wrote it, or choose another --data-dir"
+         file and use the program that wrote it, or choose another --store"
     )]
     Version {
         /// The file.
@@ -55,6 +55,12 @@ pub(crate) enum OpenError {
         /// Its version.
         found: u64,
     },
+    /// A URL that is none of a database.
+    #[error("--store: this is no URL of a PostgreSQL database: {0}")]
+    Url(String),
+    /// The database cannot be used.
+    #[error("the database cannot be used: {0}")]
+    Database(StoreError),
     /// What was running could not be put back into the queue.
     #[error("the jobs of the last run cannot be recovered: {0}")]
     Recovery(StoreError),

@@ -7,11 +7,12 @@ use redb::{ReadableTable, Table, WriteTransaction};
 use uuid::Uuid;
 
 use super::ended::Ended;
-use super::record::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
-use super::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
+use super::tables::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
+use crate::job::store::record;
+use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
 
 /// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
 /// frees some, which can be used two commits later. Without them no job could be deleted to make room where
@@ -199,7 +200,7 @@ impl<'a> Transaction<'a> {
 
     fn header(&self, id: Uuid) -> Result<Option<Header>, StoreError> {
         let bytes = self.headers.get(id.as_u128())?;
-        let header = bytes.map(|bytes| record::header(id, bytes.value()));
+        let header = bytes.map(|bytes| tables::header(id, bytes.value()));
         header.transpose()
     }
 }

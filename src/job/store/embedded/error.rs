@@ -1,28 +1,22 @@
 //! Errors of the database and of what stands in it.
 
-use std::fmt::Display;
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use redb::{StorageError, TableError};
 
-use super::StoreError;
+use crate::job::store::StoreError;
 
 /// Does work in which the database may panic, as it does where pages of the file are damaged. A panic
 /// becomes an error: only what needs the page fails, and the thread goes on (`tests/api/damage.rs`).
 pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> {
-    let damaged = |_| damaged("a record", "pages of the database do not fit together");
+    let damaged = |_| StoreError::damaged("a record", "pages of the database do not fit together");
     catch_unwind(AssertUnwindSafe(work)).map_err(damaged)
 }
 
 /// After a failure there is no database until it could be opened again.
 pub(super) fn not_open() -> StoreError {
     StoreError::Failed("the database could not be opened again after an error".to_owned())
-}
-
-/// What was read makes no sense.
-pub(super) fn damaged(what: impl Display, reason: impl Display) -> StoreError {
-    StoreError::Failed(format!("{what} cannot be read: {reason}"))
 }
 
 impl From<redb::Error> for StoreError {

@@ -12,10 +12,11 @@ use uuid::Uuid;
 
 use super::error::{catch_panic, not_open};
 use super::opening::{self, OpenError};
-use super::record::{self, HEADERS, INPUTS, KEYS, RESULTS};
-use super::{IdempotencyEntry, Record, Selection, StoreError};
+use super::tables::{self, HEADERS, INPUTS, KEYS, RESULTS};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
+use crate::job::store::record;
+use crate::job::store::{IdempotencyEntry, Record, Selection, StoreError};
 
 /// How long those who read the file may hold it when it is opened again.
 const MOST_READING: Duration = Duration::from_secs(5);
@@ -95,7 +96,7 @@ impl JobDatabase {
 
     /// A job without its points.
     pub(super) fn record(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
-        self.get(HEADERS, id, |bytes| Ok(record::header(id, bytes)?.record))
+        self.get(HEADERS, id, |bytes| Ok(tables::header(id, bytes)?.record))
     }
 
     /// The problem of a job.
@@ -112,7 +113,7 @@ impl JobDatabase {
     pub(super) fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
         let end = selection.before.unwrap_or(Uuid::max()).as_u128();
         let headers = self.table(HEADERS)?;
-        let records = headers.range(..end)?.rev().map(record::of_entry);
+        let records = headers.range(..end)?.rev().map(tables::of_entry);
         let wanted = |record: &Record| selection.state.is_none_or(|it| it == record.status.state);
         let records = records.filter(|record| record.as_ref().map_or(true, wanted));
         records.take(selection.limit).collect()
@@ -121,7 +122,7 @@ impl JobDatabase {
     /// Jobs that have not ended, the oldest first.
     pub(super) fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
         let headers = self.table(HEADERS)?;
-        let records = headers.iter()?.map(record::of_entry);
+        let records = headers.iter()?.map(tables::of_entry);
         let unfinished = |record: &Record| !record.status.state.is_final();
         let records = records.filter(|record| record.as_ref().map_or(true, unfinished));
         records.collect()

@@ -1,0 +1,195 @@
+//! One replica among several: it renews the leases of its jobs, follows those that others run and that are
+//! read here, and takes over what waits where nobody has room for it.
+//!
+//! A job that waits is in the queue of the replica that has accepted it, and in the store. Whoever has room for
+//! it first claims it when it starts; so a replica that has nothing to do looks for jobs that wait elsewhere.
+
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Weak};
+use std::time::Duration;
+
+use tokio::time::{MissedTickBehavior, interval, sleep};
+use tracing::debug;
+use uuid::Uuid;
+
+use super::Jobs;
+use crate::job::Job;
+use crate::job::state::{State, Status};
+use crate::job::store::shared::Shared;
+use crate::job::store::shared::hints::Hint;
+use crate::job::store::shared::leases::HEARTBEAT;
+use crate::job::store::{Record, StoreError};
+
+/// How often the store is looked at without a hint.
+const LOOK: Duration = Duration::from_secs(1);
+
+/// The most jobs of others that are taken over in one go.
+const TAKEN_AT_ONCE: usize = 16;
+
+impl Jobs {
+    /// Works together with the other replicas from now on.
+    pub(super) fn join(self: &Arc<Self>, shared: &Arc<Shared>) {
+        tokio::spawn(keep_leases(Arc::downgrade(self), Arc::clone(shared)));
+        tokio::spawn(look(Arc::downgrade(self), Arc::clone(shared)));
+    }
+
+    /// The job of this id, whoever runs it.
+    pub(super) async fn find_among_replicas(
+        &self,
+        shared: &Shared,
+        id: Uuid,
+    ) -> Result<Option<Arc<Job>>, StoreError> {
+        let live = self.live(id);
+        // What this replica runs, or is about to store, it knows best.
+        if let Some(job) = &live
+            && !job.is_elsewhere()
+            && !job.status().state.is_final()
+        {
+            return Ok(live);
+        }
+        match shared.records(&[id]).await {
+            Ok(mut records) => match (records.pop(), live) {
+                (Some(record), live) => {
+                    let status = record.status.clone();
+                    let job = live.unwrap_or_else(|| self.bring_to_life(record, None, true));
+                    job.follow(status);
+                    Ok(Some(job))
+                }
+                (None, live) => {
+                    if let Some(job) = live {
+                        self.let_go(&job);
+                    }
+                    Ok(None)
+                }
+            },
+            // What is in memory can be read while the database is away.
+            Err(StoreError::Away(_)) if live.is_some() => Ok(live),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Ends a job that this replica runs.
+    fn end_here(&self, id: Uuid) {
+        if let Some(job) = self.live(id).filter(|job| !job.is_elsewhere()) {
+            job.request_cancel();
+        }
+    }
+
+    /// The jobs that others run and that are read here.
+    fn followed(&self) -> Vec<Arc<Job>> {
+        let live = self.live.lock();
+        let jobs = live.values().filter_map(Weak::upgrade);
+        let is_followed = |job: &Arc<Job>| job.is_elsewhere() && !job.status().state.is_final();
+        jobs.filter(is_followed).collect()
+    }
+
+    /// Asks the store what has become of jobs that others run.
+    pub(super) async fn refresh(&self, shared: &Shared, jobs: Vec<Arc<Job>>) -> Result<(), StoreError> {
+        if jobs.is_empty() {
+            return Ok(());
+        }
+        let ids: Vec<Uuid> = jobs.iter().map(|job| job.id()).collect();
+        let mut records = shared.records(&ids).await?;
+        for job in jobs {
+            let place = records.iter().position(|it| it.outline.id == job.id());
+            match place.map(|place| records.swap_remove(place)) {
+                Some(record) => job.follow(record.status),
+                None => self.let_go(&job),
+            }
+        }
+        Ok(())
+    }
+
+    /// A job that was deleted at another replica.
+    pub(super) fn let_go(&self, job: &Job) {
+        job.follow(Status {
+            state: State::Cancelled,
+            ..job.status()
+        });
+        self.forget(&[job.id()]);
+    }
+
+    /// A job has ended, or was deleted, at this replica or at another one.
+    async fn has_ended(&self, shared: &Shared, id: Uuid) -> Result<(), StoreError> {
+        let Some(job) = self.live(id).filter(|job| !job.status().state.is_final()) else {
+            return Ok(());
+        };
+        if job.is_elsewhere() {
+            return self.refresh(shared, vec![job]).await;
+        }
+        // One that this replica has ended tells so itself in a moment; one that was cancelled or deleted
+        // elsewhere need not wait or run any longer.
+        job.request_cancel();
+        Ok(())
+    }
+
+    /// Takes over jobs that wait at other replicas, or whose replica is gone, if there is room for them.
+    async fn take_over(self: &Arc<Self>, shared: &Shared) -> Result<(), StoreError> {
+        // Where jobs wait there is no room.
+        if self.suspended.load(Ordering::Acquire) || self.queued() > 0 {
+            return Ok(());
+        }
+        for record in shared.waiting(TAKEN_AT_ONCE).await? {
+            let share = self.share(&record.outline);
+            if share.take_at_once(None, record.outline.memory).is_some() {
+                self.drive_waiting(record);
+            }
+        }
+        Ok(())
+    }
+
+    /// Queues a job that waits in the store.
+    fn drive_waiting(self: &Arc<Self>, record: Record) {
+        let job = self.bring_to_life(record, None, true);
+        // If it was here already, it may wait in the queue.
+        if job.elsewhere.swap(false, Ordering::AcqRel) {
+            let slot = self.slots.occupy();
+            tokio::spawn(Arc::clone(self).drive(job, None, slot));
+        }
+    }
+}
+
+/// Renews the leases of this replica's jobs, and puts those of replicas that are gone back into the queue.
+async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
+    loop {
+        sleep(HEARTBEAT).await;
+        let Some(jobs) = jobs.upgrade() else { return };
+        match shared.renew().await {
+            Ok(ended) => ended.into_iter().for_each(|id| jobs.end_here(id)),
+            Err(error) => debug!(%error, "leases could not be renewed"),
+        }
+        drop(jobs);
+        if let Err(error) = shared.recover().await {
+            debug!(%error, "jobs of replicas that are gone could not be looked for");
+        }
+    }
+}
+
+/// Looks at what the other replicas do, from time to time and at their hints.
+async fn look(jobs: Weak<Jobs>, shared: Arc<Shared>) {
+    let mut hints = shared.hints();
+    let mut ticks = interval(LOOK);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        let hint = tokio::select! {
+            hint = hints.recv() => hint,
+            _ = ticks.tick() => None,
+        };
+        let Some(jobs) = jobs.upgrade() else { return };
+        let done = match hint {
+            Some(Hint::Queued) => jobs.take_over(&shared).await,
+            Some(Hint::Cancel(id)) => {
+                jobs.end_here(id);
+                Ok(())
+            }
+            Some(Hint::Ended(id) | Hint::Deleted(id)) => jobs.has_ended(&shared, id).await,
+            None => match jobs.refresh(&shared, jobs.followed()).await {
+                Ok(()) => jobs.take_over(&shared).await,
+                error => error,
+            },
+        };
+        if let Err(error) = done {
+            debug!(%error, "the jobs of other replicas could not be looked at");
+        }
+    }
+}

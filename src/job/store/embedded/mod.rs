@@ -1,0 +1,182 @@
+//! The store of one process: one file of the embedded ACID database redb, or in memory.
+//!
+//! - [`tables`]: the tables of the file, and what stands in them;
+//! - [`database`]: the open file, and what is read from it; [`opening`]: opens the file, or says what is
+//!   wrong with it; [`error`]: errors and panics of the database;
+//! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
+//!   and back; [`transaction`]: what changes do to the tables; [`ended`]: which jobs that have ended to
+//!   forget; [`recovery`]: after a crash.
+
+mod change;
+mod database;
+mod ended;
+mod error;
+pub(super) mod opening;
+mod recovery;
+pub(super) mod tables;
+mod transaction;
+mod writer;
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use uuid::Uuid;
+
+use super::{
+    Acknowledgement, IdempotencyEntry, IdempotencyKey, OpenError, Record, Retention, Selection,
+    StoreError,
+};
+use crate::fit::problem::Problem;
+use crate::job::counters::Counters;
+use crate::job::result::LastGeometry;
+use crate::job::state::Status;
+use database::JobDatabase;
+use writer::Writer;
+
+/// The name of the file in the data directory.
+const FILE: &str = "piad.redb";
+
+/// The store of one process. All its changes take effect in the order in which the methods are called.
+pub(crate) struct Embedded {
+    database: Arc<JobDatabase>,
+    writer: Writer,
+}
+
+impl Embedded {
+    /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
+    /// go back to the queue, or fail if that has happened too often.
+    pub(crate) fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::open(directory, FILE)?);
+        let writer = Writer::start(Arc::clone(&database), counters);
+        let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
+        Ok(Self { database, writer })
+    }
+
+    /// Makes a store in memory, which ends with the process.
+    pub(crate) fn in_memory(counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::in_memory()?);
+        let writer = Writer::start(Arc::clone(&database), counters);
+        let writer = writer.map_err(OpenError::Recovery)?;
+        Ok(Self { database, writer })
+    }
+
+    /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
+    pub(crate) fn insert(
+        &self,
+        record: Record,
+        problem: Arc<Problem>,
+        key: Option<IdempotencyKey>,
+    ) -> Acknowledgement<Option<IdempotencyEntry>> {
+        let points = problem.grid().count();
+        self.writer.write(points, move |transaction| {
+            transaction.insert(&record, &problem, key.as_ref())
+        })
+    }
+
+    /// Keeps that a job runs now, and whether it is on probation.
+    pub(crate) fn start(
+        &self,
+        id: Uuid,
+        status: Status,
+        on_probation: bool,
+    ) -> Acknowledgement<bool> {
+        self.writer.write(0, move |transaction| {
+            transaction.update(id, |record| {
+                record.status = status.clone();
+                record.on_probation = on_probation;
+            })?;
+            Ok(true)
+        })
+    }
+
+    /// Puts a job back into the queue at an orderly end of the process, and clears its count of crashes.
+    pub(crate) fn requeue(&self, id: Uuid) -> Acknowledgement<()> {
+        self.writer.write(0, move |transaction| {
+            transaction.update(id, |record| {
+                record.status = Status::QUEUED;
+                (record.crashes, record.on_probation) = (0, false);
+            })
+        })
+    }
+
+    /// Keeps the final state and control points of a job.
+    pub(crate) fn finish(
+        &self,
+        id: Uuid,
+        status: Status,
+        result: Option<LastGeometry>,
+    ) -> Acknowledgement<bool> {
+        let points = result.as_ref().map_or(0, |it| it.control_points.len());
+        self.writer.write(points, move |transaction| {
+            transaction.finish(id, &status, result.as_ref())?;
+            Ok(true)
+        })
+    }
+
+    /// Forgets a job and its key; says whether there was one.
+    pub(crate) fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
+        self.writer
+            .write(0, move |transaction| transaction.remove(id))
+    }
+
+    /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
+    /// and keys that have expired. Jobs in `spared` stay, beyond the retention. Gives the ids of those that
+    /// were forgotten.
+    pub(crate) fn retain(
+        &self,
+        retention: Retention,
+        spared: HashSet<Uuid>,
+    ) -> Acknowledgement<Vec<Uuid>> {
+        self.writer
+            .write(0, move |transaction| transaction.retain(retention, &spared))
+    }
+
+    /// The job of this id.
+    pub(crate) async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+        self.read(move |database| database.record(id)).await
+    }
+
+    /// The problem of the job of this id.
+    pub(crate) async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
+        self.read(move |database| database.problem(id)).await
+    }
+
+    /// The geometry of the last level of a job that has ended.
+    pub(crate) async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
+        self.read(move |database| database.result(id)).await
+    }
+
+    /// Jobs, the newest first.
+    pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
+        // An empty change is acknowledged after the changes before it.
+        self.writer.write(0, |_| Ok(())).await?;
+        self.read(move |database| database.list(selection)).await
+    }
+
+    /// Jobs that have not ended, the oldest first.
+    pub(crate) async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
+        self.read(JobDatabase::unfinished).await
+    }
+
+    /// What is remembered of an idempotency key.
+    pub(crate) async fn idempotency_entry(
+        &self,
+        key: &str,
+    ) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let key = key.to_owned();
+        self.read(move |database| database.idempotency_entry(&key))
+            .await
+    }
+
+    /// Reads off the threads that serve the network.
+    async fn read<T: Send + 'static>(
+        &self,
+        read: impl FnOnce(&JobDatabase) -> Result<T, StoreError> + Send + 'static,
+    ) -> Result<T, StoreError> {
+        let database = Arc::clone(&self.database);
+        let read = tokio::task::spawn_blocking(move || database.read(read));
+        read.await
+            .unwrap_or_else(|error| Err(StoreError::Failed(error.to_string())))
+    }
+}

@@ -1,0 +1,171 @@
+//! Leases: how replicas tell each other which jobs they run, and take over those of one that is gone.
+
+use std::collections::HashSet;
+use std::time::Duration;
+
+use jiff::Timestamp;
+use sqlx::Row;
+use tracing::warn;
+use uuid::Uuid;
+
+use super::Shared;
+use super::connection::of_database;
+use super::reads::record_of;
+use crate::job::state::{State, Status};
+use crate::job::store::{Record, StoreError, record};
+
+/// For so long a replica is believed to run a job after it has last said so.
+pub(crate) const LEASE: Duration = Duration::from_secs(15);
+
+/// How often a replica says so.
+pub(crate) const HEARTBEAT: Duration = Duration::from_secs(5);
+
+const RENEW: &str = "
+UPDATE jobs SET lease_until = now() + make_interval(secs => $3)
+FROM unnest($1::uuid[], $2::bigint[]) AS mine (id, epoch)
+WHERE jobs.id = mine.id AND jobs.epoch = mine.epoch AND jobs.state = 'running'
+RETURNING jobs.id, jobs.cancel";
+
+/// A replica whose lease of a job has run out, with all the jobs that it ran. Where some of its leases still
+/// hold, it is not gone.
+const ABANDONED: &str = "
+SELECT id, outline, status, crashes, on_probation, cancel, epoch FROM jobs
+WHERE state = 'running' AND lease_until < now() AND owner = (
+    SELECT owner FROM jobs WHERE state = 'running'
+    GROUP BY owner HAVING max(lease_until) < now() LIMIT 1
+)";
+
+/// Back into the queue, or failed, if nobody was quicker.
+const RECOVER: &str = "
+WITH job AS (
+    UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
+        owner = NULL, lease_until = NULL, finished = to_timestamp($6)
+    WHERE id = $1 AND epoch = $2 AND state = 'running' AND lease_until < now()
+    RETURNING id
+)
+SELECT pg_notify('piad', CASE $3 WHEN 'queued' THEN 'queued' ELSE 'ended ' || id END) FROM job";
+
+const WAITING: &str = "
+SELECT id, outline, status, crashes, on_probation FROM jobs
+WHERE state = 'queued' ORDER BY id LIMIT $1";
+
+const CANCEL: &str = "
+WITH job AS (UPDATE jobs SET cancel = true WHERE id = $1 AND finished IS NULL RETURNING id)
+SELECT pg_notify('piad', 'cancel ' || id) FROM job";
+
+impl Shared {
+    /// Renews the leases of all jobs that this replica runs; gives those that a client of another replica
+    /// wants to end.
+    pub(crate) async fn renew(&self) -> Result<Vec<Uuid>, StoreError> {
+        let (ids, epochs): (Vec<Uuid>, Vec<i64>) = {
+            let claims = self.claims.lock();
+            let held = claims.iter().filter(|(_, claim)| !claim.lost);
+            held.map(|(&id, claim)| (id, claim.epoch)).unzip()
+        };
+        if ids.is_empty() {
+            return Ok(Vec::new());
+        }
+        let renew = || {
+            sqlx::query(RENEW)
+                .bind(&ids)
+                .bind(&epochs)
+                .bind(LEASE.as_secs_f64())
+        };
+        let rows = self.connections.run(0, renew).await?;
+        let (mut renewed, mut cancelled) = (HashSet::new(), Vec::new());
+        for row in rows {
+            let id: Uuid = row.try_get("id").map_err(of_database)?;
+            renewed.insert(id);
+            if row.try_get("cancel").map_err(of_database)? {
+                cancelled.push(id);
+            }
+        }
+        for id in self.lose(ids, &renewed) {
+            // One that was deleted is not computed any longer.
+            match self.is_gone(id).await? {
+                true => cancelled.push(id),
+                false => warn!(job = %id, "another replica has claimed a job that this one runs"),
+            }
+        }
+        Ok(cancelled)
+    }
+
+    /// Marks claims of these jobs that were not renewed as lost, and gives them. Those that have ended meanwhile
+    /// are not claimed any more. A claim that is lost is kept for its epoch, by which what is written of the
+    /// job will be refused.
+    fn lose(&self, ids: Vec<Uuid>, renewed: &HashSet<Uuid>) -> Vec<Uuid> {
+        let mut claims = self.claims.lock();
+        let mut lost = ids;
+        lost.retain(|id| match claims.get_mut(id) {
+            Some(claim) if !renewed.contains(id) => {
+                claim.lost = true;
+                true
+            }
+            _ => false,
+        });
+        lost
+    }
+
+    /// Puts the jobs of replicas that are gone back into the queue, or fails those that have been in too many
+    /// crashes. A replica that only was away may go on with its jobs, and writes nothing of them.
+    pub(crate) async fn recover(&self) -> Result<(), StoreError> {
+        loop {
+            let rows = self.connections.run(0, || sqlx::query(ABANDONED)).await?;
+            let jobs: Result<Vec<Record>, StoreError> = rows.iter().map(record_of).collect();
+            let jobs = jobs?;
+            if jobs.is_empty() {
+                return Ok(());
+            }
+            let any_on_probation = jobs.iter().any(Record::was_on_probation);
+            for (mut job, row) in jobs.into_iter().zip(&rows) {
+                job.recover(any_on_probation);
+                if row.try_get("cancel").map_err(of_database)? {
+                    job.status.state = State::Cancelled;
+                    job.status.finished = Some(Timestamp::now());
+                }
+                let epoch = row.try_get("epoch").map_err(of_database)?;
+                self.write_recovered(&job, epoch).await?;
+            }
+        }
+    }
+
+    async fn write_recovered(&self, job: &Record, epoch: i64) -> Result<(), StoreError> {
+        let (id, status) = (job.outline.id, record::write(&job.status)?);
+        let finished = job.status.finished.map(|at| at.as_duration().as_secs_f64());
+        let recover = || {
+            sqlx::query(RECOVER)
+                .bind(id)
+                .bind(epoch)
+                .bind(job.status.state.name())
+                .bind(&status)
+                .bind(job.crashes as i32)
+                .bind(finished)
+        };
+        if !self.connections.run(0, recover).await?.is_empty() {
+            self.counters.jobs_recovered.inc();
+            warn!(job = %id, crashes = job.crashes, "the replica that ran a job is gone");
+        }
+        Ok(())
+    }
+
+    /// The first jobs that wait, at most so many.
+    pub(crate) async fn waiting(&self, most: usize) -> Result<Vec<Record>, StoreError> {
+        let waiting = || sqlx::query(WAITING).bind(most as i64);
+        let rows = self.connections.run(0, waiting).await?;
+        rows.iter().map(record_of).collect()
+    }
+
+    /// Cancels a job that waits; asks the replica that runs it to end it, if one does.
+    pub(crate) async fn cancel(&self, id: Uuid) -> Result<(), StoreError> {
+        let status = Status {
+            state: State::Cancelled,
+            finished: Some(Timestamp::now()),
+            ..Status::QUEUED
+        };
+        if !self.write_end(id, &status, None).await? {
+            let cancel = || sqlx::query(CANCEL).bind(id);
+            self.connections.run(0, cancel).await?;
+        }
+        Ok(())
+    }
+}

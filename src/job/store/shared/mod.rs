@@ -1,0 +1,205 @@
+//! The store of several replicas: a PostgreSQL database, which keeps each job, its points and its key in one
+//! transaction.
+//!
+//! - [`connection`]: connections, and statements that are run again when one breaks;
+//! - [`opening`]: opens the database, and brings its schema up to date;
+//! - [`writes`]: what changes a job; [`reads`]: what is read of one; [`pieces`]: long values;
+//! - [`order`]: changes of one job, one after the other;
+//! - [`leases`]: which replica runs a job, and what becomes of the jobs of one that is gone;
+//! - [`hints`]: what replicas tell each other at once.
+//!
+//! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Whatever a
+//! replica writes of a job says the epoch of its claim; once another replica has claimed the job, it changes
+//! nothing. So it does no harm when two replicas believe that they run a job: both compute the same, and the
+//! database takes the end of one.
+
+mod connection;
+pub(crate) mod hints;
+pub(crate) mod leases;
+mod opening;
+mod order;
+mod pieces;
+mod reads;
+mod writes;
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+use sqlx::postgres::PgConnectOptions;
+use uuid::Uuid;
+
+use super::{
+    Acknowledgement, IdempotencyEntry, IdempotencyKey, Record, Retention, Selection, StoreError,
+    record,
+};
+use crate::fit::problem::Problem;
+use crate::job::counters::Counters;
+use crate::job::result::LastGeometry;
+use crate::job::state::Status;
+use connection::Connections;
+use order::Order;
+use pieces::Table;
+
+/// The store of several replicas, as one of them has it.
+pub(crate) struct Shared {
+    options: PgConnectOptions,
+    connections: Connections,
+    /// The name of this replica, new with each start.
+    replica: Uuid,
+    /// The jobs that this replica runs.
+    claims: Mutex<HashMap<Uuid, Claim>>,
+    order: Arc<Order>,
+    counters: Counters,
+}
+
+/// A claim of a job.
+#[derive(Clone, Copy, Debug)]
+struct Claim {
+    epoch: i64,
+    /// Another replica has claimed the job since.
+    lost: bool,
+}
+
+impl Shared {
+    /// Whether the database could not be reached the last time.
+    pub(crate) fn is_away(&self) -> bool {
+        self.connections.is_away()
+    }
+
+    /// Connections that are open, and those of them that are in use.
+    pub(crate) fn open_connections(&self) -> (usize, usize) {
+        self.connections.open()
+    }
+
+    /// See [`super::Store::insert`].
+    pub(super) fn insert(
+        self: &Arc<Self>,
+        record: Record,
+        problem: Arc<Problem>,
+        key: Option<IdempotencyKey>,
+    ) -> Acknowledgement<Option<IdempotencyEntry>> {
+        self.change(record.outline.id, async move |store| {
+            let input = blocking(move || record::input(&problem)).await?;
+            store.write_job(&record, &input, key.as_ref()).await
+        })
+    }
+
+    /// See [`super::Store::start`].
+    pub(super) fn start(
+        self: &Arc<Self>,
+        id: Uuid,
+        status: Status,
+        on_probation: bool,
+    ) -> Acknowledgement<bool> {
+        self.change(id, async move |store| {
+            store.write_start(id, &status, on_probation).await
+        })
+    }
+
+    /// See [`super::Store::requeue`].
+    pub(super) fn requeue(self: &Arc<Self>, id: Uuid) -> Acknowledgement<()> {
+        self.change(id, async move |store| store.write_requeue(id).await)
+    }
+
+    /// See [`super::Store::finish`].
+    pub(super) fn finish(
+        self: &Arc<Self>,
+        id: Uuid,
+        status: Status,
+        result: Option<LastGeometry>,
+    ) -> Acknowledgement<bool> {
+        self.change(id, async move |store| {
+            let result = blocking(move || result.as_ref().map(record::geometry).transpose());
+            let result = result.await?;
+            store.write_end(id, &status, result.as_deref()).await
+        })
+    }
+
+    /// See [`super::Store::remove`].
+    pub(super) fn remove(self: &Arc<Self>, id: Uuid) -> Acknowledgement<bool> {
+        self.change(id, async move |store| store.delete(id).await)
+    }
+
+    /// See [`super::Store::retain`].
+    pub(super) fn retain(
+        self: &Arc<Self>,
+        retention: Retention,
+        spared: HashSet<Uuid>,
+    ) -> Acknowledgement<Vec<Uuid>> {
+        let store = Arc::clone(self);
+        Box::pin(async move {
+            let spared: Vec<Uuid> = spared.into_iter().collect();
+            store.delete_surplus(retention, &spared).await
+        })
+    }
+
+    /// See [`super::Store::get`].
+    pub(super) async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+        Ok(self.records(&[id]).await?.pop())
+    }
+
+    /// See [`super::Store::problem`].
+    pub(super) async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
+        match self.value(Table::Inputs, id).await? {
+            Some(bytes) => blocking(move || record::problem(id, &bytes).map(Arc::new).map(Some)).await,
+            None => Ok(None),
+        }
+    }
+
+    /// See [`super::Store::result`].
+    pub(super) async fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
+        match self.value(Table::Results, id).await? {
+            Some(bytes) => blocking(move || record::result(id, &bytes).map(Some)).await,
+            None => Ok(None),
+        }
+    }
+
+    /// See [`super::Store::list`].
+    pub(super) async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
+        self.order.all_done().await;
+        self.read_list(selection).await
+    }
+
+    /// See [`super::Store::unfinished`].
+    pub(super) async fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
+        self.read_unfinished().await
+    }
+
+    /// See [`super::Store::idempotency_entry`].
+    pub(super) async fn idempotency_entry(
+        &self,
+        name: &str,
+    ) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let entry = self.read_entry(name).await?;
+        Ok(entry.filter(|entry| !entry.has_expired()))
+    }
+
+    /// A change of a job, which takes its place behind those that were called before, and is done whether or
+    /// not anybody waits for it.
+    fn change<T, F>(self: &Arc<Self>, id: Uuid, change: impl FnOnce(Arc<Self>) -> F) -> Acknowledgement<T>
+    where
+        T: Send + 'static,
+        F: Future<Output = Result<T, StoreError>> + Send + 'static,
+    {
+        let mut place = self.order.place(id);
+        let change = change(Arc::clone(self));
+        let done = tokio::spawn(async move {
+            place.come().await;
+            change.await
+        });
+        Box::pin(async move { done.await.unwrap_or_else(|error| Err(broken(error))) })
+    }
+}
+
+/// Does work that may take a while off the threads that serve the network.
+async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, StoreError> + Send + 'static,
+) -> Result<T, StoreError> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.unwrap_or_else(|error| Err(broken(error)))
+}
+
+fn broken(error: tokio::task::JoinError) -> StoreError {
+    StoreError::Failed(error.to_string())
+}

@@ -1,0 +1,100 @@
+//! Opening the database: connections, and a schema that is up to date.
+
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use sqlx::SqlSafeStr;
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+use sqlx::postgres::PgConnectOptions;
+use sqlx::{ConnectOptions, Connection};
+use tokio::time::{sleep, timeout};
+use tracing::warn;
+use uuid::Uuid;
+
+use super::Shared;
+use super::connection::{Connections, of_database};
+use crate::job::counters::Counters;
+use crate::job::store::{OpenError, StoreError};
+
+/// How long a database is waited for that cannot be reached, as it may be starting, too.
+const STARTING: Duration = Duration::from_secs(60);
+
+/// How often it is tried.
+const AGAIN: Duration = Duration::from_secs(1);
+
+/// How long an attempt may take, and the migrations of it.
+const ATTEMPT: Duration = Duration::from_secs(300);
+
+/// Statements that take longer than this are ended by the server, with what they hold; and transactions whose
+/// replica says nothing for so long.
+const LIMITS: [(&str, &str); 3] = [
+    ("statement_timeout", "120s"),
+    ("idle_in_transaction_session_timeout", "30s"),
+    ("lock_timeout", "10s"),
+];
+
+/// The steps from an empty database to the schema of this version, which are only ever added to. A version of
+/// the program must work with the schema of the next one: replicas are replaced one at a time.
+const MIGRATIONS: [(i64, &str, &str); 1] =
+    [(1, "jobs", include_str!("migrations/0001_jobs.sql"))];
+
+impl Shared {
+    /// Connects with a database, of which there may be at most so many connections, and brings its schema up
+    /// to date.
+    pub(crate) async fn open(
+        url: &str,
+        connections: usize,
+        counters: Counters,
+    ) -> Result<Arc<Self>, OpenError> {
+        let options = PgConnectOptions::from_str(url);
+        let options = options.map_err(|error| OpenError::Url(error.to_string()))?;
+        let options = options.application_name("piad").options(LIMITS).disable_statement_logging();
+        let begin = Instant::now();
+        while let Err(error) = migrate(&options).await {
+            match error {
+                StoreError::Away(reason) if begin.elapsed() < STARTING => {
+                    warn!(reason, "waiting for the database");
+                    sleep(AGAIN).await;
+                }
+                error => return Err(OpenError::Database(error)),
+            }
+        }
+        let open = Connections::new(options.clone(), connections, counters.clone());
+        Ok(Arc::new(Self {
+            connections: open.map_err(OpenError::Database)?,
+            options,
+            replica: Uuid::now_v7(),
+            claims: Default::default(),
+            order: Default::default(),
+            counters,
+        }))
+    }
+}
+
+/// Brings the schema up to date, one replica at a time.
+async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
+    let migrations = MIGRATIONS.map(|(version, name, sql)| {
+        let kind = MigrationType::Simple;
+        Migration::new(version, name.into(), kind, sql.into_sql_str(), false)
+    });
+    let mut migrator = Migrator::with_migrations(migrations.into());
+    // A later version of the program may have been here.
+    migrator.set_ignore_missing(true);
+    let migrated = async {
+        // Locks are waited for, and indexes of large tables take their time.
+        let patient = options.clone().options([("lock_timeout", "0"), ("statement_timeout", "0")]);
+        let mut connection = patient.connect().await?;
+        migrator.run(&mut connection).await?;
+        connection.close().await?;
+        Ok(())
+    };
+    match timeout(ATTEMPT, migrated).await {
+        Ok(Err(MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _))) => {
+            Err(of_database(error))
+        }
+        Ok(Err(error)) => Err(StoreError::Failed(error.to_string())),
+        Ok(Ok(())) => Ok(()),
+        Err(_) => Err(StoreError::Away(format!("no answer within {ATTEMPT:?}"))),
+    }
+}

@@ -1,0 +1,110 @@
+//! Long values are kept in pieces, each in a row of its own: what is sent in one go is bounded.
+
+use sqlx::{PgConnection, Row};
+use uuid::Uuid;
+
+use super::Shared;
+use super::connection::of_database;
+use crate::job::store::StoreError;
+
+/// The bytes of a piece; the last one is shorter.
+const PIECE: usize = 4 << 20;
+
+/// Where a value is kept.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Table {
+    Inputs,
+    Results,
+}
+
+/// A value to be written: its first piece with the row of its job, the others behind it.
+pub(super) struct Value<'a> {
+    pub(super) table: Table,
+    pub(super) id: Uuid,
+    pub(super) bytes: &'a [u8],
+}
+
+impl Value<'_> {
+    pub(super) fn first(&self) -> &[u8] {
+        &self.bytes[..self.bytes.len().min(PIECE)]
+    }
+
+    /// Whether there is more than the first piece. A value that ends with a full piece has an empty one
+    /// behind it.
+    pub(super) fn is_long(&self) -> bool {
+        self.bytes.len() >= PIECE
+    }
+
+    /// The pieces behind the first one, with their numbers.
+    fn rest(&self) -> impl Iterator<Item = (i32, &[u8])> {
+        let count = self.bytes.len() / PIECE;
+        (1..=count).map(|piece| {
+            let begin = piece * PIECE;
+            let end = self.bytes.len().min(begin + PIECE);
+            (piece as i32, &self.bytes[begin..end])
+        })
+    }
+
+    /// Writes the pieces behind the first one.
+    pub(super) async fn write_rest(&self, connection: &mut PgConnection) -> Result<(), sqlx::Error> {
+        let insertion = match self.table {
+            Table::Inputs => "INSERT INTO inputs VALUES ($1, $2, $3) ON CONFLICT DO NOTHING",
+            Table::Results => "INSERT INTO results VALUES ($1, $2, $3) ON CONFLICT DO NOTHING",
+        };
+        for (piece, bytes) in self.rest() {
+            let insertion = sqlx::query(insertion).bind(self.id).bind(piece).bind(bytes);
+            insertion.execute(&mut *connection).await?;
+        }
+        Ok(())
+    }
+}
+
+impl Shared {
+    /// A value, if it is there.
+    pub(super) async fn value(
+        &self,
+        table: Table,
+        id: Uuid,
+    ) -> Result<Option<Vec<u8>>, StoreError> {
+        let selection = match table {
+            Table::Inputs => "SELECT bytes FROM inputs WHERE id = $1 AND piece = $2",
+            Table::Results => "SELECT bytes FROM results WHERE id = $1 AND piece = $2",
+        };
+        let mut value = Vec::new();
+        for piece in 0_i32.. {
+            let select = || sqlx::query(selection).bind(id).bind(piece);
+            let rows = self.connections.run(PIECE, select).await?;
+            // Without a row it is not there, or was deleted meanwhile.
+            let Some(row) = rows.first() else {
+                return Ok(None);
+            };
+            let bytes: &[u8] = row.try_get(0).map_err(of_database)?;
+            value.extend_from_slice(bytes);
+            if bytes.len() < PIECE {
+                break;
+            }
+        }
+        Ok(Some(value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_piece_is_shorter() {
+        for (length, count) in [(0, 1), (7, 1), (PIECE - 1, 1), (PIECE, 2), (2 * PIECE + 1, 3)] {
+            let bytes: Vec<u8> = (0..length).map(|i| i as u8).collect();
+            let (table, id) = (Table::Inputs, Uuid::nil());
+            let value = Value { table, id, bytes: &bytes };
+            let rest: Vec<(i32, &[u8])> = value.rest().collect();
+            assert_eq!(rest.len() + 1, count, "{length}");
+            assert_eq!(value.is_long(), count > 1);
+            assert!(rest.iter().map(|it| it.0).eq(1..count as i32));
+            assert!(rest.last().map_or(value.first(), |it| it.1).len() < PIECE);
+            let whole = rest.iter().fold(value.first().to_vec(), |all, it| [&all, it.1].concat());
+            assert_eq!(whole, bytes);
+        }
+    }
+}

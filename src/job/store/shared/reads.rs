@@ -1,0 +1,79 @@
+//! What is read of jobs.
+
+use sqlx::Row;
+use sqlx::postgres::PgRow;
+use uuid::Uuid;
+
+use super::Shared;
+use super::connection::of_database;
+use crate::job::store::{IdempotencyEntry, Record, Selection, StoreError, record};
+
+/// What [`record_of`] reads.
+const RECORD: &str = "
+SELECT id, outline, status, crashes, on_probation FROM jobs WHERE id = ANY($1)";
+
+const LIST: &str = "
+SELECT id, outline, status, crashes, on_probation FROM jobs
+WHERE id < $1 AND ($2::text IS NULL OR state = $2) ORDER BY id DESC LIMIT $3";
+
+const UNFINISHED: &str = "
+SELECT id, outline, status, crashes, on_probation FROM jobs WHERE finished IS NULL ORDER BY id";
+
+const ENTRY: &str = "SELECT entry FROM keys WHERE name = $1";
+
+const EXISTS: &str = "SELECT 1 FROM jobs WHERE id = $1";
+
+impl Shared {
+    /// Those of these jobs that are there.
+    pub(crate) async fn records(&self, ids: &[Uuid]) -> Result<Vec<Record>, StoreError> {
+        let rows = self.connections.run(0, || sqlx::query(RECORD).bind(ids)).await?;
+        rows.iter().map(record_of).collect()
+    }
+
+    pub(super) async fn read_list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
+        let list = || {
+            sqlx::query(LIST)
+                .bind(selection.before.unwrap_or(Uuid::max()))
+                .bind(selection.state.map(|state| state.name()))
+                .bind(i64::try_from(selection.limit).unwrap_or(i64::MAX))
+        };
+        let rows = self.connections.run(0, list).await?;
+        rows.iter().map(record_of).collect()
+    }
+
+    pub(super) async fn read_unfinished(&self) -> Result<Vec<Record>, StoreError> {
+        let rows = self.connections.run(0, || sqlx::query(UNFINISHED)).await?;
+        rows.iter().map(record_of).collect()
+    }
+
+    /// The entry of an idempotency key, which may have expired.
+    pub(super) async fn read_entry(
+        &self,
+        name: &str,
+    ) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let rows = self.connections.run(0, || sqlx::query(ENTRY).bind(name)).await?;
+        let bytes = rows.first().map(|row| row.try_get(0)).transpose();
+        let bytes: Option<&[u8]> = bytes.map_err(of_database)?;
+        bytes.map(record::entry).transpose()
+    }
+
+    /// Whether there is no such job.
+    pub(super) async fn is_gone(&self, id: Uuid) -> Result<bool, StoreError> {
+        let rows = self.connections.run(0, || sqlx::query(EXISTS).bind(id)).await?;
+        Ok(rows.is_empty())
+    }
+}
+
+/// The job in a row.
+pub(super) fn record_of(row: &PgRow) -> Result<Record, StoreError> {
+    let id = row.try_get("id").map_err(of_database)?;
+    let outline: &[u8] = row.try_get("outline").map_err(of_database)?;
+    let status: &[u8] = row.try_get("status").map_err(of_database)?;
+    let crashes: i32 = row.try_get("crashes").map_err(of_database)?;
+    Ok(Record {
+        outline: record::outline(id, outline)?,
+        status: record::status(id, status)?,
+        crashes: crashes as u32,
+        on_probation: row.try_get("on_probation").map_err(of_database)?,
+    })
+}

@@ -1,0 +1,265 @@
+//! What changes a job: each change is one statement, or one transaction where there are many bytes.
+//!
+//! Each is done again if its answer is lost, so it must find what it has done before. Changes of a job that
+//! this replica runs say which claim they belong to, its epoch: they change nothing once another replica has
+//! claimed the job.
+
+use sqlx::Row;
+use tracing::warn;
+use uuid::Uuid;
+
+use super::connection::of_database;
+use super::leases::LEASE;
+use super::pieces::{Table, Value};
+use super::{Claim, Shared};
+use crate::job::state::{State, Status};
+use crate::job::store::{
+    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Retention,
+    StoreError, record,
+};
+
+/// A new job, and its key if it is free. The first claim of a job that runs at once has epoch 1.
+const INSERT: &str = "
+WITH key AS (
+    INSERT INTO keys (name, id, entry, created)
+    SELECT $8, $1, $9, to_timestamp($10) WHERE $8 IS NOT NULL
+    ON CONFLICT (name) DO UPDATE
+    SET id = excluded.id, entry = excluded.entry, created = excluded.created
+    WHERE keys.created < now() - make_interval(secs => $11)
+    RETURNING 1
+), job AS (
+    INSERT INTO jobs (id, outline, state, status, crashes, input_bytes, epoch, owner, lease_until)
+    SELECT $1, $2, $3, $4, $5, $6, 1, $12, now() + make_interval(secs => $13)
+    WHERE $8 IS NULL OR EXISTS (SELECT FROM key)
+    ON CONFLICT (id) DO NOTHING
+    RETURNING id
+), input AS (
+    INSERT INTO inputs SELECT id, 0, $7 FROM job
+)
+SELECT id, CASE $3 WHEN 'queued' THEN pg_notify('piad', 'queued') END FROM job";
+
+/// A claim of a job that waits, or news of one that this replica has claimed.
+const START: &str = "
+UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
+    epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
+    owner = $4, lease_until = now() + make_interval(secs => $5)
+WHERE id = $1 AND (state = 'queued' OR (state = 'running' AND epoch = $6 AND owner = $4))
+RETURNING epoch";
+
+/// Back into the queue, at an orderly end of the replica.
+const REQUEUE: &str = "
+WITH job AS (
+    UPDATE jobs SET state = 'queued', status = $3, on_probation = false, crashes = 0,
+        owner = NULL, lease_until = NULL
+    WHERE id = $1 AND epoch = $2 AND state = 'running'
+    RETURNING 1
+)
+SELECT pg_notify('piad', 'queued') FROM job";
+
+/// The end of a job that this replica has claimed, or of one that waits.
+const FINISH: &str = "
+WITH job AS (
+    UPDATE jobs SET state = $3, status = $4, on_probation = false, finished = to_timestamp($5),
+        result_bytes = $6, lease_until = NULL
+    WHERE id = $1 AND CASE WHEN $2 IS NULL THEN state = 'queued' ELSE epoch = $2 END
+    RETURNING id
+), result AS (
+    INSERT INTO results SELECT id, 0, $7 FROM job WHERE $7 IS NOT NULL ON CONFLICT DO NOTHING
+)
+SELECT id, pg_notify('piad', 'ended ' || id) FROM job";
+
+const REMOVE: &str = "
+WITH job AS (DELETE FROM jobs WHERE id = $1 RETURNING id)
+SELECT id, pg_notify('piad', 'deleted ' || id) FROM job";
+
+/// The jobs that have ended last stay, as many as are allowed and fit in; the others that are not spared go,
+/// the first to end first.
+const RETAIN: &str = "
+WITH surplus AS (
+    SELECT id FROM (
+        SELECT id, finished, row_number() OVER newest AS jobs,
+            sum(input_bytes + result_bytes) OVER newest AS bytes
+        FROM jobs WHERE finished IS NOT NULL
+        WINDOW newest AS (ORDER BY finished DESC, id DESC)
+    ) AS ended
+    WHERE (jobs > $1 OR bytes > $2 OR finished < now() - make_interval(secs => $3))
+        AND id <> ALL($4)
+    ORDER BY finished, id LIMIT $5
+), gone AS (
+    DELETE FROM jobs USING surplus WHERE jobs.id = surplus.id RETURNING jobs.id, jobs.finished
+)
+SELECT id FROM gone ORDER BY finished, id";
+
+const FORGET_KEYS: &str = "DELETE FROM keys WHERE created < now() - make_interval(secs => $1)";
+
+/// Seconds of a century: beyond it an interval may not fit into a timestamp.
+const CENTURY: f64 = 3.2e9;
+
+impl Shared {
+    /// Writes a new job, unless there is an entry for the same key.
+    pub(super) async fn write_job(
+        &self,
+        record: &Record,
+        input: &[u8],
+        key: Option<&IdempotencyKey>,
+    ) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let (id, created) = (record.outline.id, record.outline.created);
+        let outline = record::write(&record.outline)?;
+        let status = record::write(&record.status)?;
+        let entry = key.map(|key| IdempotencyEntry {
+            id,
+            digest: key.digest,
+            created,
+        });
+        let entry = entry.map(|entry| record::write(&entry)).transpose()?;
+        let name = key.map(|key| key.name.as_str());
+        let runs = record.status.state == State::Running;
+        let value = Value {
+            table: Table::Inputs,
+            id,
+            bytes: input,
+        };
+        let insert = || {
+            sqlx::query(INSERT)
+                .bind(id)
+                .bind(&outline)
+                .bind(record.status.state.name())
+                .bind(&status)
+                .bind(record.crashes as i32)
+                .bind(input.len() as i64)
+                .bind(value.first())
+                .bind(name)
+                .bind(&entry)
+                .bind(created.as_duration().as_secs_f64())
+                .bind(KEY_LIFETIME.as_secs_f64())
+                .bind(runs.then_some(self.replica))
+                .bind(runs.then_some(LEASE.as_secs_f64()))
+        };
+        let connections = &self.connections;
+        let inserted = connections.run_with(input.len(), insert, Some(&value)).await?;
+        if inserted.is_empty() && let Some(name) = name {
+            let entry = self.read_entry(name).await?;
+            // If it is that of this job, an attempt before has succeeded without an answer.
+            if let Some(entry) = entry && entry.id != id {
+                return Ok(Some(entry));
+            }
+        }
+        if runs {
+            self.claim(id, 1);
+        }
+        Ok(None)
+    }
+
+    /// Claims a job that waits, or tells of one that was claimed; false if it is claimed by another replica.
+    pub(super) async fn write_start(
+        &self,
+        id: Uuid,
+        status: &Status,
+        on_probation: bool,
+    ) -> Result<bool, StoreError> {
+        let (status, epoch) = (record::write(status)?, self.epoch(id));
+        let start = || {
+            sqlx::query(START)
+                .bind(id)
+                .bind(&status)
+                .bind(on_probation)
+                .bind(self.replica)
+                .bind(LEASE.as_secs_f64())
+                .bind(epoch)
+        };
+        let started = self.connections.run(0, start).await?;
+        let Some(row) = started.first() else {
+            return self.is_gone(id).await;
+        };
+        let epoch = row.try_get(0).map_err(of_database)?;
+        self.claim(id, epoch);
+        Ok(true)
+    }
+
+    /// Puts a job that this replica has claimed back into the queue.
+    pub(super) async fn write_requeue(&self, id: Uuid) -> Result<(), StoreError> {
+        let Some(epoch) = self.epoch(id) else {
+            return Ok(());
+        };
+        let status = record::write(&Status::QUEUED)?;
+        let requeue = || sqlx::query(REQUEUE).bind(id).bind(epoch).bind(&status);
+        self.connections.run(0, requeue).await?;
+        self.claims.lock().remove(&id);
+        Ok(())
+    }
+
+    /// Writes the end of a job; false if another replica has claimed or ended it.
+    pub(super) async fn write_end(
+        &self,
+        id: Uuid,
+        status: &Status,
+        result: Option<&[u8]>,
+    ) -> Result<bool, StoreError> {
+        let (state, epoch) = (status.state.name(), self.epoch(id));
+        let finished = status.finished.map(|at| at.as_duration().as_secs_f64());
+        let status = record::write(status)?;
+        let value = result.map(|bytes| Value {
+            table: Table::Results,
+            id,
+            bytes,
+        });
+        let bytes = result.map_or(0, <[u8]>::len);
+        let finish = || {
+            sqlx::query(FINISH)
+                .bind(id)
+                .bind(epoch)
+                .bind(state)
+                .bind(&status)
+                .bind(finished)
+                .bind(bytes as i64)
+                .bind(value.as_ref().map(Value::first))
+        };
+        let finished = self.connections.run_with(bytes, finish, value.as_ref()).await?;
+        self.claims.lock().remove(&id);
+        if !finished.is_empty() || self.is_gone(id).await? {
+            return Ok(true);
+        }
+        if let Some(epoch) = epoch {
+            self.counters.stale_writes.inc();
+            warn!(job = %id, epoch, "the end of a job was refused, as another replica has claimed it");
+        }
+        Ok(false)
+    }
+
+    /// Deletes a job; says whether there was one.
+    pub(super) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
+        let deleted = self.connections.run(0, || sqlx::query(REMOVE).bind(id)).await?;
+        self.claims.lock().remove(&id);
+        Ok(!deleted.is_empty())
+    }
+
+    /// Deletes keys that have expired, and jobs that are beyond the retention; gives the ids of these.
+    pub(super) async fn delete_surplus(
+        &self,
+        retention: Retention,
+        spared: &[Uuid],
+    ) -> Result<Vec<Uuid>, StoreError> {
+        let forget = || sqlx::query(FORGET_KEYS).bind(KEY_LIFETIME.as_secs_f64());
+        self.connections.run(0, forget).await?;
+        let retain = || {
+            sqlx::query(RETAIN)
+                .bind(i64::try_from(retention.jobs).unwrap_or(i64::MAX))
+                .bind(i64::try_from(retention.bytes).unwrap_or(i64::MAX))
+                .bind(retention.age.as_secs_f64().min(CENTURY))
+                .bind(spared)
+                .bind(FORGOTTEN_AT_ONCE as i64)
+        };
+        let gone = self.connections.run(0, retain).await?;
+        gone.iter().map(|row| row.try_get(0).map_err(of_database)).collect()
+    }
+
+    fn claim(&self, id: Uuid, epoch: i64) {
+        let lost = false;
+        self.claims.lock().insert(id, Claim { epoch, lost });
+    }
+
+    /// The epoch of this replica's claim of a job.
+    fn epoch(&self, id: Uuid) -> Option<i64> {
+        self.claims.lock().get(&id).map(|claim| claim.epoch)
+    }
+}
