@@ -1,0 +1,215 @@
+//! Several replicas with one database.
+
+use std::env;
+use std::sync::Arc;
+use std::time::Duration;
+
+use sqlx::{AssertSqlSafe, Connection, PgConnection, raw_sql};
+use tokio::time::sleep;
+use uuid::Uuid;
+
+use super::{control_points, converged, insert_record};
+use crate::job::counters::Counters;
+use crate::job::samples::{problem, queued};
+use crate::job::state::{Failure, State, Status};
+use crate::job::store::crash_recovery::MOST_CRASHES;
+use crate::job::store::shared::Shared;
+use crate::job::store::shared::hints::Hint;
+use crate::job::store::{Record, Store};
+
+/// A part of the database of the tests.
+pub(super) struct Schema {
+    url: String,
+    name: String,
+}
+
+impl Schema {
+    pub(super) async fn new() -> Self {
+        let url = env::var("PIAD_TEST_DATABASE");
+        let url = url.expect("PIAD_TEST_DATABASE: these tests run in tests/postgres");
+        let name = format!("test_{}", Uuid::new_v4().simple());
+        let schema = Self { url, name };
+        schema.run(&format!("CREATE SCHEMA {}", schema.name)).await;
+        schema
+    }
+
+    /// A replica.
+    pub(super) async fn open(&self) -> Arc<Shared> {
+        let url = format!("{}&options[search_path]={}", self.url, self.name);
+        Shared::open(&url, 5, Counters::default()).await.unwrap()
+    }
+
+    async fn run(&self, statement: &str) {
+        let mut connection = PgConnection::connect(&self.url).await.unwrap();
+        let statement = raw_sql(AssertSqlSafe(statement.to_owned()));
+        statement.execute(&mut connection).await.unwrap();
+    }
+
+    /// Has all leases run out.
+    async fn run_out(&self) {
+        let statement = format!("UPDATE {}.jobs SET lease_until = now() - interval '1 s'", self.name);
+        self.run(&statement).await;
+    }
+}
+
+/// Two replicas of one database.
+async fn two() -> (Schema, Store, Store) {
+    let schema = Schema::new().await;
+    let (one, other) = (schema.open().await, schema.open().await);
+    (schema, Store::Shared(one), Store::Shared(other))
+}
+
+/// A job that the replica of this store runs.
+async fn running(store: &Store) -> Uuid {
+    let record = Record::new(queued().outline, Status::running());
+    insert_record(store, &record).await;
+    record.outline.id
+}
+
+async fn state(store: &Store, id: Uuid) -> State {
+    store.get(id).await.unwrap().unwrap().status.state
+}
+
+#[tokio::test]
+async fn a_job_is_claimed_by_one_replica() {
+    let (_schema, one, other) = two().await;
+    let record = queued();
+    insert_record(&one, &record).await;
+    let id = record.outline.id;
+    let start = |store: &Store| store.start(id, Status::running(), false);
+    let (first, second) = tokio::join!(start(&one), start(&other));
+    let (first, second) = (first.unwrap(), second.unwrap());
+    assert!(first != second, "{first} {second}");
+    let (owner, reader) = if first { (&one, &other) } else { (&other, &one) };
+    // Who does not run it cannot end it.
+    assert!(!reader.finish(id, converged(0), None).await.unwrap());
+    assert_eq!(state(reader, id).await, State::Running);
+    assert!(owner.finish(id, converged(0), Some(control_points().into())).await.unwrap());
+    assert_eq!(state(reader, id).await, State::Converged);
+    assert!(reader.result(id).await.unwrap().is_some());
+}
+
+#[tokio::test]
+async fn what_a_replica_writes_that_was_away_is_refused() {
+    let (schema, paused, other) = two().await;
+    let id = running(&paused).await;
+    // It is paused for longer than its lease.
+    schema.run_out().await;
+    other.shared().unwrap().recover().await.unwrap();
+    assert_eq!(state(&other, id).await, State::Queued);
+    let refused = async || {
+        let finished = paused.finish(id, converged(0), None).await.unwrap();
+        !finished && paused.requeue(id).await.is_ok()
+    };
+    assert!(refused().await);
+    assert_eq!(state(&other, id).await, State::Queued);
+    assert!(other.start(id, Status::running(), false).await.unwrap());
+    assert!(!paused.finish(id, converged(0), None).await.unwrap());
+    assert_eq!(state(&other, id).await, State::Running);
+    assert!(other.finish(id, converged(0), None).await.unwrap());
+}
+
+#[tokio::test]
+async fn a_lease_is_renewed_and_a_lost_one_is_not() {
+    let (schema, one, other) = two().await;
+    let (kept, lost, deleted) = (running(&one).await, running(&one).await, running(&one).await);
+    let replica = one.shared().unwrap();
+    schema.run_out().await;
+    // Nobody has looked meanwhile: they are still its own.
+    assert!(replica.renew().await.unwrap().is_empty());
+    other.shared().unwrap().recover().await.unwrap();
+    for id in [kept, lost, deleted] {
+        assert_eq!(state(&other, id).await, State::Running);
+    }
+    let take = format!(
+        "UPDATE {}.jobs SET epoch = epoch + 1 WHERE id = '{lost}'",
+        schema.name
+    );
+    schema.run(&take).await;
+    other.shared().unwrap().cancel(kept).await.unwrap();
+    assert!(other.remove(deleted).await.unwrap());
+    let mut ended = replica.renew().await.unwrap();
+    ended.sort_unstable();
+    assert_eq!(ended, [kept, deleted]);
+    // Told once.
+    assert_eq!(replica.renew().await.unwrap(), [kept]);
+    assert!(!one.finish(lost, converged(0), None).await.unwrap());
+    assert!(one.finish(kept, converged(0), None).await.unwrap());
+}
+
+#[tokio::test]
+async fn a_job_whose_replicas_go_fails_in_the_end() {
+    let (schema, one, other) = two().await;
+    let id = running(&one).await;
+    for crash in 1..=MOST_CRASHES {
+        schema.run_out().await;
+        other.shared().unwrap().recover().await.unwrap();
+        let record = other.get(id).await.unwrap().unwrap();
+        assert_eq!(record.crashes, crash);
+        match crash {
+            MOST_CRASHES => assert_eq!(record.status.failure, Some(Failure::Crashes)),
+            _ => assert!(one.start(id, Status::running(), false).await.unwrap()),
+        }
+    }
+    assert!(!one.finish(id, converged(0), None).await.unwrap());
+    assert_eq!(state(&one, id).await, State::Failed);
+}
+
+#[tokio::test]
+async fn a_job_is_cancelled_from_any_replica() {
+    let (schema, one, other) = two().await;
+    let waiting = queued();
+    insert_record(&one, &waiting).await;
+    let runs = running(&one).await;
+    let cancel = async |id| other.shared().unwrap().cancel(id).await.unwrap();
+    cancel(waiting.outline.id).await;
+    assert_eq!(state(&one, waiting.outline.id).await, State::Cancelled);
+    assert!(!one.start(waiting.outline.id, Status::running(), false).await.unwrap());
+    cancel(runs).await;
+    assert_eq!(state(&one, runs).await, State::Running);
+    // Its replica is gone before it could obey.
+    schema.run_out().await;
+    other.shared().unwrap().recover().await.unwrap();
+    assert_eq!(state(&one, runs).await, State::Cancelled);
+    // What has ended stays as it is.
+    cancel(runs).await;
+    assert_eq!(state(&one, runs).await, State::Cancelled);
+}
+
+#[tokio::test]
+async fn replicas_hear_of_each_other() {
+    let (_schema, one, other) = two().await;
+    let mut hints = other.shared().unwrap().hints();
+    // Until it listens.
+    sleep(Duration::from_millis(500)).await;
+    let record = queued();
+    let id = record.outline.id;
+    insert_record(&one, &record).await;
+    assert!(one.start(id, Status::running(), false).await.unwrap());
+    other.shared().unwrap().cancel(id).await.unwrap();
+    assert!(one.finish(id, converged(0), None).await.unwrap());
+    assert!(one.remove(id).await.unwrap());
+    // Other tests talk in the same database.
+    let mut heard = Vec::new();
+    while heard.last() != Some(&Hint::Deleted(id)) {
+        heard.push(hints.recv().await.unwrap());
+    }
+    let expected = [Hint::Queued, Hint::Cancel(id), Hint::Ended(id), Hint::Deleted(id)];
+    let mut rest = heard.iter();
+    assert!(expected.iter().all(|it| rest.any(|hint| hint == it)), "{heard:?}");
+}
+
+#[tokio::test]
+async fn large_problems_are_kept_in_pieces() {
+    let store = Store::Shared(Schema::new().await.open().await);
+    let record = queued();
+    let id = record.outline.id;
+    let points: Vec<f64> = (0..1_500_000).map(|i| f64::from(i).sin()).collect();
+    let large = crate::fit::points::Points::from_lanes([points.as_slice()]);
+    insert_record(&store, &record).await;
+    let geometry = Arc::new(large.clone()).into();
+    assert!(store.finish(id, converged(0), Some(geometry)).await.unwrap());
+    let kept = store.result(id).await.unwrap().unwrap();
+    assert_eq!(kept.control_points.lanes(), large.lanes());
+    assert_eq!(store.problem(id).await.unwrap().unwrap().grid(), problem().grid());
+}
