@@ -1,4 +1,4 @@
-.PHONY: run test check library api programs bench tolerance fuzz lint tools fmt openapi types files interop contract python typescript browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract python typescript browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -27,13 +27,17 @@ check:
 	@tests/steps tools lint library api
 
 # Unit tests, and the examples of the documentation.
-library: tools
-	cargo nextest run --locked --lib --bins
+library: tools postgres
+	tests/postgres cargo nextest run --locked --lib --bins
 	cargo test --locked --doc
 
 # A server, by its API.
-api: tools
-	cargo nextest run --locked --test api
+api: tools postgres
+	tests/postgres cargo nextest run --locked --test api
+
+# The same with its jobs in a database; without the tests that are about the file.
+database: tools postgres
+	PIAD_TEST_STORE=database tests/postgres cargo nextest run --locked --test api -E 'not test(/^(damage::|durable::(a_commit|only_one|a_server_waits|unknown_files|a_full_disk|jobs_can_be_deleted))/)'
 
 # `piad fit`, and the files that `make files` reads.
 programs: tools
@@ -166,6 +170,11 @@ lint: tools
 
 fmt:
 	cargo fmt
+
+# PostgreSQL, of which tests/postgres starts clusters of its own.
+postgres:
+	@ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 && command -v setpriv psql >/dev/null || \
+	  $(INSTALL) postgresql util-linux
 
 # A linker and kill(1) from the system, the formatter and the linter of the toolchain, the runner of tests.
 tools:

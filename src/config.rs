@@ -17,6 +17,8 @@ use crate::server::listen::Listen;
 use crate::server::proxy;
 
 use crate::fit::admission::Admission;
+use crate::job::store::StorePlace;
+use crate::job::store::shared::Settings;
 use crate::model::job::Limits;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
@@ -47,6 +49,9 @@ pub enum Command {
     },
     /// Fit the points of a file, or a job, and write the result; no server is needed.
     Fit(Box<FitArguments>),
+    /// Copy all jobs from one store to another, while no server uses them.
+    #[command(subcommand)]
+    Store(StoreCommand),
     /// Write completions for a shell to the standard output.
     Completions {
         /// The shell.
@@ -56,6 +61,19 @@ pub enum Command {
     Man {
         /// The command that it is about, such as fit; without one the program.
         command: Option<String>,
+    },
+}
+
+/// What can be done with stores.
+#[derive(Debug, Subcommand)]
+pub enum StoreCommand {
+    /// Copy all jobs, their results and idempotency keys into another store, which keeps what it has. What was
+    /// cut off can be done again.
+    Copy {
+        /// Where they are: a directory, or the URL of a PostgreSQL database.
+        from: Storage,
+        /// Where they go.
+        to: Storage,
     },
 }
 
@@ -160,6 +178,11 @@ pub struct Config {
     /// Most connections with the database, besides one that listens.
     #[arg(long, env = "PIAD_STORE_CONNECTIONS", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub store_connections: u16,
+
+    /// Seconds after which the jobs of a server that says nothing any more are taken over by others with the
+    /// same database.
+    #[arg(long, env = "PIAD_LEASE", default_value = "15", value_parser = some_seconds)]
+    pub lease: Duration,
 
     /// Memory for all that takes much of it: running fits, what their readers are served from, requests
     /// and files. Jobs that do not fit in wait, those that never fit are refused
@@ -272,6 +295,17 @@ pub enum Storage {
     Database(String),
 }
 
+impl Storage {
+    /// The place that is meant; a database is used with these settings.
+    pub(crate) fn place(&self, settings: Settings) -> StorePlace<'_> {
+        match self {
+            Self::Memory => StorePlace::Memory,
+            Self::Directory(path) => StorePlace::Directory(path),
+            Self::Database(url) => StorePlace::Database(url, settings),
+        }
+    }
+}
+
 /// Without the URL of a database, which may contain a password.
 impl fmt::Debug for Storage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -330,6 +364,15 @@ impl Config {
             iterations: self.max_iterations,
             admission: Admission::ANY,
         }
+    }
+
+    /// Where the store is, and how it is used.
+    pub(crate) fn store_place(&self) -> StorePlace<'_> {
+        let settings = Settings {
+            connections: usize::from(self.store_connections),
+            lease: self.lease,
+        };
+        self.store.place(settings)
     }
 
     /// Bytes that running fits may take together: as set, or half of what there is.

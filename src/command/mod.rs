@@ -8,7 +8,8 @@
 //! - `client`: the server; `events`: what it tells of the fit;
 //! - `outputs`, `iterations`: the files; `progress`, `summary`: what is told to people;
 //! - `refusal`: what is wrong, at its flag or line (`pointer`); `failure`: the status in the end;
-//! - [`shells`]: completions and manual pages.
+//! - [`shells`]: completions and manual pages;
+//! - [`store`]: `piad store`, which is about the jobs of servers.
 
 pub mod arguments;
 mod client;
@@ -23,6 +24,7 @@ mod progress;
 mod refusal;
 mod request;
 pub mod shells;
+pub mod store;
 mod summary;
 
 use std::fs;

@@ -37,14 +37,12 @@ use tracing::{debug, info, warn};
 use crate::api::app::App;
 use crate::api::http::host::Hosts;
 use crate::api::http::router;
-use crate::config::{Config, Storage};
+use crate::config::Config;
 use crate::job::counters::Counters;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Scheduler;
 use crate::job::service::{JobLimits, Jobs};
 use crate::job::slots::Quota;
-use crate::job::store::embedded::Embedded;
-use crate::job::store::shared::Shared;
 use crate::job::store::{OpenError, Retention, Store};
 use accept::Doors;
 use activity::Times;
@@ -138,18 +136,7 @@ fn times(config: &Config) -> Times {
 async fn open(config: &Config, counters: &Counters) -> io::Result<Arc<Store>> {
     let begin = Instant::now();
     let store = loop {
-        let store = match &config.store {
-            Storage::Memory => Embedded::in_memory(counters.clone()).map(Store::Embedded),
-            Storage::Directory(directory) => {
-                Embedded::open(directory, counters.clone()).map(Store::Embedded)
-            }
-            Storage::Database(url) => {
-                let connections = usize::from(config.store_connections);
-                let shared = Shared::open(url, connections, counters.clone()).await;
-                shared.map(Store::Shared)
-            }
-        };
-        match store {
+        match Store::open(config.store_place(), counters.clone()).await {
             Err(reason @ OpenError::InUse(_)) if begin.elapsed() < HANDOVER => {
                 debug!("waiting: {reason}");
                 sleep(HANDOVER / 100).await;

@@ -13,6 +13,7 @@ use serde_json::Value;
 use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
 
+use crate::database;
 use crate::support::{self, PATIENCE};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_piad");
@@ -55,11 +56,22 @@ impl Program {
         Self::try_launch(Command::new(PROGRAM), data)
     }
 
-    fn try_launch(mut command: Command, data: &Path) -> Result<Self, (Option<i32>, String)> {
+    /// Starts a server with this store, whatever other tests have.
+    pub fn with_store(store: &Path) -> Self {
+        let started = Self::launch_with(Command::new(PROGRAM), store.as_os_str());
+        started.unwrap_or_else(|(_, said)| panic!("it has not started: {said}"))
+    }
+
+    fn try_launch(command: Command, data: &Path) -> Result<Self, (Option<i32>, String)> {
+        Self::launch_with(command, &database::argument(data))
+    }
+
+    fn launch_with(mut command: Command, store: &OsStr) -> Result<Self, (Option<i32>, String)> {
         let mut child = command
             .args(["--listen", "127.0.0.1:0", "--log-format", "json"])
             .args(["--max-iterations", "1000000000"])
-            .args([OsStr::new("--store"), data.as_os_str()])
+            .args([OsStr::new("--store"), store])
+            .args(["--lease", &database::LEASE.as_secs().to_string()])
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();

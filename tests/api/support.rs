@@ -13,6 +13,8 @@ use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 
+use crate::database;
+
 /// A guard against hanging, also on a slow and busy machine: how long anything takes is measured by
 /// benches, not by tests.
 pub const PATIENCE: Duration = Duration::from_secs(120);
@@ -57,6 +59,8 @@ impl Server {
         config.max_iterations = 1_000_000_000;
         config.store = Storage::Memory;
         change(&mut config);
+        config.store = database::instead_of(config.store);
+        config.lease = database::LEASE;
         let url = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();
         let served = tokio::spawn(piad::server::serve(vec![listener], config, async {

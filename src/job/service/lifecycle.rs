@@ -10,7 +10,6 @@ use tracing::{debug, error, info, warn};
 
 use super::Jobs;
 use crate::fit::iteration::Outcome;
-use crate::job::{Job, STORE_AGAIN, patiently};
 use crate::job::frame::Frame;
 use crate::job::result::LastGeometry;
 use crate::job::run::{Ending, Run, SharedSystem};
@@ -18,6 +17,7 @@ use crate::job::slots::Slot;
 use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::PROBATION;
+use crate::job::{Job, STORE_AGAIN, patiently};
 
 /// A run that was started.
 struct StartedRun {

@@ -17,7 +17,6 @@ use crate::job::Job;
 use crate::job::state::{State, Status};
 use crate::job::store::shared::Shared;
 use crate::job::store::shared::hints::Hint;
-use crate::job::store::shared::leases::HEARTBEAT;
 use crate::job::store::{Record, StoreError};
 
 /// How often the store is looked at without a hint.
@@ -84,7 +83,11 @@ impl Jobs {
     }
 
     /// Asks the store what has become of jobs that others run.
-    pub(super) async fn refresh(&self, shared: &Shared, jobs: Vec<Arc<Job>>) -> Result<(), StoreError> {
+    pub(super) async fn refresh(
+        &self,
+        shared: &Shared,
+        jobs: Vec<Arc<Job>>,
+    ) -> Result<(), StoreError> {
         if jobs.is_empty() {
             return Ok(());
         }
@@ -152,7 +155,7 @@ impl Jobs {
 /// Renews the leases of this replica's jobs, and puts those of replicas that are gone back into the queue.
 async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     loop {
-        sleep(HEARTBEAT).await;
+        sleep(shared.heartbeat()).await;
         let Some(jobs) = jobs.upgrade() else { return };
         match shared.renew().await {
             Ok(ended) => ended.into_iter().for_each(|id| jobs.end_here(id)),

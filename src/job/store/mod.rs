@@ -3,8 +3,10 @@
 //! - [`embedded`]: in a file or in the memory of one process; [`shared`]: in PostgreSQL, for any number of
 //!   replicas;
 //! - [`record`]: the bytes of a job;
-//! - [`crash_recovery`]: what becomes of jobs that were running in a crash.
+//! - [`crash_recovery`]: what becomes of jobs that were running in a crash;
+//! - [`copy`]: from one store to another.
 
+pub(crate) mod copy;
 pub(crate) mod crash_recovery;
 pub(crate) mod embedded;
 #[cfg(any(test, fuzzing))]
@@ -14,6 +16,7 @@ pub(crate) mod shared;
 
 use std::collections::HashSet;
 use std::fmt::Display;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -23,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use uuid::Uuid;
 
+use super::counters::Counters;
 use super::outline::Outline;
 use super::peer::Peer;
 use super::result::LastGeometry;
@@ -31,7 +35,7 @@ use super::state::{State, Status};
 use crate::fit::problem::Problem;
 use embedded::Embedded;
 pub(crate) use embedded::opening::OpenError;
-use shared::Shared;
+use shared::{Settings, Shared};
 
 /// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
 /// frees some: where the disk is nearly full, many jobs could not be forgotten together.
@@ -178,7 +182,29 @@ pub(crate) enum Store {
     Shared(Arc<Shared>),
 }
 
+/// Where a store is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum StorePlace<'a> {
+    /// In the memory of this process.
+    Memory,
+    /// In a file of this directory.
+    Directory(&'a Path),
+    /// In the database of this URL.
+    Database(&'a str, Settings),
+}
+
 impl Store {
+    /// Opens the store at this place, or makes it.
+    pub(crate) async fn open(place: StorePlace<'_>, counters: Counters) -> Result<Self, OpenError> {
+        match place {
+            StorePlace::Memory => Embedded::in_memory(counters).map(Self::Embedded),
+            StorePlace::Directory(path) => Embedded::open(path, counters).map(Self::Embedded),
+            StorePlace::Database(url, settings) => Shared::open(url, settings, counters)
+                .await
+                .map(Self::Shared),
+        }
+    }
+
     /// The store of several replicas, if this is one.
     pub(crate) fn shared(&self) -> Option<&Arc<Shared>> {
         match self {
@@ -293,6 +319,14 @@ impl Store {
         match self {
             Self::Embedded(it) => it.unfinished().await,
             Self::Shared(it) => it.unfinished().await,
+        }
+    }
+
+    /// The idempotency key of the request that made a job, if it is still remembered.
+    pub(crate) async fn key_of(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
+        match self {
+            Self::Embedded(it) => it.key_of(id).await,
+            Self::Shared(it) => it.key_of(id).await,
         }
     }
 

@@ -48,7 +48,10 @@ pub(super) fn write<T: Serialize>(record: &T) -> Result<Vec<u8>, StoreError> {
 }
 
 /// The record of these bytes, or an error that says which one cannot be read.
-pub(super) fn read<'a, T: Deserialize<'a>>(what: impl Display, bytes: &'a [u8]) -> Result<T, StoreError> {
+pub(super) fn read<'a, T: Deserialize<'a>>(
+    what: impl Display,
+    bytes: &'a [u8],
+) -> Result<T, StoreError> {
     rmp_serde::from_slice(bytes).map_err(|error| StoreError::damaged(what, error))
 }
 
@@ -64,7 +67,10 @@ pub(super) fn outline(id: Uuid, bytes: &[u8]) -> Result<Outline, StoreError> {
 pub(super) fn check(outline: &Outline, what: impl Display) -> Result<(), StoreError> {
     match outline.grid.rows.checked_mul(outline.grid.columns) {
         Some(1..) => Ok(()),
-        _ => Err(StoreError::damaged(what, "there are no points, or more than can be")),
+        _ => Err(StoreError::damaged(
+            what,
+            "there are no points, or more than can be",
+        )),
     }
 }
 
@@ -98,9 +104,11 @@ pub(super) fn input(problem: &Problem) -> Result<Vec<u8>, StoreError> {
 /// The problem of this job: what follows from what was asked for is computed again.
 pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
     let what = format!("the problem of job {id}");
-    let (start, message) = parts(bytes).ok_or_else(|| StoreError::damaged(&what, "its end is missing"))?;
+    let (start, message) =
+        parts(bytes).ok_or_else(|| StoreError::damaged(&what, "its end is missing"))?;
     let start: Start = read(&what, start)?;
-    let message = pb::JobInput::decode(message).map_err(|error| StoreError::damaged(&what, error))?;
+    let message =
+        pb::JobInput::decode(message).map_err(|error| StoreError::damaged(&what, error))?;
     let request = job::request(message, usize::MAX).and_then(JobRequest::request);
     let request = Request {
         start: start.control_points,

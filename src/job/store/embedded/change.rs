@@ -2,9 +2,9 @@
 
 use tokio::sync::oneshot;
 
-use crate::job::store::StoreError;
 use super::transaction::Transaction;
 use super::writer::closed;
+use crate::job::store::StoreError;
 
 /// A change, whatever its outcome is.
 pub(super) trait Change: Send {

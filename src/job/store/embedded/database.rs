@@ -16,7 +16,7 @@ use super::tables::{self, HEADERS, INPUTS, KEYS, RESULTS};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::store::record;
-use crate::job::store::{IdempotencyEntry, Record, Selection, StoreError};
+use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Selection, StoreError};
 
 /// How long those who read the file may hold it when it is opened again.
 const MOST_READING: Duration = Duration::from_secs(5);
@@ -126,6 +126,21 @@ impl JobDatabase {
         let unfinished = |record: &Record| !record.status.state.is_final();
         let records = records.filter(|record| record.as_ref().map_or(true, unfinished));
         records.collect()
+    }
+
+    /// The idempotency key of the request that made a job, unless it has expired.
+    pub(super) fn key_of(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
+        let header = self.get(HEADERS, id, |bytes| tables::header(id, bytes))?;
+        let Some(name) = header.and_then(|header| header.key) else {
+            return Ok(None);
+        };
+        let entry = self.idempotency_entry(&name)?;
+        // A key that had expired may belong to another job now.
+        let entry = entry.filter(|entry| entry.id == id);
+        Ok(entry.map(|entry| IdempotencyKey {
+            name,
+            digest: entry.digest,
+        }))
     }
 
     /// The entry of an idempotency key, unless it has expired.

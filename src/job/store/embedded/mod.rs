@@ -159,6 +159,11 @@ impl Embedded {
         self.read(JobDatabase::unfinished).await
     }
 
+    /// See [`super::Store::key_of`].
+    pub(super) async fn key_of(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
+        self.read(move |database| database.key_of(id)).await
+    }
+
     /// What is remembered of an idempotency key.
     pub(crate) async fn idempotency_entry(
         &self,

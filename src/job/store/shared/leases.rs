@@ -14,12 +14,6 @@ use super::reads::record_of;
 use crate::job::state::{State, Status};
 use crate::job::store::{Record, StoreError, record};
 
-/// For so long a replica is believed to run a job after it has last said so.
-pub(crate) const LEASE: Duration = Duration::from_secs(15);
-
-/// How often a replica says so.
-pub(crate) const HEARTBEAT: Duration = Duration::from_secs(5);
-
 const RENEW: &str = "
 UPDATE jobs SET lease_until = now() + make_interval(secs => $3)
 FROM unnest($1::uuid[], $2::bigint[]) AS mine (id, epoch)
@@ -54,6 +48,11 @@ WITH job AS (UPDATE jobs SET cancel = true WHERE id = $1 AND finished IS NULL RE
 SELECT pg_notify('piad', 'cancel ' || id) FROM job";
 
 impl Shared {
+    /// How often a replica says that it runs its jobs: twice in vain, and they are still its own.
+    pub(crate) fn heartbeat(&self) -> Duration {
+        self.lease / 3
+    }
+
     /// Renews the leases of all jobs that this replica runs; gives those that a client of another replica
     /// wants to end.
     pub(crate) async fn renew(&self) -> Result<Vec<Uuid>, StoreError> {
@@ -69,7 +68,7 @@ impl Shared {
             sqlx::query(RENEW)
                 .bind(&ids)
                 .bind(&epochs)
-                .bind(LEASE.as_secs_f64())
+                .bind(self.lease.as_secs_f64())
         };
         let rows = self.connections.run(0, renew).await?;
         let (mut renewed, mut cancelled) = (HashSet::new(), Vec::new());

@@ -15,7 +15,7 @@
 
 mod connection;
 pub(crate) mod hints;
-pub(crate) mod leases;
+mod leases;
 mod opening;
 mod order;
 mod pieces;
@@ -24,6 +24,7 @@ mod writes;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+use std::time::Duration;
 
 use parking_lot::Mutex;
 use sqlx::postgres::PgConnectOptions;
@@ -44,6 +45,7 @@ use pieces::Table;
 /// The store of several replicas, as one of them has it.
 pub(crate) struct Shared {
     options: PgConnectOptions,
+    lease: Duration,
     connections: Connections,
     /// The name of this replica, new with each start.
     replica: Uuid,
@@ -51,6 +53,15 @@ pub(crate) struct Shared {
     claims: Mutex<HashMap<Uuid, Claim>>,
     order: Arc<Order>,
     counters: Counters,
+}
+
+/// What a replica does differently.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Settings {
+    /// The most connections, besides the one that listens.
+    pub(crate) connections: usize,
+    /// For so long a replica is believed to run a job after it has last said so.
+    pub(crate) lease: Duration,
 }
 
 /// A claim of a job.
@@ -142,7 +153,9 @@ impl Shared {
     /// See [`super::Store::problem`].
     pub(super) async fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
         match self.value(Table::Inputs, id).await? {
-            Some(bytes) => blocking(move || record::problem(id, &bytes).map(Arc::new).map(Some)).await,
+            Some(bytes) => {
+                blocking(move || record::problem(id, &bytes).map(Arc::new).map(Some)).await
+            }
             None => Ok(None),
         }
     }
@@ -166,6 +179,11 @@ impl Shared {
         self.read_unfinished().await
     }
 
+    /// See [`super::Store::key_of`].
+    pub(super) async fn key_of(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
+        self.read_key(id).await
+    }
+
     /// See [`super::Store::idempotency_entry`].
     pub(super) async fn idempotency_entry(
         &self,
@@ -177,7 +195,11 @@ impl Shared {
 
     /// A change of a job, which takes its place behind those that were called before, and is done whether or
     /// not anybody waits for it.
-    fn change<T, F>(self: &Arc<Self>, id: Uuid, change: impl FnOnce(Arc<Self>) -> F) -> Acknowledgement<T>
+    fn change<T, F>(
+        self: &Arc<Self>,
+        id: Uuid,
+        change: impl FnOnce(Arc<Self>) -> F,
+    ) -> Acknowledgement<T>
     where
         T: Send + 'static,
         F: Future<Output = Result<T, StoreError>> + Send + 'static,

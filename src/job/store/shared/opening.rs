@@ -12,8 +12,8 @@ use tokio::time::{sleep, timeout};
 use tracing::warn;
 use uuid::Uuid;
 
-use super::Shared;
 use super::connection::{Connections, of_database};
+use super::{Settings, Shared};
 use crate::job::counters::Counters;
 use crate::job::store::{OpenError, StoreError};
 
@@ -36,20 +36,21 @@ const LIMITS: [(&str, &str); 3] = [
 
 /// The steps from an empty database to the schema of this version, which are only ever added to. A version of
 /// the program must work with the schema of the next one: replicas are replaced one at a time.
-const MIGRATIONS: [(i64, &str, &str); 1] =
-    [(1, "jobs", include_str!("migrations/0001_jobs.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "jobs", include_str!("migrations/0001_jobs.sql"))];
 
 impl Shared {
-    /// Connects with a database, of which there may be at most so many connections, and brings its schema up
-    /// to date.
+    /// Connects with a database, and brings its schema up to date.
     pub(crate) async fn open(
         url: &str,
-        connections: usize,
+        settings: Settings,
         counters: Counters,
     ) -> Result<Arc<Self>, OpenError> {
         let options = PgConnectOptions::from_str(url);
         let options = options.map_err(|error| OpenError::Url(error.to_string()))?;
-        let options = options.application_name("piad").options(LIMITS).disable_statement_logging();
+        let options = options
+            .application_name("piad")
+            .options(LIMITS)
+            .disable_statement_logging();
         let begin = Instant::now();
         while let Err(error) = migrate(&options).await {
             match error {
@@ -60,10 +61,11 @@ impl Shared {
                 error => return Err(OpenError::Database(error)),
             }
         }
-        let open = Connections::new(options.clone(), connections, counters.clone());
+        let open = Connections::new(options.clone(), settings.connections, counters.clone());
         Ok(Arc::new(Self {
             connections: open.map_err(OpenError::Database)?,
             options,
+            lease: settings.lease,
             replica: Uuid::now_v7(),
             claims: Default::default(),
             order: Default::default(),
@@ -83,7 +85,9 @@ async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
     migrator.set_ignore_missing(true);
     let migrated = async {
         // Locks are waited for, and indexes of large tables take their time.
-        let patient = options.clone().options([("lock_timeout", "0"), ("statement_timeout", "0")]);
+        let patient = options
+            .clone()
+            .options([("lock_timeout", "0"), ("statement_timeout", "0")]);
         let mut connection = patient.connect().await?;
         migrator.run(&mut connection).await?;
         connection.close().await?;

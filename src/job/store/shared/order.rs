@@ -67,7 +67,11 @@ impl Place {
 impl Drop for Place {
     fn drop(&mut self) {
         let mut last = self.order.0.lock();
-        if last.changes.get(&self.id).is_some_and(|it| it.0 == self.number) {
+        if last
+            .changes
+            .get(&self.id)
+            .is_some_and(|it| it.0 == self.number)
+        {
             last.changes.remove(&self.id);
         }
     }

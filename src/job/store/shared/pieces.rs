@@ -46,7 +46,10 @@ impl Value<'_> {
     }
 
     /// Writes the pieces behind the first one.
-    pub(super) async fn write_rest(&self, connection: &mut PgConnection) -> Result<(), sqlx::Error> {
+    pub(super) async fn write_rest(
+        &self,
+        connection: &mut PgConnection,
+    ) -> Result<(), sqlx::Error> {
         let insertion = match self.table {
             Table::Inputs => "INSERT INTO inputs VALUES ($1, $2, $3) ON CONFLICT DO NOTHING",
             Table::Results => "INSERT INTO results VALUES ($1, $2, $3) ON CONFLICT DO NOTHING",
@@ -94,16 +97,28 @@ mod tests {
 
     #[test]
     fn the_last_piece_is_shorter() {
-        for (length, count) in [(0, 1), (7, 1), (PIECE - 1, 1), (PIECE, 2), (2 * PIECE + 1, 3)] {
+        for (length, count) in [
+            (0, 1),
+            (7, 1),
+            (PIECE - 1, 1),
+            (PIECE, 2),
+            (2 * PIECE + 1, 3),
+        ] {
             let bytes: Vec<u8> = (0..length).map(|i| i as u8).collect();
             let (table, id) = (Table::Inputs, Uuid::nil());
-            let value = Value { table, id, bytes: &bytes };
+            let value = Value {
+                table,
+                id,
+                bytes: &bytes,
+            };
             let rest: Vec<(i32, &[u8])> = value.rest().collect();
             assert_eq!(rest.len() + 1, count, "{length}");
             assert_eq!(value.is_long(), count > 1);
             assert!(rest.iter().map(|it| it.0).eq(1..count as i32));
             assert!(rest.last().map_or(value.first(), |it| it.1).len() < PIECE);
-            let whole = rest.iter().fold(value.first().to_vec(), |all, it| [&all, it.1].concat());
+            let whole = rest
+                .iter()
+                .fold(value.first().to_vec(), |all, it| [&all, it.1].concat());
             assert_eq!(whole, bytes);
         }
     }

@@ -6,7 +6,7 @@ use uuid::Uuid;
 
 use super::Shared;
 use super::connection::of_database;
-use crate::job::store::{IdempotencyEntry, Record, Selection, StoreError, record};
+use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Selection, StoreError, record};
 
 /// What [`record_of`] reads.
 const RECORD: &str = "
@@ -21,12 +21,20 @@ SELECT id, outline, status, crashes, on_probation FROM jobs WHERE finished IS NU
 
 const ENTRY: &str = "SELECT entry FROM keys WHERE name = $1";
 
+const KEY: &str = "SELECT name, entry FROM keys WHERE id = $1";
+
+const IN_USE: &str = "
+SELECT 1 FROM jobs WHERE state = 'running' AND lease_until > now() LIMIT 1";
+
 const EXISTS: &str = "SELECT 1 FROM jobs WHERE id = $1";
 
 impl Shared {
     /// Those of these jobs that are there.
     pub(crate) async fn records(&self, ids: &[Uuid]) -> Result<Vec<Record>, StoreError> {
-        let rows = self.connections.run(0, || sqlx::query(RECORD).bind(ids)).await?;
+        let rows = self
+            .connections
+            .run(0, || sqlx::query(RECORD).bind(ids))
+            .await?;
         rows.iter().map(record_of).collect()
     }
 
@@ -51,15 +59,42 @@ impl Shared {
         &self,
         name: &str,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
-        let rows = self.connections.run(0, || sqlx::query(ENTRY).bind(name)).await?;
+        let rows = self
+            .connections
+            .run(0, || sqlx::query(ENTRY).bind(name))
+            .await?;
         let bytes = rows.first().map(|row| row.try_get(0)).transpose();
         let bytes: Option<&[u8]> = bytes.map_err(of_database)?;
         bytes.map(record::entry).transpose()
     }
 
+    /// The idempotency key of the request that made a job, unless it has expired.
+    pub(super) async fn read_key(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
+        let rows = self
+            .connections
+            .run(0, || sqlx::query(KEY).bind(id))
+            .await?;
+        let Some(row) = rows.first() else {
+            return Ok(None);
+        };
+        let entry = record::entry(row.try_get("entry").map_err(of_database)?)?;
+        let name = row.try_get("name").map_err(of_database)?;
+        let digest = entry.digest;
+        Ok((!entry.has_expired()).then_some(IdempotencyKey { name, digest }))
+    }
+
+    /// Whether there are jobs that replicas run now.
+    pub(crate) async fn is_in_use(&self) -> Result<bool, StoreError> {
+        let rows = self.connections.run(0, || sqlx::query(IN_USE)).await?;
+        Ok(!rows.is_empty())
+    }
+
     /// Whether there is no such job.
     pub(super) async fn is_gone(&self, id: Uuid) -> Result<bool, StoreError> {
-        let rows = self.connections.run(0, || sqlx::query(EXISTS).bind(id)).await?;
+        let rows = self
+            .connections
+            .run(0, || sqlx::query(EXISTS).bind(id))
+            .await?;
         Ok(rows.is_empty())
     }
 }

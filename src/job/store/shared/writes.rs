@@ -9,7 +9,6 @@ use tracing::warn;
 use uuid::Uuid;
 
 use super::connection::of_database;
-use super::leases::LEASE;
 use super::pieces::{Table, Value};
 use super::{Claim, Shared};
 use crate::job::state::{State, Status};
@@ -133,14 +132,20 @@ impl Shared {
                 .bind(created.as_duration().as_secs_f64())
                 .bind(KEY_LIFETIME.as_secs_f64())
                 .bind(runs.then_some(self.replica))
-                .bind(runs.then_some(LEASE.as_secs_f64()))
+                .bind(runs.then_some(self.lease.as_secs_f64()))
         };
         let connections = &self.connections;
-        let inserted = connections.run_with(input.len(), insert, Some(&value)).await?;
-        if inserted.is_empty() && let Some(name) = name {
+        let inserted = connections
+            .run_with(input.len(), insert, Some(&value))
+            .await?;
+        if inserted.is_empty()
+            && let Some(name) = name
+        {
             let entry = self.read_entry(name).await?;
             // If it is that of this job, an attempt before has succeeded without an answer.
-            if let Some(entry) = entry && entry.id != id {
+            if let Some(entry) = entry
+                && entry.id != id
+            {
                 return Ok(Some(entry));
             }
         }
@@ -164,7 +169,7 @@ impl Shared {
                 .bind(&status)
                 .bind(on_probation)
                 .bind(self.replica)
-                .bind(LEASE.as_secs_f64())
+                .bind(self.lease.as_secs_f64())
                 .bind(epoch)
         };
         let started = self.connections.run(0, start).await?;
@@ -214,7 +219,10 @@ impl Shared {
                 .bind(bytes as i64)
                 .bind(value.as_ref().map(Value::first))
         };
-        let finished = self.connections.run_with(bytes, finish, value.as_ref()).await?;
+        let finished = self
+            .connections
+            .run_with(bytes, finish, value.as_ref())
+            .await?;
         self.claims.lock().remove(&id);
         if !finished.is_empty() || self.is_gone(id).await? {
             return Ok(true);
@@ -228,7 +236,10 @@ impl Shared {
 
     /// Deletes a job; says whether there was one.
     pub(super) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
-        let deleted = self.connections.run(0, || sqlx::query(REMOVE).bind(id)).await?;
+        let deleted = self
+            .connections
+            .run(0, || sqlx::query(REMOVE).bind(id))
+            .await?;
         self.claims.lock().remove(&id);
         Ok(!deleted.is_empty())
     }
@@ -250,7 +261,9 @@ impl Shared {
                 .bind(FORGOTTEN_AT_ONCE as i64)
         };
         let gone = self.connections.run(0, retain).await?;
-        gone.iter().map(|row| row.try_get(0).map_err(of_database)).collect()
+        gone.iter()
+            .map(|row| row.try_get(0).map_err(of_database))
+            .collect()
     }
 
     fn claim(&self, id: Uuid, epoch: i64) {

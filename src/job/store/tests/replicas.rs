@@ -13,8 +13,8 @@ use crate::job::counters::Counters;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{Failure, State, Status};
 use crate::job::store::crash_recovery::MOST_CRASHES;
-use crate::job::store::shared::Shared;
 use crate::job::store::shared::hints::Hint;
+use crate::job::store::shared::{Settings, Shared};
 use crate::job::store::{Record, Store};
 
 /// A part of the database of the tests.
@@ -36,7 +36,13 @@ impl Schema {
     /// A replica.
     pub(super) async fn open(&self) -> Arc<Shared> {
         let url = format!("{}&options[search_path]={}", self.url, self.name);
-        Shared::open(&url, 5, Counters::default()).await.unwrap()
+        let settings = Settings {
+            connections: 5,
+            lease: Duration::from_secs(15),
+        };
+        Shared::open(&url, settings, Counters::default())
+            .await
+            .unwrap()
     }
 
     async fn run(&self, statement: &str) {
@@ -47,7 +53,10 @@ impl Schema {
 
     /// Has all leases run out.
     async fn run_out(&self) {
-        let statement = format!("UPDATE {}.jobs SET lease_until = now() - interval '1 s'", self.name);
+        let statement = format!(
+            "UPDATE {}.jobs SET lease_until = now() - interval '1 s'",
+            self.name
+        );
         self.run(&statement).await;
     }
 }
@@ -80,11 +89,20 @@ async fn a_job_is_claimed_by_one_replica() {
     let (first, second) = tokio::join!(start(&one), start(&other));
     let (first, second) = (first.unwrap(), second.unwrap());
     assert!(first != second, "{first} {second}");
-    let (owner, reader) = if first { (&one, &other) } else { (&other, &one) };
+    let (owner, reader) = if first {
+        (&one, &other)
+    } else {
+        (&other, &one)
+    };
     // Who does not run it cannot end it.
     assert!(!reader.finish(id, converged(0), None).await.unwrap());
     assert_eq!(state(reader, id).await, State::Running);
-    assert!(owner.finish(id, converged(0), Some(control_points().into())).await.unwrap());
+    assert!(
+        owner
+            .finish(id, converged(0), Some(control_points().into()))
+            .await
+            .unwrap()
+    );
     assert_eq!(state(reader, id).await, State::Converged);
     assert!(reader.result(id).await.unwrap().is_some());
 }
@@ -112,7 +130,11 @@ async fn what_a_replica_writes_that_was_away_is_refused() {
 #[tokio::test]
 async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     let (schema, one, other) = two().await;
-    let (kept, lost, deleted) = (running(&one).await, running(&one).await, running(&one).await);
+    let (kept, lost, deleted) = (
+        running(&one).await,
+        running(&one).await,
+        running(&one).await,
+    );
     let replica = one.shared().unwrap();
     schema.run_out().await;
     // Nobody has looked meanwhile: they are still its own.
@@ -164,7 +186,11 @@ async fn a_job_is_cancelled_from_any_replica() {
     let cancel = async |id| other.shared().unwrap().cancel(id).await.unwrap();
     cancel(waiting.outline.id).await;
     assert_eq!(state(&one, waiting.outline.id).await, State::Cancelled);
-    assert!(!one.start(waiting.outline.id, Status::running(), false).await.unwrap());
+    assert!(
+        !one.start(waiting.outline.id, Status::running(), false)
+            .await
+            .unwrap()
+    );
     cancel(runs).await;
     assert_eq!(state(&one, runs).await, State::Running);
     // Its replica is gone before it could obey.
@@ -194,9 +220,17 @@ async fn replicas_hear_of_each_other() {
     while heard.last() != Some(&Hint::Deleted(id)) {
         heard.push(hints.recv().await.unwrap());
     }
-    let expected = [Hint::Queued, Hint::Cancel(id), Hint::Ended(id), Hint::Deleted(id)];
+    let expected = [
+        Hint::Queued,
+        Hint::Cancel(id),
+        Hint::Ended(id),
+        Hint::Deleted(id),
+    ];
     let mut rest = heard.iter();
-    assert!(expected.iter().all(|it| rest.any(|hint| hint == it)), "{heard:?}");
+    assert!(
+        expected.iter().all(|it| rest.any(|hint| hint == it)),
+        "{heard:?}"
+    );
 }
 
 #[tokio::test]
@@ -208,8 +242,16 @@ async fn large_problems_are_kept_in_pieces() {
     let large = crate::fit::points::Points::from_lanes([points.as_slice()]);
     insert_record(&store, &record).await;
     let geometry = Arc::new(large.clone()).into();
-    assert!(store.finish(id, converged(0), Some(geometry)).await.unwrap());
+    assert!(
+        store
+            .finish(id, converged(0), Some(geometry))
+            .await
+            .unwrap()
+    );
     let kept = store.result(id).await.unwrap().unwrap();
     assert_eq!(kept.control_points.lanes(), large.lanes());
-    assert_eq!(store.problem(id).await.unwrap().unwrap().grid(), problem().grid());
+    assert_eq!(
+        store.problem(id).await.unwrap().unwrap().grid(),
+        problem().grid()
+    );
 }

@@ -1,0 +1,337 @@
+//! Several replicas with one database, behind one proxy: killed, paused, cut off, and all the time under load.
+
+use std::collections::HashSet;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use futures_util::StreamExt;
+use serde_json::{Value, json};
+use tokio::sync::watch;
+use tokio::task::JoinSet;
+use tokio::time::{sleep, timeout};
+
+use crate::data;
+use crate::load::{all_jobs, random, undisturbed, work};
+use crate::program::Program;
+use crate::support::{PATIENCE, Story, events, eventually};
+use crate::wires::{Target, Wire};
+
+/// How many times something happens; `PIAD_TEST_ROUNDS` sets another number.
+fn rounds() -> usize {
+    let set = std::env::var("PIAD_TEST_ROUNDS");
+    set.map_or(10, |rounds| {
+        rounds.parse().expect("PIAD_TEST_ROUNDS is a number")
+    })
+}
+
+/// A PostgreSQL cluster of its own, which can be stopped.
+struct Cluster {
+    script: Child,
+    directory: PathBuf,
+}
+
+impl Cluster {
+    fn start() -> Self {
+        let mut script = Command::new("tests/postgres")
+            .args(["sh", "-c", "echo $PIAD_TEST_CLUSTER; cat"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut directory = String::new();
+        let mut said = BufReader::new(script.stdout.take().unwrap());
+        said.read_line(&mut directory).unwrap();
+        let directory = directory.trim().into();
+        Self { script, directory }
+    }
+
+    fn socket(&self) -> PathBuf {
+        self.directory.join(".s.PGSQL.5432")
+    }
+
+    /// Ends without a word to anybody; starts again soon, or when it is told to.
+    fn stop(&self, stays_away: bool) {
+        if stays_away {
+            std::fs::write(self.directory.join("away"), "").unwrap();
+        }
+        let pid = std::fs::read_to_string(self.directory.join("data/postmaster.pid"));
+        if let Ok(pid) = pid {
+            let pid = pid.lines().next().unwrap();
+            Command::new("kill").args(["-QUIT", pid]).status().unwrap();
+        }
+    }
+
+    fn come_back(&self) {
+        std::fs::remove_file(self.directory.join("away")).unwrap();
+    }
+}
+
+impl Drop for Cluster {
+    fn drop(&mut self) {
+        drop(self.script.stdin.take());
+        let _ = self.script.wait();
+    }
+}
+
+/// A replica with its own way to the database.
+struct Replica {
+    program: Program,
+    wire: Wire,
+}
+
+/// Some replicas behind a proxy.
+struct Replicas {
+    cluster: Cluster,
+    replicas: Vec<Replica>,
+    addresses: watch::Sender<Vec<String>>,
+    front: Wire,
+    client: reqwest::Client,
+}
+
+fn launch(wire: &Wire) -> Program {
+    let url = format!("postgres://piad@{}/postgres?sslmode=disable", wire.address);
+    Program::with(Path::new(&url), &["--retain-jobs", "1000000"])
+}
+
+impl Replicas {
+    async fn start(count: usize) -> Self {
+        let cluster = Cluster::start();
+        let mut replicas = Vec::new();
+        for _ in 0..count {
+            let wire = Wire::to(Target::Socket(cluster.socket())).await;
+            let program = launch(&wire);
+            replicas.push(Replica { program, wire });
+        }
+        let all = replicas.iter().map(|it| it.program.address.clone());
+        let (addresses, servers) = watch::channel(all.collect());
+        let front = Wire::to(Target::Servers(servers)).await;
+        let client = reqwest::Client::builder().pool_max_idle_per_host(0);
+        let client = client.timeout(PATIENCE).build().unwrap();
+        Self {
+            cluster,
+            replicas,
+            addresses,
+            front,
+            client,
+        }
+    }
+
+    fn base(&self) -> String {
+        format!("http://{}", self.front.address)
+    }
+
+    /// A replica is killed, and another one started in its place.
+    fn kill(&mut self, index: usize) {
+        let replica = &mut self.replicas[index];
+        replica.program.kill();
+        replica.program = launch(&replica.wire);
+        let address = replica.program.address.clone();
+        self.addresses.send_modify(|all| all[index] = address);
+    }
+
+    /// Waits until all jobs have ended that are there now.
+    async fn everything_ends(&self) {
+        for state in ["queued", "running"] {
+            let list = format!("{}/v1/jobs?limit=1000&state={state}", self.base());
+            let list = self.json(&list).await;
+            for job in list["jobs"].as_array().unwrap() {
+                let path = job["links"]["self"].as_str().unwrap();
+                let url = format!("{}{path}", self.base());
+                eventually("a job ends", async || {
+                    !self.json(&url).await["finished_at"].is_null()
+                })
+                .await;
+            }
+        }
+    }
+
+    /// What is there, asked for until there is an answer.
+    async fn json(&self, url: &str) -> Value {
+        loop {
+            if let Ok(response) = self.client.get(url).send().await
+                && response.status() == 200
+                && let Ok(json) = response.json().await
+            {
+                return json;
+            }
+            sleep(Duration::from_millis(50)).await;
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn whatever_happens_nothing_is_lost() {
+    let expected = Arc::new(undisturbed().await);
+    let mut all = Replicas::start(3).await;
+    let (place, address) = watch::channel(Some(all.front.address.clone()));
+    let mut workers = JoinSet::new();
+    for worker in 0..6 {
+        workers.spawn(work(worker, Arc::clone(&expected), address.clone()));
+    }
+    let mut state = 2026;
+    for round in 0..rounds() {
+        let which = random(&mut state, 3) as usize;
+        let pause = Duration::from_millis(500 + random(&mut state, 2500));
+        let wire = &all.replicas[which].wire;
+        match round % 6 {
+            0 => all.kill(which),
+            1 => {
+                all.replicas[which].program.signal("-STOP");
+                sleep(pause).await;
+                all.replicas[which].program.signal("-CONT");
+            }
+            2 => all.cluster.stop(false),
+            3 => wire.cut(),
+            4 => {
+                wire.freeze();
+                sleep(pause).await;
+                wire.thaw();
+            }
+            _ => {
+                all.cluster.stop(true);
+                sleep(pause).await;
+                all.cluster.come_back();
+            }
+        }
+        // What is running when three replicas go is given up.
+        all.everything_ends().await;
+        sleep(Duration::from_millis(random(&mut state, 300))).await;
+    }
+    drop(place);
+    let paths: Vec<String> = workers.join_all().await.concat();
+    assert!(paths.len() >= 2 * rounds(), "only {} jobs", paths.len());
+    let acknowledged: HashSet<String> = paths.iter().cloned().collect();
+    assert_eq!(acknowledged.len(), paths.len());
+    let kept = all_jobs(&all.client, &all.base()).await;
+    let missing: Vec<_> = acknowledged.difference(&kept).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    // One that was stored without an answer was asked for again with its key.
+    assert_eq!(kept, acknowledged, "none lost, none twice");
+    eprintln!("{} rounds, {} jobs", rounds(), paths.len());
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_job_is_read_and_ended_at_any_replica() {
+    let all = Replicas::start(2).await;
+    let [owner, reader] = &all.replicas[..] else {
+        panic!("two replicas");
+    };
+    // Frames are the same wherever they are read.
+    let done = owner.program.fit(&data::small_job()).await;
+    let path = format!("{}/events", done["links"]["self"].as_str().unwrap());
+    let mut stories = Vec::new();
+    for program in [&owner.program, &reader.program] {
+        let response = program.get(&path).send().await.unwrap();
+        stories.push(Story::read(response).await);
+    }
+    assert_eq!(stories[0].iterations, stories[1].iterations);
+    assert_eq!(stories[0].end, stories[1].end);
+    // One that runs at the other replica, read from its middle on, and cancelled from there.
+    let job: Value = owner
+        .program
+        .post("/v1/jobs")
+        .json(&data::endless_job())
+        .send()
+        .await
+        .unwrap()
+        .json()
+        .await
+        .unwrap();
+    let path = job["links"]["self"].as_str().unwrap();
+    let read = reader
+        .program
+        .get(&format!("{path}/events"))
+        .header("last-event-id", "7");
+    let mut stream = events(read.send().await.unwrap());
+    let mut seen = Vec::new();
+    while seen.len() < 5 {
+        let event = timeout(PATIENCE, stream.next()).await.unwrap().unwrap();
+        if event.name == "iteration" {
+            seen.push(event.id);
+        }
+    }
+    assert_eq!(seen, ["8", "9", "10", "11", "12"]);
+    assert_eq!(reader.program.json(path).await["state"], "running");
+    let cancelled = reader
+        .program
+        .post(&format!("{path}/cancel"))
+        .send()
+        .await
+        .unwrap();
+    assert_eq!(cancelled.status(), 200);
+    let mut last = None;
+    while let Some(event) = timeout(PATIENCE, stream.next()).await.unwrap() {
+        last = Some(event);
+    }
+    let end = last.unwrap();
+    assert_eq!(
+        (end.name.as_str(), &end.data["state"]),
+        ("end", &json!("cancelled"))
+    );
+    assert_eq!(owner.program.json(path).await["state"], "cancelled");
+    // Deleted at one, it is gone at all.
+    assert_eq!(
+        reader.program.delete(path).send().await.unwrap().status(),
+        204
+    );
+    for program in [&owner.program, &reader.program] {
+        assert_eq!(program.get(path).send().await.unwrap().status(), 404);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_key_makes_one_job_among_replicas() {
+    let all = Replicas::start(2).await;
+    let post = async |program: &Program, job: &Value| {
+        let request = program.post("/v1/jobs").header("idempotency-key", "wing");
+        let response = request.json(job).send().await.unwrap();
+        let status = response.status().as_u16();
+        let id = response.json::<Value>().await.unwrap()["id"].clone();
+        (status, id)
+    };
+    let job = data::small_job();
+    let both = tokio::join!(
+        post(&all.replicas[0].program, &job),
+        post(&all.replicas[1].program, &job)
+    );
+    assert_eq!(both.0.1, both.1.1);
+    let other = json!({"curve": {"points": [[0, 0], [1, 1], [2, 0]]}});
+    assert_eq!(post(&all.replicas[1].program, &other).await.0, 422);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn without_its_database_a_server_says_so_and_goes_on() {
+    let all = Replicas::start(1).await;
+    let program = &all.replicas[0].program;
+    let endless = program
+        .post("/v1/jobs")
+        .header("accept", "text/event-stream");
+    let mut stream = events(endless.json(&data::endless_job()).send().await.unwrap());
+    stream.next().await.unwrap();
+    all.cluster.stop(true);
+    let refused = program
+        .post("/v1/jobs")
+        .json(&data::small_job())
+        .send()
+        .await
+        .unwrap();
+    assert_eq!(refused.status(), 503);
+    assert!(refused.headers().contains_key("retry-after"));
+    let problem: Value = refused.json().await.unwrap();
+    assert_eq!(problem["type"], "/problems/store-away", "{problem}");
+    assert_eq!(program.get("/readyz").send().await.unwrap().status(), 503);
+    assert_eq!(program.get("/livez").send().await.unwrap().status(), 200);
+    // Streams go on meanwhile.
+    for _ in 0..100 {
+        timeout(PATIENCE, stream.next()).await.unwrap().unwrap();
+    }
+    all.cluster.come_back();
+    eventually("it is ready again", async || {
+        program.get("/readyz").send().await.unwrap().status() == 200
+    })
+    .await;
+    assert_eq!(program.fit(&data::small_job()).await["state"], "converged");
+}
