@@ -163,7 +163,10 @@ fn embed(out: &Path, set: &str, mut files: Vec<PathBuf>) -> Result<(), Box<dyn E
     fs::create_dir_all(&folder)?;
     let mut list = String::from("&[\n");
     for file in files {
-        println!("cargo::rerun-if-changed={}", file.display());
+        // A file that this run has made is always newer than the run.
+        if !file.starts_with(out) {
+            println!("cargo::rerun-if-changed={}", file.display());
+        }
         let file = file.canonicalize()?;
         let name = file.file_name().and_then(|name| name.to_str());
         let name = name.ok_or("the name of a file is no text")?;
