@@ -57,6 +57,8 @@ fn help_names_every_flag_and_its_variable() {
         "max-connections",
         "max-connections-per-peer",
         "store",
+        "store-connections",
+        "lease",
         "memory",
         "ring",
         "recent",
@@ -75,7 +77,11 @@ fn help_names_every_flag_and_its_variable() {
     ] {
         assert!(help.contains(&format!("--{name} ")), "{name}\n{help}");
         let variable = name.to_uppercase().replace('-', "_");
-        assert!(help.contains(&format!("PIAD_{variable}=")), "{variable}");
+        // Values are told, but for a URL that may have a password.
+        assert!(
+            help.contains(&format!("[env: PIAD_{variable}")),
+            "{variable}"
+        );
     }
     assert!(help.contains("health") && help.contains("serve"));
 }
@@ -91,6 +97,9 @@ fn wrong_settings_are_refused() {
         vec!["--log", "="],
         vec!["--retain-age", "long"],
         vec!["--store", ""],
+        vec!["--store", "mysql://db/piad"],
+        vec!["--store-connections", "0"],
+        vec!["--lease", "0"],
         vec!["--allowed-host", "*example.org"],
         vec!["--trusted-proxy", "10.0.0.0/33"],
         vec!["--cors-origin", "https://cad.example/path"],

@@ -263,9 +263,10 @@ impl Jobs {
         if let Some(job) = job {
             job.request_cancel();
             // One that another replica runs ends there when it is gone.
-            match job.is_elsewhere() {
-                true => drop(timeout(MOST_WAITING, job.ended()).await),
-                false => drop(job.ended().await),
+            if job.is_elsewhere() {
+                let _ = timeout(MOST_WAITING, job.ended()).await;
+            } else {
+                job.ended().await;
             }
         }
         let existed = self.store.remove(id).await?;

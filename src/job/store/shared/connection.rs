@@ -123,7 +123,9 @@ impl Connections {
         let limit = RUN + Duration::from_secs_f64(bytes as f64 / RATE as f64);
         let (begin, mut pause) = (Instant::now(), PAUSE);
         loop {
-            let error = match self.once(limit, statement(), value).await {
+            // Boxed: what waits for a statement is a part of each request that may need one.
+            let once = Box::pin(self.once(limit, statement(), value));
+            let error = match once.await {
                 Ok(rows) => {
                     self.reached();
                     return Ok(rows);

@@ -4,10 +4,9 @@ use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use sqlx::SqlSafeStr;
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
-use sqlx::postgres::PgConnectOptions;
-use sqlx::{ConnectOptions, Connection};
+use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
+use sqlx::{ConnectOptions, SqlSafeStr};
 use tokio::time::{sleep, timeout};
 use tracing::warn;
 use uuid::Uuid;
@@ -88,9 +87,10 @@ async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
         let patient = options
             .clone()
             .options([("lock_timeout", "0"), ("statement_timeout", "0")]);
-        let mut connection = patient.connect().await?;
-        migrator.run(&mut connection).await?;
-        connection.close().await?;
+        let pool = PgPoolOptions::new().max_connections(1);
+        let pool = pool.connect_with(patient).await?;
+        migrator.run(&pool).await?;
+        pool.close().await;
         Ok(())
     };
     match timeout(ATTEMPT, migrated).await {
