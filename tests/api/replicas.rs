@@ -64,6 +64,17 @@ impl Cluster {
         }
     }
 
+    /// Runs a statement.
+    fn run(&self, statement: &str) {
+        let psql = Command::new("psql")
+            .arg("-h")
+            .arg(&self.directory)
+            .args(["-U", "piad", "-d", "postgres", "-q", "-v", "ON_ERROR_STOP=1", "-c", statement])
+            .output()
+            .unwrap();
+        assert!(psql.status.success(), "{}", String::from_utf8_lossy(&psql.stderr));
+    }
+
     fn come_back(&self) {
         std::fs::remove_file(self.directory.join("away")).unwrap();
     }
@@ -280,6 +291,61 @@ async fn a_job_is_read_and_ended_at_any_replica() {
     for program in [&owner.program, &reader.program] {
         assert_eq!(program.get(path).send().await.unwrap().status(), 404);
     }
+}
+
+/// A replica that is paused while it runs a job, for longer than its lease: another one takes the job over
+/// and ends it, and what the first one writes when it comes back is refused.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_end_of_a_job_that_was_taken_over_is_refused() {
+    let all = Replicas::start(2).await;
+    let [paused, other] = &all.replicas[..] else {
+        panic!("two replicas");
+    };
+    let job = json!({"curve": {"points": data::wave(4000)}, "method": {"kind": "weighted", "omega": 1e-6},
+        "stop": {"tolerance": 0, "max_iterations": 50_000}});
+    let job = paused.program.post("/v1/jobs").json(&job).send().await.unwrap();
+    let job: Value = job.json().await.unwrap();
+    assert_eq!(job["state"], "running");
+    let path = job["links"]["self"].as_str().unwrap();
+    paused.program.signal("-STOP");
+    eventually("another replica ends it", async || {
+        other.program.json(path).await["state"] == "exhausted"
+    })
+    .await;
+    let ended = other.program.json(path).await;
+    assert_eq!(other.program.metrics().await["piad_jobs_recovered_total"], 1.0);
+    paused.program.signal("-CONT");
+    eventually("its end is refused", async || {
+        paused.program.metrics().await["piad_store_stale_writes_total"] == 1.0
+    })
+    .await;
+    assert!(paused.program.log().contains("the end of a job was refused"));
+    assert_eq!(paused.program.json(path).await, ended);
+    assert_eq!(other.program.json(path).await, ended);
+}
+
+/// Replicas are replaced one at a time: some work with the schema of the next version already.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_later_schema_is_no_obstacle() {
+    let expected = Arc::new(undisturbed().await);
+    let mut all = Replicas::start(2).await;
+    let (place, address) = watch::channel(Some(all.front.address.clone()));
+    let mut workers = JoinSet::new();
+    for worker in 0..4 {
+        workers.spawn(work(worker, Arc::clone(&expected), address.clone()));
+    }
+    all.cluster.run(
+        "BEGIN; ALTER TABLE jobs ADD COLUMN later text NOT NULL DEFAULT ''; CREATE INDEX ON jobs (later);
+         INSERT INTO _sqlx_migrations VALUES (2, 'later', now(), true, '\\x00', 0); COMMIT",
+    );
+    for index in 0..2 {
+        all.kill(index);
+        all.everything_ends().await;
+    }
+    drop(place);
+    let paths: HashSet<String> = workers.join_all().await.concat().into_iter().collect();
+    assert!(!paths.is_empty());
+    assert_eq!(all_jobs(&all.client, &all.base()).await, paths);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

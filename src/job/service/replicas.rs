@@ -185,6 +185,10 @@ async fn look(jobs: Weak<Jobs>, shared: Arc<Shared>) {
                 jobs.end_here(id);
                 Ok(())
             }
+            Some(Hint::Started(id)) => {
+                let followed = jobs.live(id).filter(|job| job.is_elsewhere());
+                jobs.refresh(&shared, followed.into_iter().collect()).await
+            }
             Some(Hint::Ended(id) | Hint::Deleted(id)) => jobs.has_ended(&shared, id).await,
             None => match jobs.refresh(&shared, jobs.followed()).await {
                 Ok(()) => jobs.take_over(&shared).await,

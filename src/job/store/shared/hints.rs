@@ -24,6 +24,8 @@ const PAUSE: Duration = Duration::from_secs(1);
 pub(crate) enum Hint {
     /// A job waits that has no replica.
     Queued,
+    /// A job that has waited runs now.
+    Started(Uuid),
     /// A job has ended.
     Ended(Uuid),
     /// A job was deleted.
@@ -41,6 +43,7 @@ impl Hint {
         let (what, id) = payload.split_once(' ')?;
         let id = Uuid::try_parse(id).ok()?;
         match what {
+            "started" => Some(Self::Started(id)),
             "ended" => Some(Self::Ended(id)),
             "deleted" => Some(Self::Deleted(id)),
             "cancel" => Some(Self::Cancel(id)),
@@ -90,6 +93,7 @@ mod tests {
     fn payloads_are_read() {
         let id = Uuid::now_v7();
         assert_eq!(Hint::of("queued"), Some(Hint::Queued));
+        assert_eq!(Hint::of(&format!("started {id}")), Some(Hint::Started(id)));
         assert_eq!(Hint::of(&format!("ended {id}")), Some(Hint::Ended(id)));
         assert_eq!(Hint::of(&format!("deleted {id}")), Some(Hint::Deleted(id)));
         assert_eq!(Hint::of(&format!("cancel {id}")), Some(Hint::Cancel(id)));

@@ -39,11 +39,14 @@ SELECT id, CASE $3 WHEN 'queued' THEN pg_notify('piad', 'queued') END FROM job";
 
 /// A claim of a job that waits, or news of one that this replica has claimed.
 const START: &str = "
-UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
-    epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
-    owner = $4, lease_until = now() + make_interval(secs => $5)
-WHERE id = $1 AND (state = 'queued' OR (state = 'running' AND epoch = $6 AND owner = $4))
-RETURNING epoch";
+WITH job AS (
+    UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
+        epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
+        owner = $4, lease_until = now() + make_interval(secs => $5)
+    WHERE id = $1 AND (state = 'queued' OR (state = 'running' AND epoch = $6 AND owner = $4))
+    RETURNING id, epoch
+)
+SELECT epoch, pg_notify('piad', 'started ' || id) FROM job";
 
 /// Back into the queue, at an orderly end of the replica.
 const REQUEUE: &str = "

@@ -222,6 +222,7 @@ async fn replicas_hear_of_each_other() {
     }
     let expected = [
         Hint::Queued,
+        Hint::Started(id),
         Hint::Cancel(id),
         Hint::Ended(id),
         Hint::Deleted(id),
