@@ -148,7 +148,7 @@ pub async fn work(worker: usize, expected: Arc<Vec<Expected>>, address: Address)
         let (seen, end) = follow(&client, &address, &path).await;
         assert_eq!(end["state"], "converged", "{path}: {end}");
         let all: Vec<usize> = (0..=expected.iterations).collect();
-        assert_eq!(seen, all, "{path}: every iteration once, in order");
+        assert_eq!(seen, all, "{path}: every iteration once, in order: {end}");
         let result = persist(&address, async |base| {
             let response = client
                 .get(format!("{base}{path}/result"))
@@ -158,8 +158,10 @@ pub async fn work(worker: usize, expected: Arc<Vec<Expected>>, address: Address)
             if response.status() == 503 {
                 return None;
             }
-            assert_eq!(response.status(), 200, "{path}: it has ended");
-            response.json::<Value>().await.ok()
+            let status = response.status();
+            let answer = response.json::<Value>().await.ok()?;
+            assert_eq!(status, 200, "{path} has ended: {answer}");
+            Some(answer)
         });
         let same = result.await["control_points"] == expected.result;
         assert!(same, "{path}: the same result as without kills");

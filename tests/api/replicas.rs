@@ -69,10 +69,24 @@ impl Cluster {
         let psql = Command::new("psql")
             .arg("-h")
             .arg(&self.directory)
-            .args(["-U", "piad", "-d", "postgres", "-q", "-v", "ON_ERROR_STOP=1", "-c", statement])
+            .args([
+                "-U",
+                "piad",
+                "-d",
+                "postgres",
+                "-q",
+                "-v",
+                "ON_ERROR_STOP=1",
+                "-c",
+                statement,
+            ])
             .output()
             .unwrap();
-        assert!(psql.status.success(), "{}", String::from_utf8_lossy(&psql.stderr));
+        assert!(
+            psql.status.success(),
+            "{}",
+            String::from_utf8_lossy(&psql.stderr)
+        );
     }
 
     fn come_back(&self) {
@@ -302,8 +316,14 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
         panic!("two replicas");
     };
     let job = json!({"curve": {"points": data::wave(4000)}, "method": {"kind": "weighted", "omega": 1e-6},
-        "stop": {"tolerance": 0, "max_iterations": 50_000}});
-    let job = paused.program.post("/v1/jobs").json(&job).send().await.unwrap();
+        "stop": {"tolerance": 0, "max_iterations": 10_000}});
+    let job = paused
+        .program
+        .post("/v1/jobs")
+        .json(&job)
+        .send()
+        .await
+        .unwrap();
     let job: Value = job.json().await.unwrap();
     assert_eq!(job["state"], "running");
     let path = job["links"]["self"].as_str().unwrap();
@@ -313,13 +333,21 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     })
     .await;
     let ended = other.program.json(path).await;
-    assert_eq!(other.program.metrics().await["piad_jobs_recovered_total"], 1.0);
+    assert_eq!(
+        other.program.metrics().await["piad_jobs_recovered_total"],
+        1.0
+    );
     paused.program.signal("-CONT");
     eventually("its end is refused", async || {
         paused.program.metrics().await["piad_store_stale_writes_total"] == 1.0
     })
     .await;
-    assert!(paused.program.log().contains("the end of a job was refused"));
+    assert!(
+        paused
+            .program
+            .log()
+            .contains("the end of a job was refused")
+    );
     assert_eq!(paused.program.json(path).await, ended);
     assert_eq!(other.program.json(path).await, ended);
 }

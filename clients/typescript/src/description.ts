@@ -73,7 +73,7 @@ export interface paths {
         };
         /**
          * Ask whether the server takes work
-         * @description It answers 503 while the server stops.
+         * @description It answers 503 while the server stops, and while its database cannot be reached.
          */
         get: operations["getReadiness"];
         put?: never;
@@ -4096,7 +4096,10 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After. */
+            /**
+             * @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             */
             503: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -4703,6 +4706,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -4776,6 +4780,17 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -4916,6 +4931,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5111,6 +5127,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5193,6 +5210,17 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     deleteJob: {
@@ -5241,7 +5269,10 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs. */
+            /**
+             * @description - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             */
             503: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5326,6 +5357,17 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -5485,6 +5527,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5699,6 +5742,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5851,6 +5895,17 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     getInput: {
@@ -5916,6 +5971,17 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -6038,7 +6104,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
+             * @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -6135,6 +6202,17 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {
@@ -6264,7 +6342,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
+             * @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -6389,6 +6468,17 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     getDeviation: {
@@ -6481,6 +6571,17 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     getLimit: {
@@ -6555,6 +6656,17 @@ export interface operations {
             500: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
                     [name: string]: unknown;
                 };
                 content: {

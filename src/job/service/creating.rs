@@ -85,9 +85,9 @@ impl Jobs {
             }
             None => Some(slot),
         };
-        let existing = inserted.await.inspect_err(|_| job.abandon())?;
+        let existing = inserted.await.inspect_err(|_| self.abandon(&job))?;
         if let Some(entry) = existing {
-            job.abandon();
+            self.abandon(&job);
             return self.job_of(entry, key.as_ref()).await;
         }
         if let Some(slot) = waiting {
@@ -99,6 +99,12 @@ impl Jobs {
             job,
             replayed: false,
         }))
+    }
+
+    /// Drops a job that was not stored, or may not have been. Whoever finds it in the store finds another one.
+    fn abandon(&self, job: &Job) {
+        self.live.lock().remove(&job.id());
+        job.abandon();
     }
 
     /// The job that was made for an idempotency key, if there is one.

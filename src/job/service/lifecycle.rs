@@ -194,9 +194,11 @@ impl Jobs {
             None => run.complete().await,
             Some(probation) => complete_on_probation(job, run, probation).await,
         };
-        // The levels must outlive the run.
+        // The levels must outlive the run. If another replica has ended the job meanwhile, they are its own.
         job.status.send_if_modified(|status| {
-            status.levels = run.levels();
+            if !status.state.is_final() {
+                status.levels = run.levels();
+            }
             false
         });
         if job.is_kept() {

@@ -39,10 +39,10 @@ impl Jobs {
         id: Uuid,
     ) -> Result<Option<Arc<Job>>, StoreError> {
         let live = self.live(id);
-        // What this replica runs, or is about to store, it knows best.
+        // What this replica runs it knows best, as long as its lease holds.
         if let Some(job) = &live
             && !job.is_elsewhere()
-            && !job.status().state.is_final()
+            && shared.surely_runs(id)
         {
             return Ok(live);
         }
@@ -61,9 +61,11 @@ impl Jobs {
                     Ok(None)
                 }
             },
-            // What is in memory can be read while the database is away.
-            Err(StoreError::Away(_)) if live.is_some() => Ok(live),
-            Err(error) => Err(error),
+            // What has ended can be read while the database is away, if it is in memory.
+            Err(error) => match live.filter(|job| job.status().state.is_final()) {
+                Some(job) => Ok(Some(job)),
+                None => Err(error),
+            },
         }
     }
 

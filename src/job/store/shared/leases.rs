@@ -1,7 +1,7 @@
 //! Leases: how replicas tell each other which jobs they run, and take over those of one that is gone.
 
 use std::collections::HashSet;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
 use sqlx::Row;
@@ -70,6 +70,7 @@ impl Shared {
                 .bind(&epochs)
                 .bind(self.lease.as_secs_f64())
         };
+        let begin = Instant::now();
         let rows = self.connections.run(0, renew).await?;
         let (mut renewed, mut cancelled) = (HashSet::new(), Vec::new());
         for row in rows {
@@ -79,7 +80,7 @@ impl Shared {
                 cancelled.push(id);
             }
         }
-        for id in self.lose(ids, &renewed) {
+        for id in self.lose(ids, &renewed, begin) {
             // One that was deleted is not computed any longer.
             match self.is_gone(id).await? {
                 true => cancelled.push(id),
@@ -89,18 +90,19 @@ impl Shared {
         Ok(cancelled)
     }
 
-    /// Marks claims of these jobs that were not renewed as lost, and gives them. Those that have ended meanwhile
+    /// Notes which claims of these jobs were renewed; the others are lost, and are given back. Those that have ended meanwhile
     /// are not claimed any more. A claim that is lost is kept for its epoch, by which what is written of the
     /// job will be refused.
-    fn lose(&self, ids: Vec<Uuid>, renewed: &HashSet<Uuid>) -> Vec<Uuid> {
+    fn lose(&self, ids: Vec<Uuid>, renewed: &HashSet<Uuid>, begin: Instant) -> Vec<Uuid> {
         let mut claims = self.claims.lock();
         let mut lost = ids;
         lost.retain(|id| match claims.get_mut(id) {
-            Some(claim) if !renewed.contains(id) => {
-                claim.lost = true;
-                true
+            Some(claim) => {
+                claim.lost = !renewed.contains(id);
+                claim.renewed = begin;
+                claim.lost
             }
-            _ => false,
+            None => false,
         });
         lost
     }

@@ -24,7 +24,7 @@ mod writes;
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
 use sqlx::postgres::PgConnectOptions;
@@ -68,11 +68,20 @@ pub(crate) struct Settings {
 #[derive(Clone, Copy, Debug)]
 struct Claim {
     epoch: i64,
+    /// The lease is at least as long as if it had begun here.
+    renewed: Instant,
     /// Another replica has claimed the job since.
     lost: bool,
 }
 
 impl Shared {
+    /// Whether no other replica can have claimed a job that this one runs.
+    pub(crate) fn surely_runs(&self, id: Uuid) -> bool {
+        let claims = self.claims.lock();
+        let claim = claims.get(&id);
+        claim.is_some_and(|claim| !claim.lost && claim.renewed.elapsed() < self.lease)
+    }
+
     /// Whether the database could not be reached the last time.
     pub(crate) fn is_away(&self) -> bool {
         self.connections.is_away()

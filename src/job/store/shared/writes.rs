@@ -4,6 +4,8 @@
 //! this replica runs say which claim they belong to, its epoch: they change nothing once another replica has
 //! claimed the job.
 
+use std::time::Instant;
+
 use sqlx::Row;
 use tracing::warn;
 use uuid::Uuid;
@@ -137,7 +139,7 @@ impl Shared {
                 .bind(runs.then_some(self.replica))
                 .bind(runs.then_some(self.lease.as_secs_f64()))
         };
-        let connections = &self.connections;
+        let (connections, begin) = (&self.connections, Instant::now());
         let inserted = connections
             .run_with(input.len(), insert, Some(&value))
             .await?;
@@ -153,7 +155,7 @@ impl Shared {
             }
         }
         if runs {
-            self.claim(id, 1);
+            self.claim(id, 1, begin);
         }
         Ok(None)
     }
@@ -175,12 +177,13 @@ impl Shared {
                 .bind(self.lease.as_secs_f64())
                 .bind(epoch)
         };
+        let begin = Instant::now();
         let started = self.connections.run(0, start).await?;
         let Some(row) = started.first() else {
             return self.is_gone(id).await;
         };
         let epoch = row.try_get(0).map_err(of_database)?;
-        self.claim(id, epoch);
+        self.claim(id, epoch, begin);
         Ok(true)
     }
 
@@ -269,9 +272,13 @@ impl Shared {
             .collect()
     }
 
-    fn claim(&self, id: Uuid, epoch: i64) {
-        let lost = false;
-        self.claims.lock().insert(id, Claim { epoch, lost });
+    fn claim(&self, id: Uuid, epoch: i64, renewed: Instant) {
+        let claim = Claim {
+            epoch,
+            renewed,
+            lost: false,
+        };
+        self.claims.lock().insert(id, claim);
     }
 
     /// The epoch of this replica's claim of a job.
