@@ -165,9 +165,9 @@ async fn streams_of_jobs_that_are_deleted_while_they_wait_come_to_their_ends() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 4)]
 async fn jobs_that_are_read_are_not_forgotten() {
     let directory = tempfile::tempdir().unwrap();
-    let data_dir = Storage::Directory(directory.path().to_owned());
+    let store = Storage::Directory(directory.path().to_owned());
     let server = Server::with(|config| {
-        config.store = data_dir;
+        config.store = store;
         config.recent = bytesize::ByteSize::b(0);
         config.retain_jobs = 0;
     })

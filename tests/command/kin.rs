@@ -23,7 +23,7 @@ fn shells_complete_the_flags() {
 fn pages_of_the_manual_name_the_flags() {
     let (status, page) = run(&["man"]);
     assert_eq!(status, 0);
-    assert!(page.contains(".TH piad 1") && page.contains("data\\-dir"));
+    assert!(page.contains(".TH piad 1") && page.contains("store\\-connections"));
     let (status, page) = run(&["man", "fit"]);
     assert_eq!(status, 0);
     for words in [

@@ -20,8 +20,8 @@ PROGRAM = os.environ.get("PIAD_PROGRAM", str(ROOT / "target" / "debug" / "piad")
 class Server:
     """A server that can be killed and started again with the same data at the same address."""
 
-    def __init__(self, data_dir: str, *flags: str):
-        self._data_dir, self._flags = data_dir, flags
+    def __init__(self, store: str, *flags: str):
+        self._store, self._flags = store, flags
         self.address = "127.0.0.1:0"
         self.start()
 
@@ -30,7 +30,7 @@ class Server:
         return f"http://{self.address}"
 
     def start(self) -> None:
-        command = [PROGRAM, "--listen", self.address, "--store", self._data_dir, "--log-format", "json"]
+        command = [PROGRAM, "--listen", self.address, "--store", self._store, "--log-format", "json"]
         self._process = subprocess.Popen([*command, *self._flags], stderr=subprocess.PIPE, text=True)
         assert self._process.stderr is not None
         for line in self._process.stderr:
