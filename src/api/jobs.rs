@@ -7,7 +7,7 @@ use uuid::Uuid;
 use super::app::App;
 use super::problem::{Kind, Problem};
 use crate::job::Job;
-use crate::job::state::{Failure, State};
+use crate::job::state::State;
 use crate::job::store::Selection;
 
 /// The number of jobs on a page by default.
@@ -72,26 +72,6 @@ pub(super) async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Probl
     match Uuid::try_parse(id) {
         Ok(id) => Ok(app.jobs.find(id).await?),
         Err(_) => Ok(None),
-    }
-}
-
-/// Checks that a job can have had an iteration that a client says it has seen. A job that runs again after a
-/// restart, or that was cancelled then, may have come further before.
-pub(super) fn check_seen(job: &Job, k: usize) -> Result<(), String> {
-    let status = job.status();
-    let ended_by_itself = match status.state {
-        State::Converged | State::Exhausted | State::Stalled => true,
-        State::Failed => status.failure == Some(Failure::Overflow),
-        State::Queued | State::Running | State::Cancelled => false,
-    };
-    let last = status.levels.map(|levels| levels.last.iteration);
-    let (most, why) = match last.filter(|_| ended_by_itself) {
-        Some(last) => (last, "it ended at"),
-        None => (job.outline().max_iterations, "it computes at most"),
-    };
-    match k > most {
-        true => Err(format!("the job has no iteration {k}: {why} {most}")),
-        false => Ok(()),
     }
 }
 

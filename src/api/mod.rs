@@ -10,6 +10,7 @@
 //! - [`app`]: what the doors share; [`language`]: the languages of requests and answers;
 //! - [`order`]: new jobs and edits; [`jobs`]: finding, listing, cancelling and deleting them;
 //!   [`levels`]: inputs, iterations and results; [`rates`]: comparisons of bases;
+//! - [`resuming`]: where a stream goes on;
 //! - [`problem`]: errors (RFC 9457); [`whole`]: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call.
 
@@ -27,5 +28,6 @@ mod order;
 mod problem;
 mod proto;
 mod rates;
+mod resuming;
 pub(crate) mod stream;
 mod whole;

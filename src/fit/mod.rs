@@ -128,6 +128,10 @@
 //! of a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl,
 //! Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
+/// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
+/// after which any level of any problem has other bits.
+pub(crate) const KERNEL: u32 = 1;
+
 pub(crate) mod about;
 pub(crate) mod admission;
 pub(crate) mod aligned;

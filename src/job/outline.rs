@@ -6,6 +6,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
+use crate::fit::KERNEL;
 use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
@@ -42,6 +43,8 @@ pub(crate) struct Outline {
     pub(super) warnings: Vec<Warning>,
     /// Surfaces: the bases of both directions were asked for separately.
     pub(crate) bases_differ: bool,
+    /// The kernel of the program that accepted it.
+    pub(crate) kernel: u32,
 }
 
 /// What a client says about a job besides the problem.
@@ -85,6 +88,7 @@ impl Outline {
             step_cost: problem.step_cost(),
             warnings: problem.warnings(),
             bases_differ: problem.bases_differ(),
+            kernel: KERNEL,
         }
     }
 

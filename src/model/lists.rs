@@ -1,7 +1,6 @@
 //! Numbers, lists of numbers and lists of such lists, as JSON has them: weights, vectors, thresholds and
 //! parameters.
 
-use std::cell::RefCell;
 use std::fmt;
 use std::sync::Arc;
 
@@ -33,14 +32,13 @@ impl Lists {
         expected: &'static str,
         may_be_number: bool,
     ) -> Result<Self, D::Error> {
-        let lists = RefCell::default();
+        let mut lists = Self::default();
         deserializer.deserialize_any(Level {
-            lists: &lists,
+            lists: &mut lists,
             level: 0,
             expected,
             may_be_number,
         })?;
-        let mut lists: Self = lists.into_inner();
         lists.values.shrink_to_fit();
         Ok(lists)
     }
@@ -68,9 +66,8 @@ impl Lists {
 }
 
 /// Reads a list of a level, or a number in one; gives whether it was a list.
-#[derive(Clone, Copy)]
 struct Level<'a> {
-    lists: &'a RefCell<Lists>,
+    lists: &'a mut Lists,
     level: usize,
     expected: &'static str,
     may_be_number: bool,
@@ -103,12 +100,12 @@ impl<'de> Visitor<'de> for Level<'_> {
         if !self.may_be_number {
             return Err(E::invalid_type(Unexpected::Float(x), &self));
         }
-        let mut lists = self.lists.borrow_mut();
         // Numbers stand in lists of one level, which is known once a list has ended.
-        if !lists.lengths.is_empty() && lists.lengths.len() != self.level {
+        let known = self.lists.lengths.len();
+        if known != 0 && known != self.level {
             return Err(E::custom("a number stands here where others have lists"));
         }
-        lists.values.push(x);
+        self.lists.values.push(x);
         Ok(false)
     }
 
@@ -118,19 +115,22 @@ impl<'de> Visitor<'de> for Level<'_> {
                 "there are at most {DEEPEST} lists within each other"
             )));
         }
-        let before = self.lists.borrow().values.len();
-        let inner = Self {
-            level: self.level + 1,
-            expected: "a number or a list of numbers",
-            may_be_number: true,
-            ..self
-        };
+        let before = self.lists.values.len();
         let (mut length, mut of_lists) = (0, None);
-        while let Some(is_list) = list.next_element_seed(Element(inner, of_lists))? {
+        loop {
+            let inner = Level {
+                lists: &mut *self.lists,
+                level: self.level + 1,
+                expected: "a number or a list of numbers",
+                may_be_number: true,
+            };
+            of_lists = match list.next_element_seed(Element(inner, of_lists))? {
+                None => break,
+                is_list => is_list,
+            };
             length += 1;
-            of_lists = Some(is_list);
         }
-        self.lists.borrow_mut().end(self.level, length, before)?;
+        self.lists.end(self.level, length, before)?;
         Ok(true)
     }
 }

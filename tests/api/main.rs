@@ -55,6 +55,7 @@ mod heights;
 mod honest_ends;
 mod http;
 mod jobs;
+mod kernel;
 mod large;
 mod large_mistakes;
 mod least_squares;

@@ -28,7 +28,7 @@ fn rounds() -> usize {
 }
 
 /// A PostgreSQL cluster of its own, which can be stopped.
-struct Cluster {
+pub struct Cluster {
     script: Child,
     directory: PathBuf,
 }
@@ -65,7 +65,7 @@ impl Cluster {
     }
 
     /// Runs a statement.
-    fn run(&self, statement: &str) {
+    pub fn run(&self, statement: &str) {
         let psql = Command::new("psql")
             .arg("-h")
             .arg(&self.directory)
@@ -102,15 +102,15 @@ impl Drop for Cluster {
 }
 
 /// A replica with its own way to the database.
-struct Replica {
-    program: Program,
+pub struct Replica {
+    pub program: Program,
     wire: Wire,
 }
 
 /// Some replicas behind a proxy.
-struct Replicas {
-    cluster: Cluster,
-    replicas: Vec<Replica>,
+pub struct Replicas {
+    pub cluster: Cluster,
+    pub replicas: Vec<Replica>,
     addresses: watch::Sender<Vec<String>>,
     front: Wire,
     client: reqwest::Client,
@@ -122,7 +122,7 @@ fn launch(wire: &Wire) -> Program {
 }
 
 impl Replicas {
-    async fn start(count: usize) -> Self {
+    pub async fn start(count: usize) -> Self {
         let cluster = Cluster::start();
         let mut replicas = Vec::new();
         for _ in 0..count {

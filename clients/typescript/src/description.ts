@@ -2160,7 +2160,7 @@ export interface components {
              * @enum {string}
              */
             event: "job" | "iteration" | "end";
-            /** @description The number of the iteration, or `end`. */
+            /** @description The number of the iteration, or `end`. A version of the program whose numbers differ from those of the version that accepted the job adds its own number: `7@2`. */
             id?: string;
             /** @description What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent. */
             data: string;
@@ -2227,6 +2227,11 @@ export interface components {
          */
         JobEvent: {
             /**
+             * @description Only where a client that has iterations gets them all again, from 0 on: those that it has are of a version
+             *     of the program whose numbers differ in the last digits.
+             */
+            resumed?: components["schemas"]["Resumed"];
+            /**
              * Format: uuid
              * @description The id of the job.
              */
@@ -2279,6 +2284,11 @@ export interface components {
             /** @description The parameters of the data points. */
             parameters?: number[] | string | components["schemas"]["NumberArrayPair"];
         };
+        /**
+         * @description How a stream has been resumed, where it does not simply go on.
+         * @example restarted
+         */
+        Resumed: "restarted";
         /**
          * @description A value for each direction of a surface.
          * @example {
@@ -2816,11 +2826,8 @@ export interface components {
             event: "iteration";
             /** @description What is to be said of it. */
             data: components["schemas"]["IterationEvent"];
-            /**
-             * Format: int64
-             * @description The number of the iteration.
-             */
-            id: number;
+            /** @description The number of the iteration. A text where server-sent events have more than a number. */
+            id: number | string;
         };
         /**
          * @description The `end` event as a line.
@@ -3864,6 +3871,7 @@ export type Problem = components['schemas']['Problem'];
 export type FieldError = components['schemas']['FieldError'];
 export type ServerSentEvent = components['schemas']['ServerSentEvent'];
 export type JobEvent = components['schemas']['JobEvent'];
+export type Resumed = components['schemas']['Resumed'];
 export type BasisKindPair = components['schemas']['BasisKindPair'];
 export type EndRules = components['schemas']['EndRules'];
 export type EndRulesPair = components['schemas']['EndRulesPair'];

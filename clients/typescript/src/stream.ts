@@ -87,12 +87,15 @@ class Reading {
   readonly #source: Source;
   #id: string | null = null;
   #seen: number | null;
+  /** The id of that iteration: its number, unless the server has said more. */
+  #last: string | null;
   #retry = RETRY;
 
   constructor(patience: Patience, source: Source) {
     this.#patience = patience;
     this.#source = source;
     this.#seen = source.after ?? null;
+    this.#last = this.#seen === null ? null : String(this.#seen);
   }
 
   /** The events of one connection, without those that are known. */
@@ -125,16 +128,22 @@ class Reading {
   #call(): Call {
     const { first, next } = this.#source;
     const call = this.#id === null || next === null ? first : next(this.#id);
-    if (this.#seen === null) return call;
-    return { ...call, headers: { ...call.headers, "Last-Event-ID": String(this.#seen) } };
+    if (this.#last === null) return call;
+    return { ...call, headers: { ...call.headers, "Last-Event-ID": this.#last } };
   }
 
   /** Whether the event has not been seen, which it has been now. */
   #isNew(event: api.EventLine): boolean {
-    if (event.event === "job") this.#id = event.data.id;
+    if (event.event === "job") {
+      this.#id = event.data.id;
+      // What follows are all iterations again, of another version of the server.
+      if (event.data.resumed === "restarted") [this.#seen, this.#last] = [null, null];
+    }
     if (event.event !== "iteration") return true;
-    if (this.#seen !== null && event.id <= this.#seen) return false;
-    this.#seen = event.id;
+    const k = event.data.iteration;
+    if (this.#seen !== null && k <= this.#seen) return false;
+    this.#seen = k;
+    this.#last = String(event.id);
     this.#patience.reset();
     return true;
   }
@@ -145,8 +154,11 @@ function eventOf({ event, id, data }: EventSourceMessage): api.EventLine | null 
   switch (event) {
     case "job":
       return { event, data: parse<api.JobEvent>(data) };
-    case "iteration":
-      return { event, id: Number(id), data: parse<api.IterationEvent>(data) };
+    case "iteration": {
+      const iteration = parse<api.IterationEvent>(data);
+      const k = iteration.iteration;
+      return { event, id: id === String(k) ? k : (id ?? ""), data: iteration };
+    }
     case "end":
       return { event, id: "end", data: parse<api.EndEvent>(data) };
     default:

@@ -3,6 +3,7 @@
 
 mod obeying;
 
+use arbitrary::{Arbitrary, Unstructured};
 use serde_json::{Map, Value, json};
 
 /// Numbers at the edges of what is computed.
@@ -19,8 +20,8 @@ const EDGES: [f64; 10] = [
     f64::MAX,
 ];
 
-/// Choices that have not been made yet. Behind the last one everything is the first choice.
-pub(super) struct Choices<'a>(&'a [u8]);
+/// Choices that have not been made yet. Behind the last byte everything is the first choice.
+pub(super) struct Choices<'a>(Unstructured<'a>);
 
 /// What is made so far.
 struct Shape {
@@ -32,17 +33,16 @@ struct Shape {
 
 impl<'a> Choices<'a> {
     pub(super) fn of(bytes: &'a [u8]) -> Self {
-        Self(bytes)
+        Self(Unstructured::new(bytes))
     }
 
-    fn byte(&mut self) -> u8 {
-        let (first, rest) = self.0.split_first().unwrap_or((&0, &[]));
-        self.0 = rest;
-        *first
+    fn any<T: Arbitrary<'a> + Default>(&mut self) -> T {
+        self.0.arbitrary().unwrap_or_default()
     }
 
     fn below(&mut self, count: usize) -> usize {
-        usize::from(self.byte()) % count
+        let last = count.saturating_sub(1);
+        self.0.int_in_range(0..=last).unwrap_or(0)
     }
 
     /// Seldom, as a mistake ends most jobs.
@@ -51,22 +51,20 @@ impl<'a> Choices<'a> {
     }
 
     fn often(&mut self) -> bool {
-        self.below(2) == 1
+        self.any()
     }
 
     fn one_of<T: Clone>(&mut self, values: &[T]) -> Option<T> {
-        let index = self.below(values.len().max(1));
-        values.get(index).cloned()
+        self.0.choose(values).ok().cloned()
     }
 
     fn number(&mut self) -> f64 {
         match self.below(32) {
             0 => self.one_of(&EDGES).unwrap_or(0.0),
-            1 => {
-                let number = f64::from_bits(u64::from_le_bytes([0; 8].map(|_: u8| self.byte())));
-                if number.is_finite() { number } else { 0.5 }
-            }
-            _ => f64::from(i16::from_le_bytes([self.byte(), self.byte()])) / 256.0,
+            1 => Some(self.any())
+                .filter(|it: &f64| it.is_finite())
+                .unwrap_or(0.5),
+            _ => f64::from(self.any::<i16>()) / 256.0,
         }
     }
 
@@ -74,7 +72,7 @@ impl<'a> Choices<'a> {
         if self.rarely() {
             return self.number();
         }
-        (f64::from(self.byte()) + 1.0) / 64.0
+        (f64::from(self.any::<u8>()) + 1.0) / 64.0
     }
 
     fn numbers(&mut self, count: usize) -> Vec<f64> {

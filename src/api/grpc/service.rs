@@ -15,6 +15,7 @@ use crate::api::order::{self, EditOrder, Order};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::{edit, fields, names, request, view};
 use crate::api::rates::{self, RatesRequest, WrongPart};
+use crate::api::resuming::{self, Start};
 use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
@@ -113,15 +114,9 @@ impl Service {
         key.await.map(Some)
     }
 
-    /// The events of a job after iteration `seen`.
-    fn events(
-        &self,
-        job: Arc<Job>,
-        options: StreamOptions,
-        seen: Option<usize>,
-        held: Held,
-    ) -> Events {
-        let feed = Feed::new(&self.0, job, options, seen, held);
+    /// The events of a job from there on.
+    fn events(&self, job: Arc<Job>, options: StreamOptions, start: Start, held: Held) -> Events {
+        let feed = Feed::new(&self.0, job, options, start, held);
         Box::pin(stream::unfold(Some(feed), next))
     }
 }
@@ -198,7 +193,7 @@ impl FittingService for Service {
         // A job that was made before has a stream of its own; only that one may cancel it.
         options.cancels &= !replayed;
         let held = job.held().await?;
-        Ok(Response::new(self.events(job, options, None, held)))
+        Ok(Response::new(self.events(job, options, Start::First, held)))
     }
 
     async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Reply<pb::GetJobResponse> {
@@ -323,11 +318,12 @@ impl FittingService for Service {
         let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
         let options = options.map_err(wrong)?;
         let held = job.held().await?;
-        let seen = message.resume_after.map(level);
-        let possible = seen.map(|k| jobs::check_seen(&job, k));
-        possible
+        let after = message.resume_after.map(level);
+        let start = after.map(|k| resuming::after_iteration(&job, k));
+        let start = start
             .transpose()
             .map_err(|detail| Problem::at_field("resume_after", detail))?;
-        Ok(Response::new(self.events(job, options, seen, held)))
+        let start = start.unwrap_or(Start::First);
+        Ok(Response::new(self.events(job, options, start, held)))
     }
 }

@@ -23,6 +23,7 @@ use crate::api::order;
 use crate::api::order::{EditOrder, Order};
 use crate::api::problem::{Problem, Words};
 use crate::api::proto;
+use crate::api::resuming::Start;
 use crate::api::stream::feed::Feed;
 use crate::config::Config;
 use crate::job::service::creating::Accepted;
@@ -270,7 +271,7 @@ impl Posted {
                     options::check_range(&spec, defaults, &problem)?;
                 }
                 let held = job.held().await?;
-                let feed = Feed::new(app, Arc::clone(&job), options, None, held);
+                let feed = Feed::new(app, Arc::clone(&job), options, Start::First, held);
                 events::stream(framing, feed)
             }
             Answer::Job(language) => {

@@ -3,6 +3,7 @@
 //!
 //! The data of an event are encoded once and shared by all streams; only the framing differs.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::future::poll_fn;
 use std::sync::Arc;
@@ -26,19 +27,19 @@ use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::language::Framing;
 use crate::api::problem::Problem;
+use crate::api::resuming::{END, LastEvent, Start, last_event};
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
 use crate::api::stream::sending::Outgoing;
-use crate::api::whole::plain_number;
 use crate::job::Job;
 use crate::job::content::Content;
-use crate::model::short::quoted;
 use crate::model::stream::form::Encoding;
 use crate::model::stream::options::{self, StreamOptions};
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
-const END: &str = "end";
+/// What is told in a `job` event of a stream that begins again.
+const RESTARTED: &str = r#""resumed":"restarted""#;
 
 /// `GET /v1/jobs/{id}/events`
 pub(super) async fn get(
@@ -59,23 +60,18 @@ pub(super) async fn get(
         options::check_range(&spec, defaults, &problem)?;
     }
     let held = job.held().await?;
-    match last_event_id(&job, &headers, query.last_event_id)? {
-        None => Ok(stream(framing, Feed::new(&app, job, options, None, held))),
+    let start = match last_event_id(&job, &headers, query.last_event_id)? {
+        None => Start::First,
         // 204 is the only status that keeps an EventSource from reconnecting.
-        Some(LastEvent::End) => Ok(StatusCode::NO_CONTENT.into_response()),
-        Some(LastEvent::Iteration(k)) => {
-            let mut response = stream(framing, Feed::new(&app, job, options, Some(k), held));
-            let headers = response.headers_mut();
-            headers.insert(RESUMED_AFTER, HeaderValue::from(k));
-            Ok(response)
-        }
+        Some(LastEvent::End) => return Ok(StatusCode::NO_CONTENT.into_response()),
+        Some(LastEvent::Iteration(start)) => start,
+    };
+    let mut response = stream(framing, Feed::new(&app, job, options, start, held));
+    if let Start::After(k) = start {
+        let headers = response.headers_mut();
+        headers.insert(RESUMED_AFTER, HeaderValue::from(k));
     }
-}
-
-/// The last event that a client has received.
-enum LastEvent {
-    Iteration(usize),
-    End,
+    Ok(response)
 }
 
 /// The header wins over the query parameter, which is for clients that cannot set headers.
@@ -88,26 +84,10 @@ fn last_event_id(
         .get(LAST_EVENT_ID)
         .map(|value| value.to_str().unwrap_or("?"));
     let in_header =
-        event_of(job, header).map_err(|why| Problem::at_header("Last-Event-ID", why))?;
-    let in_query = event_of(job, parameter.as_deref())
+        last_event(job, header).map_err(|why| Problem::at_header("Last-Event-ID", why))?;
+    let in_query = last_event(job, parameter.as_deref())
         .map_err(|why| Problem::at_parameter("last_event_id", why))?;
     Ok(in_header.or(in_query))
-}
-
-/// The event of a job with this id; an empty id is none. The error says what is wrong with the id.
-fn event_of(job: &Job, id: Option<&str>) -> Result<Option<LastEvent>, String> {
-    match id {
-        None | Some("") => Ok(None),
-        Some(END) => Ok(Some(LastEvent::End)),
-        Some(id) => {
-            let k = plain_number(id).ok_or_else(|| {
-                let id = quoted(id);
-                format!("{id} is no event id: ids are iteration numbers and \"end\"")
-            })?;
-            jobs::check_seen(job, k)?;
-            Ok(Some(LastEvent::Iteration(k)))
-        }
-    }
 }
 
 /// The events of a job as the body of an answer.
@@ -173,14 +153,18 @@ fn write(framing: Framing, event: Event, outgoing: &mut Outgoing) {
 
 fn write_sse(event: Event, outgoing: &mut Outgoing) {
     let text = outgoing.text();
-    let (data, milestone) = match event {
-        Event::Job(data) => {
+    let (data, field) = match event {
+        Event::Job { data, again } => {
             text.put_slice(b"event: job\n");
-            (data, None)
+            (data, restarted(again))
         }
-        Event::Iteration { k, milestone, data } => {
-            put(text, format_args!("event: iteration\nid: {k}\n"));
-            (data, milestone)
+        Event::Iteration {
+            id,
+            data,
+            milestone,
+        } => {
+            put(text, format_args!("event: iteration\nid: {id}\n"));
+            (data, reached(milestone))
         }
         Event::End(data) => {
             put(text, format_args!("event: end\nid: {END}\n"));
@@ -197,24 +181,29 @@ fn write_sse(event: Event, outgoing: &mut Outgoing) {
         }
     };
     text.put_slice(b"data: ");
-    push_json(data, milestone, outgoing);
+    push_json(data, field, outgoing);
     outgoing.text().put_slice(b"\n\n");
 }
 
 /// Writes an event as a line of JSON. This framing has no comments.
 fn write_line(event: Event, outgoing: &mut Outgoing) {
     let text = outgoing.text();
-    let (data, milestone) = match event {
-        Event::Job(data) => {
+    let (data, field) = match event {
+        Event::Job { data, again } => {
             text.put_slice(br#"{"event":"job","data":"#);
-            (data, None)
+            (data, restarted(again))
         }
-        Event::Iteration { k, milestone, data } => {
+        Event::Iteration {
+            id,
+            data,
+            milestone,
+        } => {
+            let mark = if id.kernel.is_some() { "\"" } else { "" };
             put(
                 text,
-                format_args!(r#"{{"event":"iteration","id":{k},"data":"#),
+                format_args!(r#"{{"event":"iteration","id":{mark}{id}{mark},"data":"#),
             );
-            (data, milestone)
+            (data, reached(milestone))
         }
         Event::End(data) => {
             put(
@@ -225,7 +214,7 @@ fn write_line(event: Event, outgoing: &mut Outgoing) {
         }
         Event::Quiet | Event::Stopping => return,
     };
-    push_json(data, milestone, outgoing);
+    push_json(data, field, outgoing);
     outgoing.text().put_slice(b"}\n");
 }
 
@@ -239,14 +228,20 @@ fn write_message(event: Event, outgoing: &mut Outgoing) {
     }
 }
 
-/// Pushes the shared data of an event, with a milestone of this stream as the first field.
-fn push_json(mut data: Content, milestone: Option<f64>, outgoing: &mut Outgoing) {
-    if let Some(milestone) = milestone.filter(|_| data.head.starts_with(b"{")) {
-        let milestone = json!(milestone);
-        put(
-            outgoing.text(),
-            format_args!("{{\"milestone\":{milestone},"),
-        );
+/// The field of a milestone that an iteration reaches for this stream.
+fn reached(milestone: Option<f64>) -> Option<Cow<'static, str>> {
+    milestone.map(|it| format!("\"milestone\":{}", json!(it)).into())
+}
+
+/// The field of a stream that begins again.
+fn restarted(again: bool) -> Option<Cow<'static, str>> {
+    again.then_some(RESTARTED.into())
+}
+
+/// Pushes the shared data of an event, with a field that only this stream has as the first one.
+fn push_json(mut data: Content, field: Option<Cow<str>>, outgoing: &mut Outgoing) {
+    if let Some(field) = field.filter(|_| data.head.starts_with(b"{")) {
+        put(outgoing.text(), format_args!("{{{field},"));
         data.head.advance(1);
     }
     outgoing.push(data);

@@ -1,10 +1,12 @@
 //! Protobuf messages around geometry that is already encoded.
 //!
 //! Geometry is encoded once, however many clients read it over gRPC or REST. Only what is around it
-//! differs: the field of the response, and the milestone that it reaches for one client.
+//! differs: the field of the response, and what is said to one client alone.
 
 use bytes::{Buf, BufMut, Bytes, BytesMut};
-use prost::encoding::{DecodeContext, WireType, double, encode_key, encode_varint, skip_field};
+use prost::encoding::{
+    DecodeContext, WireType, bool, double, encode_key, encode_varint, skip_field,
+};
 use prost::{DecodeError, Message};
 
 use super::feed::Event;
@@ -23,22 +25,34 @@ pub(crate) struct Encoded {
 impl Encoded {
     /// The response whose field 1 is the message with these bytes.
     pub(crate) fn response(message: Content) -> Self {
-        Self::with_field(1, None, message)
+        Self::with_field(BytesMut::with_capacity(24), 1, message)
     }
 
     /// An event as `WatchJobResponse` or `FitResponse`; `None` for events that have no message.
     pub(crate) fn event(event: Event) -> Option<Self> {
-        match event {
-            Event::Job(data) => Some(Self::with_field(1, None, data)),
+        let mut head = BytesMut::with_capacity(24);
+        let (tag, data) = match event {
+            Event::Job { data, again } => {
+                if again {
+                    bool::encode(5, &again, &mut head);
+                }
+                (1, data)
+            }
             Event::Iteration {
                 milestone, data, ..
-            } => Some(Self::with_field(2, milestone, data)),
-            Event::End(data) => Some(Self::with_field(3, None, data)),
-            Event::Quiet | Event::Stopping => None,
-        }
+            } => {
+                if let Some(milestone) = milestone {
+                    double::encode(4, &milestone, &mut head);
+                }
+                (2, data)
+            }
+            Event::End(data) => (3, data),
+            Event::Quiet | Event::Stopping => return None,
+        };
+        Some(Self::with_field(head, tag, data))
     }
 
-    fn with_field(tag: u32, milestone: Option<f64>, content: Content) -> Self {
+    fn with_field(mut head: BytesMut, tag: u32, content: Content) -> Self {
         let (body, length) = match content.length() {
             Some(length) => (content, length),
             None => {
@@ -47,10 +61,6 @@ impl Encoded {
                 (whole.into(), length)
             }
         };
-        let mut head = BytesMut::with_capacity(24);
-        if let Some(milestone) = milestone {
-            double::encode(4, &milestone, &mut head);
-        }
         encode_key(tag, WireType::LengthDelimited, &mut head);
         encode_varint(length as u64, &mut head);
         Self {

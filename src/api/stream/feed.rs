@@ -15,6 +15,7 @@ use tracing::error;
 use super::encode;
 use super::milestones::Milestones;
 use crate::api::app::App;
+use crate::api::resuming::{EventId, Start};
 use crate::job::content::Content;
 use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};
@@ -31,10 +32,15 @@ use crate::model::stream::options::StreamOptions;
 #[derive(Clone, Debug)]
 pub(crate) enum Event {
     /// The description of the job, which does not change from iteration to iteration.
-    Job(Content),
+    Job {
+        /// The description.
+        data: Content,
+        /// The stream begins again: what the reader has is of another kernel.
+        again: bool,
+    },
     Iteration {
-        /// Its number.
-        k: usize,
+        /// Its number, and of which kernel it is.
+        id: EventId,
         /// The smallest milestone that it is the first to reach.
         milestone: Option<f64>,
         /// Its errors and geometry.
@@ -69,6 +75,8 @@ pub(crate) struct Feed {
     cursor: Cursor,
     options: StreamOptions,
     milestones: Option<Milestones>,
+    /// It has iterations of another kernel.
+    again: bool,
     /// The last iteration that the client has.
     seen: Option<usize>,
     /// The last iteration that this stream has told, with its knots if they were new.
@@ -92,16 +100,16 @@ pub(crate) struct Feed {
 }
 
 impl Feed {
-    /// The events of a job after iteration `seen`.
+    /// The events of a job from there on.
     pub(crate) fn new(
         app: &App,
         job: Arc<Job>,
         options: StreamOptions,
-        seen: Option<usize>,
+        start: Start,
         held: Held,
     ) -> Self {
         let cursor = Cursor::new(Arc::clone(&job), 0);
-        Self::reading(app, job, cursor, options, seen, held)
+        Self::reading(app, job, cursor, options, start, held)
     }
 
     /// The events of an ephemeral edit, which ends with them.
@@ -115,7 +123,7 @@ impl Feed {
         let cursor = Cursor::attached(Arc::clone(&job), run);
         let held = Some(edit.system);
         let (every, selects) = (options.every, !options.milestones.is_empty());
-        let mut feed = Self::reading(app, job, cursor, options, None, held);
+        let mut feed = Self::reading(app, job, cursor, options, Start::First, held);
         // Iteration 0 is the level of the parent: who leaves out iterations does not need it.
         if every > 1 && !selects {
             feed.cursor.seek(every);
@@ -132,12 +140,16 @@ impl Feed {
         job: Arc<Job>,
         mut cursor: Cursor,
         options: StreamOptions,
-        seen: Option<usize>,
+        start: Start,
         held: Held,
     ) -> Self {
         if options.latest {
             cursor.only_latest(options.every);
         }
+        let seen = match start {
+            Start::After(k) => Some(k),
+            Start::First | Start::Again => None,
+        };
         let first = match seen {
             None => 0,
             // The last iteration seen is read again, to find the milestones that were reached by then.
@@ -152,6 +164,7 @@ impl Feed {
             job,
             milestones: Some(milestones).filter(|milestones| !milestones.all_reached()),
             options,
+            again: start == Start::Again,
             seen,
             told: None,
             complete: false,
@@ -236,7 +249,8 @@ impl Feed {
                 self.held = self.job.held().await?;
             }
             let data = encode::description(&self.job, &self.options).await?;
-            self.push(Event::Job(data));
+            let again = self.again;
+            self.push(Event::Job { data, again });
         }
         match next {
             Next::Frame(frame) => self.take(&frame).await,
@@ -283,7 +297,12 @@ impl Feed {
             false => encode::frame(&self.job, frame, form).await?,
         };
         self.told = Some(k);
-        self.push(Event::Iteration { k, milestone, data });
+        let id = EventId::new(&self.job, k);
+        self.push(Event::Iteration {
+            id,
+            milestone,
+            data,
+        });
         self.seen = Some(k);
         self.complete = true;
         if self.milestones.is_none() {

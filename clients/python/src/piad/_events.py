@@ -21,7 +21,8 @@ class EventStream:
     """The events of a job, each once and in order, up to the `end` event.
 
     Whenever the connection breaks or the server stops it is opened again after the last event that
-    arrived. The waiting time is the one that the server asks for (`retry:`, `Retry-After`), and
+    arrived. Where the server has another version then whose numbers differ in the last digits, all
+    iterations come again: the `job` event says `"resumed": "restarted"`. The waiting time is the one that the server asks for (`retry:`, `Retry-After`), and
     grows as long as no iteration arrives.
     """
 
@@ -38,7 +39,10 @@ class EventStream:
         while True:
             try:
                 for event in self._connection():
-                    yield event.name, parse(event.data)
+                    data = parse(event.data)
+                    if data.get("resumed") == "restarted":
+                        self._seen = None
+                    yield event.name, data
                     if event.id:
                         self._seen, self._failures = event.id, 0
                     if event.name == _END:

@@ -34,6 +34,11 @@ use crate::model::weights::Rational;
 #[derive(Serialize, JsonSchema)]
 #[schemars(transform = never_null, example = examples::job_event())]
 struct JobEvent<'a> {
+    /// Only where a client that has iterations gets them all again, from 0 on: those that it has are of a version
+    /// of the program whose numbers differ in the last digits.
+    // Streams write it in front of the shared rest, so it is never set here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resumed: Option<Resumed>,
     /// The id of the job.
     id: Uuid,
     /// The client's name for it.
@@ -86,6 +91,15 @@ struct JobEvent<'a> {
     parameters: Option<PerDirection<NumberArray>>,
 }
 
+/// How a stream has been resumed, where it does not simply go on.
+#[derive(Clone, Copy, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(example = Self::Restarted)]
+enum Resumed {
+    /// At iteration 0.
+    Restarted,
+}
+
 /// The schema of fixed weights, which are null where there are none.
 fn weights_or_null(generator: &mut SchemaGenerator) -> Schema {
     let weights = generator.subschema_for::<PerDirection<NumberArray>>();
@@ -104,6 +118,7 @@ pub(crate) fn description(
     let mut document = Document::new(digits);
     let outline = job.outline();
     let event = JobEvent {
+        resumed: None,
         id: outline.id,
         name: outline.label.name.as_deref(),
         kind: GeometryKind::of(outline),
@@ -200,7 +215,7 @@ schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
         "type": "object",
         "properties": {
             "event": {"description": "What has happened.", "type": "string", "enum": ["job", "iteration", "end"]},
-            "id": {"description": "The number of the iteration, or `end`.", "type": "string", "pattern": "^([0-9]+|end)$"},
+            "id": {"description": "The number of the iteration, or `end`. A version of the program whose numbers differ from those of the version that accepted the job adds its own number: `7@2`.", "type": "string", "pattern": "^([0-9]+(@[0-9]+)?|end)$"},
             "data": {
                 "description": "What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
                 "type": "string",
@@ -240,7 +255,8 @@ schema_of!(JobLine, "JobLine", generator => line_schema::<JobEvent<'_>>(generato
     "event": "job", "data": examples::job_event(),
 })));
 schema_of!(IterationLine, "IterationLine", generator => line_schema::<IterationEvent>(generator, "iteration", Some(json_schema!({
-    "description": "The number of the iteration.", "type": "integer", "minimum": 0,
+    "description": "The number of the iteration. A text where server-sent events have more than a number.",
+    "oneOf": [{"type": "integer", "minimum": 0}, {"type": "string", "pattern": "^[0-9]+@[0-9]+$"}],
 })), json!({
     "event": "iteration", "id": 1, "data": examples::iteration(),
 })));
