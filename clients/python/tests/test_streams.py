@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from typing import Any
 
@@ -149,6 +150,23 @@ def test_attempts_are_bounded(server: Server) -> None:
         with pytest.raises(piad.ApiError) as refused:
             client.capabilities()
         assert (refused.value.status, refused.value.retry_after, transport.requests) == (503, 0.0, 3)
+
+
+def test_iterations_of_another_version_come_again(server: Server) -> None:
+    with piad.Client(server.url) as client:
+        job = client.create(CURVE)
+        job.wait()
+        text = httpx.get(f"{server.url}/v1/jobs/{job.id}/events?view=errors").text
+    cut = text[: text.index("event: iteration\nid: 3\n")]
+    again = text.replace("data: {", 'data: {"resumed":"restarted",', 1)
+    again = re.sub(r"^id: (\d+)$", r"id: \1@2", again, flags=re.MULTILINE)
+    answers = [httpx.Response(200, text=body, headers={"Content-Type": "text/event-stream"}) for body in (cut, again)]
+    transport = Flaky()
+    with piad.Client(server.url, transport=transport) as client:
+        job = client.job(job.id)
+        transport._answers.extend(answers)
+        numbers = [level.number for level in job.iterations(view="errors")]
+    assert numbers == [0, 1, 2, *range(len(numbers) - 3)] and len(numbers) > 6
 
 
 def test_events_in_pieces() -> None:

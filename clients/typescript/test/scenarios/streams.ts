@@ -126,6 +126,25 @@ export const streams: Scenarios = {
     equal(levels.map(({ number }) => number), [...levels.keys()]);
   },
 
+  "iterations of another version come again": async ({ client, backstage, url }) => {
+    const proxy = await backstage.proxy(url);
+    await backstage.cutAfter(proxy, 12_000);
+    let last = "";
+    const newer = async (url: string, init: RequestInit) => {
+      const headers = new Headers(init.headers);
+      last = headers.get("Last-Event-ID") ?? "";
+      if (last === "") return fetch(url, init);
+      headers.delete("Last-Event-ID");
+      const answer = await fetch(url, { ...init, headers });
+      const text = (await answer.text()).replace("data: {", 'data: {"resumed":"restarted",');
+      return new Response(text.replace(/^id: (\d+)$/gm, "id: $1@2"), answer);
+    };
+    const levels = await all(client({ fetch: newer }, proxy).createStream(AUTOMATIC, { view: "errors" }));
+    const numbers = levels.map(({ number }) => number);
+    const first = Number(last) + 1;
+    equal([first > 3, numbers], [true, [...Array(first).keys(), ...Array(levels.length - first).keys()]]);
+  },
+
   "lost answers make one job": async ({ client, backstage, url }) => {
     const proxy = await backstage.proxy(url);
     const piad = client({}, proxy);
