@@ -96,9 +96,25 @@ def first_event(server, path, after):
             return time.monotonic() - begin
 
 
+def processor():
+    """Seconds of processor time that the database has taken."""
+    with open(f"{CLUSTER}/data/postmaster.pid") as file:
+        main = file.readline().strip()
+    ticks = 0
+    for pid in os.listdir("/proc"):
+        try:
+            with open(f"/proc/{pid}/stat") as file:
+                fields = file.read().rsplit(") ", 1)[1].split()
+        except (OSError, IndexError):
+            continue
+        # Of children that have ended the first process knows.
+        ticks += sum(map(int, fields[11:15])) if pid == main else sum(map(int, fields[11:13])) if fields[1] == main else 0
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
 def database():
     row = sql("SELECT xact_commit, (SELECT wal_bytes FROM pg_stat_wal) FROM pg_stat_database WHERE datname = 'postgres'")
-    return [float(value) for value in row.split("|")]
+    return [*(float(value) for value in row.split("|")), processor()]
 
 
 def streams(count):
@@ -135,14 +151,18 @@ def main():
         servers = [Server(f"{URL}&options[search_path]={schema}") for _ in range(replicas)]
         throughput(servers, body)
         time.sleep(2)
-        commits, wal = database()
-        statements = sum(server.metric("piad_store_statements_total") for server in servers)
+        counted = lambda: [*database(), sum(server.metric("piad_store_statements_total") for server in servers)]
+        before = counted()
         rate, jobs = throughput(servers, body)
         time.sleep(2)
-        more = database()
-        statements = sum(server.metric("piad_store_statements_total") for server in servers) - statements
-        print(f"{replicas} replicas: {rate:.0f} jobs/s; a job: {statements / jobs:.2f} statements, "
-              f"{(more[0] - commits) / jobs:.2f} commits, {(more[1] - wal) / jobs / 1024:.1f} KiB of log")
+        commits, wal, seconds, statements = (b - a for a, b in zip(before, counted()))
+        print(f"{replicas} replicas: {rate:.0f} jobs/s; a job: {statements / jobs:.2f} statements, {commits / jobs:.2f} commits, "
+              f"{wal / jobs / 1024:.1f} KiB of log, {1000 * seconds / jobs:.2f} ms of processor time of the database")
+        before = counted()
+        time.sleep(SECONDS)
+        commits, wal, seconds, statements = (b - a for a, b in zip(before, counted()))
+        each = SECONDS * replicas
+        print(f"    with nothing to do, a replica: {statements / each:.1f} statements/s, {1000 * seconds / each:.2f} ms/s of the database")
         for server in servers:
             server.stop()
     for count in (100, 100_000):

@@ -1,5 +1,10 @@
 //! What replicas tell each other by NOTIFY. It only spares time: whatever is missed is found by polling.
+//!
+//! Transactions with a NOTIFY are committed one after the other, by a lock of the whole database, each with a
+//! write to the disk. So hints are told apart from the changes, many at once, and without waiting for the disk.
 
+use std::fmt;
+use std::sync::Weak;
 use std::time::Duration;
 
 use sqlx::postgres::{PgListener, PgPoolOptions};
@@ -10,8 +15,8 @@ use uuid::Uuid;
 
 use super::Shared;
 
-/// Hints that nobody has read yet; further ones are dropped.
-const MOST: usize = 4096;
+/// Hints that nobody has told or read yet; further ones are dropped.
+pub(super) const MOST: usize = 4096;
 
 /// After so long without a hint the connection is made anew: one that was cut off says nothing.
 const SILENCE: Duration = Duration::from_secs(60);
@@ -52,7 +57,40 @@ impl Hint {
     }
 }
 
+impl fmt::Display for Hint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Queued => f.write_str("queued"),
+            Self::Started(id) => write!(f, "started {id}"),
+            Self::Ended(id) => write!(f, "ended {id}"),
+            Self::Deleted(id) => write!(f, "deleted {id}"),
+            Self::Cancel(id) => write!(f, "cancel {id}"),
+        }
+    }
+}
+
+const NOTIFY: &str = "
+SELECT set_config('synchronous_commit', 'off', true), pg_notify('piad', hint) FROM unnest($1::text[]) AS hint";
+
+/// Tells hints until there is nobody any more who gives some.
+pub(super) async fn go_on_telling(store: Weak<Shared>, mut hints: mpsc::Receiver<Hint>) {
+    let mut some = Vec::new();
+    while hints.recv_many(&mut some, MOST).await > 0 {
+        let Some(store) = store.upgrade() else { return };
+        let payloads: Vec<String> = some.drain(..).map(|hint| hint.to_string()).collect();
+        let notify = || sqlx::query(NOTIFY).bind(&payloads);
+        if let Err(error) = store.connections.run(0, notify).await {
+            debug!(%error, "hints for other replicas are lost");
+        }
+    }
+}
+
 impl Shared {
+    /// Tells the other replicas, and this one, in a moment.
+    pub(super) fn tell(&self, hint: Hint) {
+        let _ = self.told.try_send(hint);
+    }
+
     /// The hints from now on, until nobody reads them any more.
     pub(crate) fn hints(&self) -> mpsc::Receiver<Hint> {
         let (sender, hints) = mpsc::channel(MOST);
@@ -92,11 +130,10 @@ mod tests {
     #[test]
     fn payloads_are_read() {
         let id = Uuid::now_v7();
-        assert_eq!(Hint::of("queued"), Some(Hint::Queued));
-        assert_eq!(Hint::of(&format!("started {id}")), Some(Hint::Started(id)));
-        assert_eq!(Hint::of(&format!("ended {id}")), Some(Hint::Ended(id)));
-        assert_eq!(Hint::of(&format!("deleted {id}")), Some(Hint::Deleted(id)));
-        assert_eq!(Hint::of(&format!("cancel {id}")), Some(Hint::Cancel(id)));
+        let all = [Hint::Started, Hint::Ended, Hint::Deleted, Hint::Cancel].map(|hint| hint(id));
+        for hint in [&[Hint::Queued], &all[..]].concat() {
+            assert_eq!(Hint::of(&hint.to_string()), Some(hint));
+        }
         for other in ["", "ended", "ended x", &format!("begun {id}")] {
             assert_eq!(Hint::of(other), None);
         }

@@ -10,6 +10,7 @@ use uuid::Uuid;
 
 use super::Shared;
 use super::connection::of_database;
+use super::hints::Hint;
 use super::reads::record_of;
 use crate::job::state::{State, Status};
 use crate::job::store::{Record, StoreError, record};
@@ -31,21 +32,17 @@ WHERE state = 'running' AND lease_until < now() AND owner = (
 
 /// Back into the queue, or failed, if nobody was quicker.
 const RECOVER: &str = "
-WITH job AS (
-    UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
-        owner = NULL, lease_until = NULL, finished = to_timestamp($6)
-    WHERE id = $1 AND epoch = $2 AND state = 'running' AND lease_until < now()
-    RETURNING id
-)
-SELECT pg_notify('piad', CASE $3 WHEN 'queued' THEN 'queued' ELSE 'ended ' || id END) FROM job";
+UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
+    owner = NULL, lease_until = NULL, finished = to_timestamp($6)
+WHERE id = $1 AND epoch = $2 AND state = 'running' AND lease_until < now()
+RETURNING id";
 
 const WAITING: &str = "
 SELECT id, outline, status, crashes, on_probation FROM jobs
 WHERE state = 'queued' ORDER BY id LIMIT $1";
 
-const CANCEL: &str = "
-WITH job AS (UPDATE jobs SET cancel = true WHERE id = $1 AND finished IS NULL RETURNING id)
-SELECT pg_notify('piad', 'cancel ' || id) FROM job";
+const CANCEL: &str =
+    "UPDATE jobs SET cancel = true WHERE id = $1 AND finished IS NULL RETURNING id";
 
 impl Shared {
     /// How often a replica says that it runs its jobs: twice in vain, and they are still its own.
@@ -144,6 +141,10 @@ impl Shared {
         };
         if !self.connections.run(0, recover).await?.is_empty() {
             self.counters.jobs_recovered.inc();
+            self.tell(match job.status.state {
+                State::Queued => Hint::Queued,
+                _ => Hint::Ended(id),
+            });
             warn!(job = %id, crashes = job.crashes, "the replica that ran a job is gone");
         }
         Ok(())
@@ -166,6 +167,7 @@ impl Shared {
         if !self.write_end(id, &status, None).await? {
             let cancel = || sqlx::query(CANCEL).bind(id);
             self.connections.run(0, cancel).await?;
+            self.tell(Hint::Cancel(id));
         }
         Ok(())
     }

@@ -28,6 +28,7 @@ use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
 use sqlx::postgres::PgConnectOptions;
+use tokio::sync::mpsc;
 use uuid::Uuid;
 
 use super::{
@@ -39,6 +40,7 @@ use crate::job::counters::Counters;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use connection::Connections;
+use hints::Hint;
 use order::Order;
 use pieces::Table;
 
@@ -52,6 +54,8 @@ pub(crate) struct Shared {
     /// The jobs that this replica runs.
     claims: Mutex<HashMap<Uuid, Claim>>,
     order: Arc<Order>,
+    /// What the other replicas are told next.
+    told: mpsc::Sender<Hint>,
     counters: Counters,
 }
 

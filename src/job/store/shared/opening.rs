@@ -7,12 +7,13 @@ use std::time::{Duration, Instant};
 use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::postgres::{PgConnectOptions, PgPoolOptions};
 use sqlx::{ConnectOptions, SqlSafeStr};
+use tokio::sync::mpsc;
 use tokio::time::{sleep, timeout};
 use tracing::warn;
 use uuid::Uuid;
 
 use super::connection::{Connections, of_database};
-use super::{Settings, Shared};
+use super::{Settings, Shared, hints};
 use crate::job::counters::Counters;
 use crate::job::store::{OpenError, StoreError};
 
@@ -61,7 +62,9 @@ impl Shared {
             }
         }
         let open = Connections::new(options.clone(), settings.connections, counters.clone());
-        Ok(Arc::new(Self {
+        let (told, hints) = mpsc::channel(hints::MOST);
+        let store = Arc::new(Self {
+            told,
             connections: open.map_err(OpenError::Database)?,
             options,
             lease: settings.lease,
@@ -69,7 +72,9 @@ impl Shared {
             claims: Default::default(),
             order: Default::default(),
             counters,
-        }))
+        });
+        tokio::spawn(hints::go_on_telling(Arc::downgrade(&store), hints));
+        Ok(store)
     }
 }
 

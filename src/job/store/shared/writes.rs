@@ -11,6 +11,7 @@ use tracing::warn;
 use uuid::Uuid;
 
 use super::connection::of_database;
+use super::hints::Hint;
 use super::pieces::{Table, Value};
 use super::{Claim, Shared};
 use crate::job::state::{State, Status};
@@ -37,28 +38,22 @@ WITH key AS (
 ), input AS (
     INSERT INTO inputs SELECT id, 0, $7 FROM job
 )
-SELECT id, CASE $3 WHEN 'queued' THEN pg_notify('piad', 'queued') END FROM job";
+SELECT id FROM job";
 
 /// A claim of a job that waits, or news of one that this replica has claimed.
 const START: &str = "
-WITH job AS (
-    UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
-        epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
-        owner = $4, lease_until = now() + make_interval(secs => $5)
-    WHERE id = $1 AND (state = 'queued' OR (state = 'running' AND epoch = $6 AND owner = $4))
-    RETURNING id, epoch
-)
-SELECT epoch, pg_notify('piad', 'started ' || id) FROM job";
+UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
+    epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
+    owner = $4, lease_until = now() + make_interval(secs => $5)
+WHERE id = $1 AND (state = 'queued' OR (state = 'running' AND epoch = $6 AND owner = $4))
+RETURNING epoch";
 
 /// Back into the queue, at an orderly end of the replica.
 const REQUEUE: &str = "
-WITH job AS (
-    UPDATE jobs SET state = 'queued', status = $3, on_probation = false, crashes = 0,
-        owner = NULL, lease_until = NULL
-    WHERE id = $1 AND epoch = $2 AND state = 'running'
-    RETURNING 1
-)
-SELECT pg_notify('piad', 'queued') FROM job";
+UPDATE jobs SET state = 'queued', status = $3, on_probation = false, crashes = 0,
+    owner = NULL, lease_until = NULL
+WHERE id = $1 AND epoch = $2 AND state = 'running'
+RETURNING id";
 
 /// The end of a job that this replica has claimed, or of one that waits.
 const FINISH: &str = "
@@ -70,23 +65,24 @@ WITH job AS (
 ), result AS (
     INSERT INTO results SELECT id, 0, $7 FROM job WHERE $7 IS NOT NULL ON CONFLICT DO NOTHING
 )
-SELECT id, pg_notify('piad', 'ended ' || id) FROM job";
+SELECT id FROM job";
 
-const REMOVE: &str = "
-WITH job AS (DELETE FROM jobs WHERE id = $1 RETURNING id)
-SELECT id, pg_notify('piad', 'deleted ' || id) FROM job";
+const REMOVE: &str = "DELETE FROM jobs WHERE id = $1 RETURNING id";
 
 /// The jobs that have ended last stay, as many as are allowed and fit in; the others that are not spared go,
-/// the first to end first.
+/// the first to end first. One replica at a time looks for them: the others find nothing.
 const RETAIN: &str = "
-WITH surplus AS (
+WITH turn AS MATERIALIZED (
+    SELECT pg_try_advisory_xact_lock(hashtext('piad retention'), hashtext(current_schema()::text)) AS mine
+), surplus AS (
     SELECT id FROM (
         SELECT id, finished, row_number() OVER newest AS jobs,
             sum(input_bytes + result_bytes) OVER newest AS bytes
         FROM jobs WHERE finished IS NOT NULL
         WINDOW newest AS (ORDER BY finished DESC, id DESC)
     ) AS ended
-    WHERE (jobs > $1 OR bytes > $2 OR finished < now() - make_interval(secs => $3))
+    WHERE (SELECT mine FROM turn)
+        AND (jobs > $1 OR bytes > $2 OR finished < now() - make_interval(secs => $3))
         AND id <> ALL($4)
     ORDER BY finished, id LIMIT $5
 ), gone AS (
@@ -154,8 +150,9 @@ impl Shared {
                 return Ok(Some(entry));
             }
         }
-        if runs {
-            self.claim(id, 1, begin);
+        match runs {
+            true => self.claim(id, 1, begin),
+            false => self.tell(Hint::Queued),
         }
         Ok(None)
     }
@@ -184,6 +181,7 @@ impl Shared {
         };
         let epoch = row.try_get(0).map_err(of_database)?;
         self.claim(id, epoch, begin);
+        self.tell(Hint::Started(id));
         Ok(true)
     }
 
@@ -196,6 +194,7 @@ impl Shared {
         let requeue = || sqlx::query(REQUEUE).bind(id).bind(epoch).bind(&status);
         self.connections.run(0, requeue).await?;
         self.claims.lock().remove(&id);
+        self.tell(Hint::Queued);
         Ok(())
     }
 
@@ -230,7 +229,11 @@ impl Shared {
             .run_with(bytes, finish, value.as_ref())
             .await?;
         self.claims.lock().remove(&id);
-        if !finished.is_empty() || self.is_gone(id).await? {
+        if !finished.is_empty() {
+            self.tell(Hint::Ended(id));
+            return Ok(true);
+        }
+        if self.is_gone(id).await? {
             return Ok(true);
         }
         if let Some(epoch) = epoch {
@@ -247,6 +250,7 @@ impl Shared {
             .run(0, || sqlx::query(REMOVE).bind(id))
             .await?;
         self.claims.lock().remove(&id);
+        self.tell(Hint::Deleted(id));
         Ok(!deleted.is_empty())
     }
 
