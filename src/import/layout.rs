@@ -85,21 +85,45 @@ impl Layout {
 
     /// Reads the point of a line without blanks around it that has as many columns as the first one and
     /// whose coordinates are plain numbers; `None` for all others, which [`point`](Self::point) looks at.
-    pub(super) fn plain_point(&self, line: &str, point: &mut [f64]) -> Option<()> {
-        let mut width = 0;
-        let mut field = |field: &str| {
-            let place = self.coordinates.iter().position(|column| *column == width);
-            if let Some(coordinate) = place.and_then(|place| point.get_mut(place)) {
-                *coordinate = Notation::plain_number(field.trim_ascii())?;
+    pub(super) fn plain_point(&self, line: &[u8], point: &mut [f64]) -> Option<()> {
+        let mut rest = line;
+        for column in 0..self.width {
+            if column > 0 {
+                rest = self.next_column(rest)?;
             }
-            width += 1;
-            Some(())
-        };
-        match self.notation.separator {
-            None => line.split_ascii_whitespace().try_for_each(&mut field)?,
-            Some(separator) => line.split(separator).try_for_each(&mut field)?,
+            let place = self.coordinates.iter().position(|it| *it == column);
+            let length = match place.and_then(|place| point.get_mut(place)) {
+                Some(coordinate) => {
+                    let (number, length) = plain_number(rest)?;
+                    *coordinate = number;
+                    length
+                }
+                None => self.skipped(rest),
+            };
+            rest = rest.get(length..)?;
         }
-        (width == self.width).then_some(())
+        rest.is_empty().then_some(())
+    }
+
+    /// What follows the separator that a text begins with, and the blanks around it.
+    fn next_column<'a>(&self, text: &'a [u8]) -> Option<&'a [u8]> {
+        let bare = text.trim_ascii_start();
+        match self.notation.separator {
+            None => (bare.len() < text.len()).then_some(bare),
+            Some(separator) => match bare.split_first()? {
+                (first, rest) if char::from(*first) == separator => Some(rest.trim_ascii_start()),
+                _ => None,
+            },
+        }
+    }
+
+    /// The length of a column that is not read.
+    fn skipped(&self, text: &[u8]) -> usize {
+        let ends = |byte: &u8| match self.notation.separator {
+            None => byte.is_ascii_whitespace(),
+            Some(separator) => char::from(*byte) == separator,
+        };
+        text.iter().position(ends).unwrap_or(text.len())
     }
 
     /// Whether a line above the points that is none can be a title. It is no point with a coordinate
@@ -130,6 +154,13 @@ impl Layout {
             || (is_number.len() == self.width && is_number.contains(&true))
             || (is_number.len() > self.width && is_number.iter().take(self.width).all(|it| *it))
     }
+}
+
+/// The finite number that a text begins with, and its length.
+fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
+    let is_begun = matches!(text, [b'0'..=b'9' | b'+' | b'-' | b'.', ..]);
+    let read = is_begun.then(|| fast_float2::parse_partial::<f64, _>(text).ok());
+    read.flatten().filter(|(number, _)| number.is_finite())
 }
 
 /// The columns that are called x, y and z, of so many; those of them that there are, if they begin

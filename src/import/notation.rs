@@ -56,13 +56,6 @@ impl Notation {
         }
     }
 
-    /// The number of a field in which there is nothing else than a finite number.
-    pub(super) fn plain_number(field: &str) -> Option<f64> {
-        let is_begun = matches!(field.as_bytes(), [b'0'..=b'9' | b'+' | b'-' | b'.', ..]);
-        let number = is_begun.then(|| field.parse().ok());
-        number.flatten().filter(|number: &f64| number.is_finite())
-    }
-
     /// The number of a field; also with the exponents of Fortran (`1.5D+00`).
     pub(super) fn number(self, field: &str) -> Option<f64> {
         let begins = |c: char| c.is_ascii_digit() || "+-.,".contains(c);

@@ -66,7 +66,7 @@ fn read(text: &str, end: char, layout: &Layout) -> Option<Piece> {
         if line.is_empty() {
             piece.breaks.push(piece.lines.len());
         } else {
-            layout.plain_point(line, point)?;
+            layout.plain_point(line.as_bytes(), point)?;
             for (lane, x) in piece.lanes.iter_mut().zip(&*point) {
                 lane.push(*x);
             }

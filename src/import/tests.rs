@@ -322,6 +322,8 @@ fn large_files_are_the_same_in_pieces() {
         ("a scan\n\n", "\t", "\n", 200),
         ("", " ; ", "\r", 0),
         ("", "  ", "\n", 333),
+        ("u,x,y\n", " , ", "\n", 0),
+        ("x y u\n", " ", "\n", 0),
     ] {
         let [plain, quoted] = [false, true].map(|quoted| file(head, separator, end, rows, quoted));
         let found = read(&plain, &hints).unwrap();

@@ -2,9 +2,10 @@
 //! another than large ones), and with limits on pauses and rate. Compressed ones are unpacked as they come, and the limits are those of
 //! what is in them.
 
+use std::mem::take;
 use std::time::{Duration, Instant};
 
-use axum::body::Body;
+use axum::body::{Body, HttpBody};
 use axum::http::{HeaderMap, header};
 use bytes::Bytes;
 use http_body_util::BodyExt;
@@ -88,12 +89,12 @@ async fn collect(
         bytes: Vec::new(),
         room: Room::default(),
     };
-    match coding {
+    let bytes = match coding {
         None => intake.collect(body).await?,
         Some(coding) => intake.collect_packed(body, coding).await?,
-    }
+    };
     Ok(ReceivedBody {
-        bytes: intake.bytes.into(),
+        bytes,
         room: intake.room,
     })
 }
@@ -111,15 +112,20 @@ struct Intake<'a> {
 }
 
 impl Intake<'_> {
-    async fn collect(&mut self, mut body: Body) -> Result<(), Problem> {
+    async fn collect(&mut self, mut body: Body) -> Result<Bytes, Problem> {
         while let Some(data) = self.receive(&mut body).await? {
+            // A large body that comes as a whole, as that of `piad fit` does, is not copied.
+            if self.bytes.is_empty() && data.len() > SMALL && body.is_end_stream() {
+                self.take_large(COPIES * data.len()).await?;
+                return Ok(data);
+            }
             self.grow(data.len()).await?;
             self.bytes.extend_from_slice(&data);
         }
-        Ok(())
+        Ok(take(&mut self.bytes).into())
     }
 
-    async fn collect_packed(&mut self, mut body: Body, coding: Coding) -> Result<(), Problem> {
+    async fn collect_packed(&mut self, mut body: Body, coding: Coding) -> Result<Bytes, Problem> {
         let damaged = |reason: String| {
             let detail = format!("the body cannot be unpacked as {}: {reason}", coding.name());
             Problem::new(Kind::InvalidRequest, detail)
@@ -135,7 +141,7 @@ impl Intake<'_> {
                 let left = self.limit.saturating_add(1) - self.bytes.len();
                 let most = left.min(if self.bytes.is_empty() { SMALL } else { STEP });
                 self.grow(most).await?;
-                let mut bytes = std::mem::take(&mut self.bytes);
+                let mut bytes = take(&mut self.bytes);
                 let small = bytes.is_empty();
                 let work = move || {
                     let more = unpacker.add(&mut data, &mut bytes, most);
@@ -156,7 +162,7 @@ impl Intake<'_> {
             }
         }
         match unpacker.has_ended() {
-            true => Ok(()),
+            true => Ok(take(&mut self.bytes).into()),
             false => Err(damaged("its end is missing".to_owned())),
         }
     }
@@ -214,14 +220,14 @@ impl Intake<'_> {
     /// Takes memory for a small body.
     async fn take_small(&mut self, bytes: usize) -> Result<(), Problem> {
         let share = &self.app.jobs.resources().memory.requests;
-        take(share, &mut self.room.small, bytes).await
+        take_memory(share, &mut self.room.small, bytes).await
     }
 
     /// Takes memory for a large body. One that is larger than the whole share waits until it gets all of
     /// it.
     async fn take_large(&mut self, bytes: usize) -> Result<(), Problem> {
         let share = &self.app.jobs.resources().memory.bodies;
-        take(share, &mut self.room.large, bytes).await
+        take_memory(share, &mut self.room.large, bytes).await
     }
 
     /// Refuses bodies that come so slowly that they keep memory from others.
@@ -242,7 +248,11 @@ impl Intake<'_> {
 }
 
 /// Waits for memory, not for long.
-async fn take(share: &Share, room: &mut Option<Permit>, bytes: usize) -> Result<(), Problem> {
+async fn take_memory(
+    share: &Share,
+    room: &mut Option<Permit>,
+    bytes: usize,
+) -> Result<(), Problem> {
     let taken = async {
         match room {
             Some(permit) => share.extend(permit, bytes).await,
