@@ -96,10 +96,8 @@ def first_event(server, path, after):
             return time.monotonic() - begin
 
 
-def processor():
-    """Seconds of processor time that the database has taken."""
-    with open(f"{CLUSTER}/data/postmaster.pid") as file:
-        main = file.readline().strip()
+def processor(main):
+    """Seconds of processor time that a process and its children have taken."""
     ticks = 0
     for pid in os.listdir("/proc"):
         try:
@@ -108,13 +106,21 @@ def processor():
         except (OSError, IndexError):
             continue
         # Of children that have ended the first process knows.
-        ticks += sum(map(int, fields[11:15])) if pid == main else sum(map(int, fields[11:13])) if fields[1] == main else 0
+        if pid == main:
+            ticks += sum(map(int, fields[11:15]))
+        elif fields[1] == main:
+            ticks += sum(map(int, fields[11:13]))
     return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def postgres():
+    with open(f"{CLUSTER}/data/postmaster.pid") as file:
+        return processor(file.readline().strip())
 
 
 def database():
     row = sql("SELECT xact_commit, (SELECT wal_bytes FROM pg_stat_wal) FROM pg_stat_database WHERE datname = 'postgres'")
-    return [*(float(value) for value in row.split("|")), processor()]
+    return [*(float(value) for value in row.split("|")), postgres()]
 
 
 def streams(count):
@@ -137,6 +143,59 @@ def streams(count):
     print(f"first iteration of {count} points: {median(here):.1f} ms at its replica, {median(there):.1f} ms at another")
 
 
+def several(replicas, body):
+    """Replicas under load and without: what a job costs, in milliseconds of a processor."""
+    schema = f"scale_{replicas}"
+    sql(f"CREATE SCHEMA {schema}")
+    servers = [Server(f"{URL}&options[search_path]={schema}") for _ in range(replicas)]
+    throughput(servers, body)
+    time.sleep(2)
+
+    def counted():
+        statements = sum(server.metric("piad_store_statements_total") for server in servers)
+        own = sum(processor(str(server.process.pid)) for server in servers)
+        return [*database(), statements, own, time.process_time()]
+
+    def costs(action):
+        before = counted()
+        value = action()
+        return value, [after - before for before, after in zip(before, counted())]
+
+    (rate, jobs), (commits, wal, store, statements, own, clients) = costs(lambda: throughput(servers, body))
+    job = {"store": 1000 * store / jobs, "replica": 1000 * own / jobs, "client": 1000 * clients / jobs, "log": wal / jobs / 1024}
+    print(f"{replicas} replicas: {rate:.0f} jobs/s; a job: {statements / jobs:.2f} statements, {commits / jobs:.2f} commits, "
+          f"{job['log']:.1f} KiB of log; milliseconds of a processor: database {job['store']:.2f}, replica {job['replica']:.2f}, "
+          f"client {job['client']:.2f}")
+    time.sleep(2)
+    _, (_, _, store, statements, _, _) = costs(lambda: time.sleep(SECONDS))
+    idle = 1000 * store / SECONDS / replicas
+    print(f"    with nothing to do, a replica: {statements / SECONDS / replicas:.1f} statements/s, "
+          f"{idle:.2f} ms/s of the database")
+    for server in servers:
+        server.stop()
+    return {"replicas": replicas, "rate": rate, "idle": idle, **job}
+
+
+def model(measured):
+    """What a job costs the database is a part for itself and one for each replica that hears of its end."""
+    count = len(measured)
+    mean = sum(it["replicas"] for it in measured) / count
+    own = sum(it["store"] for it in measured) / count
+    each = sum((it["replicas"] - mean) * it["store"] for it in measured) / sum((it["replicas"] - mean) ** 2 for it in measured)
+    each = max(each, 0)
+    first, last = measured[0], measured[-1]
+    cost = lambda replicas: own + each * (replicas - mean)
+    # What the first measurement says of the last one.
+    expected = 1000 * os.cpu_count() / (cost(last["replicas"]) + first["replica"] + first["client"])
+    print(f"{last['replicas']} replicas, by the model: {expected:.0f} jobs/s here, measured {last['rate']:.0f}")
+    print(f"a job costs the database {own - each * mean:.3f} ms and {each:.3f} ms for each replica")
+    for replicas in (3, 30, 300):
+        computed = replicas * 4 * 1000 / last["replica"]
+        stored = (8 * 1000 - replicas * last["idle"]) / cost(replicas)
+        print(f"{replicas} replicas of 4 cores, a database of 8: {computed:.0f} jobs/s are computed, {stored:.0f} stored, "
+              f"{stored * last['log'] / 1024:.0f} MiB/s of log")
+
+
 def main():
     body = job(100, relative_tolerance=1e-6, max_iterations=1000)
     print(f"{CLIENTS} clients, jobs of 100 points, {os.cpu_count()} cores for clients, replicas and database together")
@@ -145,26 +204,8 @@ def main():
         throughput([server], body)
         print(f"a file: {throughput([server], body)[0]:.0f} jobs/s")
         server.stop()
-    for replicas in (1, 2, 3):
-        schema = f"scale_{replicas}"
-        sql(f"CREATE SCHEMA {schema}")
-        servers = [Server(f"{URL}&options[search_path]={schema}") for _ in range(replicas)]
-        throughput(servers, body)
-        time.sleep(2)
-        counted = lambda: [*database(), sum(server.metric("piad_store_statements_total") for server in servers)]
-        before = counted()
-        rate, jobs = throughput(servers, body)
-        time.sleep(2)
-        commits, wal, seconds, statements = (b - a for a, b in zip(before, counted()))
-        print(f"{replicas} replicas: {rate:.0f} jobs/s; a job: {statements / jobs:.2f} statements, {commits / jobs:.2f} commits, "
-              f"{wal / jobs / 1024:.1f} KiB of log, {1000 * seconds / jobs:.2f} ms of processor time of the database")
-        before = counted()
-        time.sleep(SECONDS)
-        commits, wal, seconds, statements = (b - a for a, b in zip(before, counted()))
-        each = SECONDS * replicas
-        print(f"    with nothing to do, a replica: {statements / each:.1f} statements/s, {1000 * seconds / each:.2f} ms/s of the database")
-        for server in servers:
-            server.stop()
+    measured = [several(replicas, body) for replicas in (1, 2, 3)]
+    model(measured)
     for count in (100, 100_000):
         streams(count)
 

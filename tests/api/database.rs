@@ -66,10 +66,15 @@ pub fn url() -> String {
 /// Runs a statement, and gives what it says.
 pub fn run(statement: &str) -> String {
     let cluster = env::var("PIAD_TEST_CLUSTER").expect("PIAD_TEST_CLUSTER");
+    run_in(Path::new(&cluster), statement)
+}
+
+/// Runs a statement in the cluster of this directory.
+pub fn run_in(cluster: &Path, statement: &str) -> String {
     let psql = Command::new("psql")
-        .args([
-            "-h", &cluster, "-U", "piad", "-d", "postgres", "-q", "-t", "-A",
-        ])
+        .arg("-h")
+        .arg(cluster)
+        .args(["-U", "piad", "-d", "postgres", "-q", "-t", "-A"])
         .args(["-v", "ON_ERROR_STOP=1", "-c", statement])
         .output()
         .unwrap();

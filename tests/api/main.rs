@@ -16,6 +16,7 @@ mod base_path;
 mod bodies;
 mod changed;
 mod closed;
+mod cluster;
 mod compressed;
 mod constraints;
 mod constraints_messages;

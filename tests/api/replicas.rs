@@ -1,9 +1,7 @@
 //! Several replicas with one database, behind one proxy: killed, paused, cut off, and all the time under load.
 
 use std::collections::HashSet;
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -13,6 +11,7 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 
+use crate::cluster::Cluster;
 use crate::data;
 use crate::load::{all_jobs, random, undisturbed, work};
 use crate::program::Program;
@@ -25,80 +24,6 @@ fn rounds() -> usize {
     set.map_or(10, |rounds| {
         rounds.parse().expect("PIAD_TEST_ROUNDS is a number")
     })
-}
-
-/// A PostgreSQL cluster of its own, which can be stopped.
-pub struct Cluster {
-    script: Child,
-    directory: PathBuf,
-}
-
-impl Cluster {
-    fn start() -> Self {
-        let mut script = Command::new("tests/postgres")
-            .args(["sh", "-c", "echo $PIAD_TEST_CLUSTER; cat"])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut directory = String::new();
-        let mut said = BufReader::new(script.stdout.take().unwrap());
-        said.read_line(&mut directory).unwrap();
-        let directory = directory.trim().into();
-        Self { script, directory }
-    }
-
-    fn socket(&self) -> PathBuf {
-        self.directory.join(".s.PGSQL.5432")
-    }
-
-    /// Ends without a word to anybody; starts again soon, or when it is told to.
-    fn stop(&self, stays_away: bool) {
-        if stays_away {
-            std::fs::write(self.directory.join("away"), "").unwrap();
-        }
-        let pid = std::fs::read_to_string(self.directory.join("data/postmaster.pid"));
-        if let Ok(pid) = pid {
-            let pid = pid.lines().next().unwrap();
-            Command::new("kill").args(["-QUIT", pid]).status().unwrap();
-        }
-    }
-
-    /// Runs a statement.
-    pub fn run(&self, statement: &str) {
-        let psql = Command::new("psql")
-            .arg("-h")
-            .arg(&self.directory)
-            .args([
-                "-U",
-                "piad",
-                "-d",
-                "postgres",
-                "-q",
-                "-v",
-                "ON_ERROR_STOP=1",
-                "-c",
-                statement,
-            ])
-            .output()
-            .unwrap();
-        assert!(
-            psql.status.success(),
-            "{}",
-            String::from_utf8_lossy(&psql.stderr)
-        );
-    }
-
-    fn come_back(&self) {
-        std::fs::remove_file(self.directory.join("away")).unwrap();
-    }
-}
-
-impl Drop for Cluster {
-    fn drop(&mut self) {
-        drop(self.script.stdin.take());
-        let _ = self.script.wait();
-    }
 }
 
 /// A replica with its own way to the database.
