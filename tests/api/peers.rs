@@ -51,7 +51,7 @@ async fn one_client_does_not_fill_the_queue() {
 /// A client at 127.0.0.2.
 fn another() -> Client {
     let client = Client::builder().local_address(Some([127, 0, 0, 2].into()));
-    client.timeout(PATIENCE).build().unwrap()
+    client.read_timeout(PATIENCE).build().unwrap()
 }
 
 /// However many jobs one client has, running and waiting for memory, a small job of another one runs.

@@ -92,7 +92,7 @@ impl Program {
             child,
             log: lines,
             address,
-            client: Client::builder().timeout(PATIENCE).build().unwrap(),
+            client: Client::builder().read_timeout(PATIENCE).build().unwrap(),
         })
     }
 

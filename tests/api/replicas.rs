@@ -59,7 +59,7 @@ impl Replicas {
         let (addresses, servers) = watch::channel(all.collect());
         let front = Wire::to(Target::Servers(servers)).await;
         let client = reqwest::Client::builder().pool_max_idle_per_host(0);
-        let client = client.timeout(PATIENCE).build().unwrap();
+        let client = client.read_timeout(PATIENCE).build().unwrap();
         Self {
             cluster,
             replicas,

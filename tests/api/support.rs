@@ -66,7 +66,7 @@ impl Server {
         let served = tokio::spawn(piad::server::serve(vec![listener], config, async {
             let _ = stopped.await;
         }));
-        let client = Client::builder().timeout(PATIENCE).build().unwrap();
+        let client = Client::builder().read_timeout(PATIENCE).build().unwrap();
         Self {
             url,
             client,
