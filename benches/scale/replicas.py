@@ -162,10 +162,10 @@ def several(replicas, body):
         return value, [after - before for before, after in zip(before, counted())]
 
     (rate, jobs), (commits, wal, store, statements, own, clients) = costs(lambda: throughput(servers, body))
-    job = {"store": 1000 * store / jobs, "replica": 1000 * own / jobs, "client": 1000 * clients / jobs, "log": wal / jobs / 1024}
+    cost = {"store": 1000 * store / jobs, "replica": 1000 * own / jobs, "client": 1000 * clients / jobs, "log": wal / jobs / 1024}
     print(f"{replicas} replicas: {rate:.0f} jobs/s; a job: {statements / jobs:.2f} statements, {commits / jobs:.2f} commits, "
-          f"{job['log']:.1f} KiB of log; milliseconds of a processor: database {job['store']:.2f}, replica {job['replica']:.2f}, "
-          f"client {job['client']:.2f}")
+          f"{cost['log']:.1f} KiB of log; milliseconds of a processor: database {cost['store']:.2f}, replica {cost['replica']:.2f}, "
+          f"client {cost['client']:.2f}")
     time.sleep(2)
     _, (_, _, store, statements, _, _) = costs(lambda: time.sleep(SECONDS))
     idle = 1000 * store / SECONDS / replicas
@@ -173,7 +173,7 @@ def several(replicas, body):
           f"{idle:.2f} ms/s of the database")
     for server in servers:
         server.stop()
-    return {"replicas": replicas, "rate": rate, "idle": idle, **job}
+    return {"replicas": replicas, "rate": rate, "idle": idle, **cost}
 
 
 def model(measured):

@@ -81,7 +81,9 @@ pub(crate) fn last_event(job: &Job, id: Option<&str>) -> Result<Option<LastEvent
         Some(text) => {
             let id = EventId::parse(text).ok_or_else(|| {
                 let id = quoted(text);
-                format!("{id} is no event id: ids are iteration numbers and \"end\"")
+                format!(
+                    "{id} is no event id: ids are iteration numbers, such as 7 or 7@2, and \"end\""
+                )
             })?;
             Ok(Some(LastEvent::Iteration(after(job, id)?)))
         }

@@ -3735,7 +3735,7 @@ export interface components {
          */
         on_disconnect: components["schemas"]["OnDisconnect"];
         /**
-         * @description The id of the last event that the client has: the stream goes on after it. After `end` there is nothing: 204.
+         * @description The id of the last event that the client has: the stream goes on after it, or begins again if that iteration is of a version of the program whose numbers differ. After `end` there is nothing: 204.
          * @example 7
          */
         "Last-Event-ID": string;
@@ -3778,7 +3778,7 @@ export interface components {
          */
         "Preference-Applied": string;
         /**
-         * @description The iteration after which the stream goes on.
+         * @description The iteration after which the stream goes on; not there where it begins at iteration 0.
          * @example 7
          */
         "Piad-Resumed-After": number;
@@ -5824,7 +5824,7 @@ export interface operations {
             };
             header?: {
                 /**
-                 * @description The id of the last event that the client has: the stream goes on after it. After `end` there is nothing: 204.
+                 * @description The id of the last event that the client has: the stream goes on after it, or begins again if that iteration is of a version of the program whose numbers differ. After `end` there is nothing: 204.
                  * @example 7
                  */
                 "Last-Event-ID"?: components["parameters"]["Last-Event-ID"];

@@ -21,9 +21,9 @@ class EventStream:
     """The events of a job, each once and in order, up to the `end` event.
 
     Whenever the connection breaks or the server stops it is opened again after the last event that
-    arrived. Where the server has another version then whose numbers differ in the last digits, all
-    iterations come again: the `job` event says `"resumed": "restarted"`. The waiting time is the one that the server asks for (`retry:`, `Retry-After`), and
-    grows as long as no iteration arrives.
+    arrived. If the server is another version by then, whose numbers differ in the last digits, all
+    iterations come again: the `job` event says `"resumed": "restarted"`. The waiting time is the one
+    that the server asks for (`retry:`, `Retry-After`), and grows as long as no iteration arrives.
     """
 
     def __init__(self, transport: Transport, path: str, parameters: Parameters, after: Optional[int] = None):

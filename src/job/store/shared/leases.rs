@@ -166,8 +166,9 @@ impl Shared {
         };
         if !self.write_end(id, &status, None).await? {
             let cancel = || sqlx::query(CANCEL).bind(id);
-            self.connections.run(0, cancel).await?;
-            self.tell(Hint::Cancel(id));
+            if !self.connections.run(0, cancel).await?.is_empty() {
+                self.tell(Hint::Cancel(id));
+            }
         }
         Ok(())
     }

@@ -150,9 +150,10 @@ impl Shared {
                 return Ok(Some(entry));
             }
         }
-        match runs {
-            true => self.claim(id, 1, begin),
-            false => self.tell(Hint::Queued),
+        if runs {
+            self.claim(id, 1, begin);
+        } else {
+            self.tell(Hint::Queued);
         }
         Ok(None)
     }
@@ -192,9 +193,11 @@ impl Shared {
         };
         let status = record::write(&Status::QUEUED)?;
         let requeue = || sqlx::query(REQUEUE).bind(id).bind(epoch).bind(&status);
-        self.connections.run(0, requeue).await?;
+        let requeued = self.connections.run(0, requeue).await?;
         self.claims.lock().remove(&id);
-        self.tell(Hint::Queued);
+        if !requeued.is_empty() {
+            self.tell(Hint::Queued);
+        }
         Ok(())
     }
 
@@ -250,8 +253,11 @@ impl Shared {
             .run(0, || sqlx::query(REMOVE).bind(id))
             .await?;
         self.claims.lock().remove(&id);
+        if deleted.is_empty() {
+            return Ok(false);
+        }
         self.tell(Hint::Deleted(id));
-        Ok(!deleted.is_empty())
+        Ok(true)
     }
 
     /// Deletes keys that have expired, and jobs that are beyond the retention; gives the ids of these.
