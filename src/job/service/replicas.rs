@@ -46,21 +46,25 @@ impl Jobs {
         {
             return Ok(live);
         }
-        match shared.records(&[id]).await {
-            Ok(mut records) => match (records.pop(), live) {
-                (Some(record), live) => {
-                    let status = record.status.clone();
-                    let job = live.unwrap_or_else(|| self.bring_to_life(record, None, true));
-                    job.follow(status);
-                    Ok(Some(job))
+        let record = match shared.get(id).await {
+            Ok(Some(record)) if live.is_none() && !record.status.state.is_final() => {
+                shared.follow(id).await
+            }
+            record => record,
+        };
+        match record {
+            Ok(Some(record)) => {
+                let status = record.status.clone();
+                let job = live.unwrap_or_else(|| self.bring_to_life(record, None, true));
+                job.follow(status);
+                Ok(Some(job))
+            }
+            Ok(None) => {
+                if let Some(job) = live {
+                    self.let_go(&job);
                 }
-                (None, live) => {
-                    if let Some(job) = live {
-                        self.let_go(&job);
-                    }
-                    Ok(None)
-                }
-            },
+                Ok(None)
+            }
             // What has ended can be read while the database is away, if it is in memory.
             Err(error) => match live.filter(|job| job.status().state.is_final()) {
                 Some(job) => Ok(Some(job)),

@@ -35,7 +35,7 @@ const RECOVER: &str = "
 UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
     owner = NULL, lease_until = NULL, finished = to_timestamp($6)
 WHERE id = $1 AND epoch = $2 AND state = 'running' AND lease_until < now()
-RETURNING id";
+RETURNING followed";
 
 const WAITING: &str = "
 SELECT id, outline, status, crashes, on_probation FROM jobs
@@ -139,12 +139,13 @@ impl Shared {
                 .bind(job.crashes as i32)
                 .bind(finished)
         };
-        if !self.connections.run(0, recover).await?.is_empty() {
+        if let Some(row) = self.connections.run(0, recover).await?.first() {
             self.counters.jobs_recovered.inc();
-            self.tell(match job.status.state {
-                State::Queued => Hint::Queued,
-                _ => Hint::Ended(id),
-            });
+            if job.status.state == State::Queued {
+                self.tell(Hint::Queued);
+            } else if row.try_get("followed").map_err(of_database)? {
+                self.tell(Hint::Ended(id));
+            }
             warn!(job = %id, crashes = job.crashes, "the replica that ran a job is gone");
         }
         Ok(())

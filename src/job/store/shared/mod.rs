@@ -159,7 +159,7 @@ impl Shared {
     }
 
     /// See [`super::Store::get`].
-    pub(super) async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+    pub(crate) async fn get(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
         Ok(self.records(&[id]).await?.pop())
     }
 

@@ -7,12 +7,14 @@
 use std::time::Instant;
 
 use sqlx::Row;
+use sqlx::postgres::PgRow;
 use tracing::warn;
 use uuid::Uuid;
 
 use super::connection::of_database;
 use super::hints::Hint;
 use super::pieces::{Table, Value};
+use super::reads::record_of;
 use super::{Claim, Shared};
 use crate::job::state::{State, Status};
 use crate::job::store::{
@@ -40,13 +42,14 @@ WITH key AS (
 )
 SELECT id FROM job";
 
-/// A claim of a job that waits, or news of one that this replica has claimed.
+/// A claim of a job that waits, or news of one that this replica has claimed. In the queue of the replica that
+/// has accepted it it still waits.
 const START: &str = "
 UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
     epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
-    owner = $4, lease_until = now() + make_interval(secs => $5)
+    followed = followed OR owner IS DISTINCT FROM $4, owner = $4, lease_until = now() + make_interval(secs => $5)
 WHERE id = $1 AND (state = 'queued' OR (state = 'running' AND epoch = $6 AND owner = $4))
-RETURNING epoch";
+RETURNING epoch, followed";
 
 /// Back into the queue, at an orderly end of the replica.
 const REQUEUE: &str = "
@@ -61,13 +64,16 @@ WITH job AS (
     UPDATE jobs SET state = $3, status = $4, on_probation = false, finished = to_timestamp($5),
         result_bytes = $6, lease_until = NULL
     WHERE id = $1 AND CASE WHEN $2 IS NULL THEN state = 'queued' ELSE epoch = $2 END
-    RETURNING id
+    RETURNING id, followed OR owner IS DISTINCT FROM $8 AS others
 ), result AS (
     INSERT INTO results SELECT id, 0, $7 FROM job WHERE $7 IS NOT NULL ON CONFLICT DO NOTHING
 )
-SELECT id FROM job";
+SELECT others FROM job";
 
-const REMOVE: &str = "DELETE FROM jobs WHERE id = $1 RETURNING id";
+/// Others know of the end of a job that has ended.
+const REMOVE: &str = "
+DELETE FROM jobs WHERE id = $1
+RETURNING finished IS NULL AND (followed OR owner IS DISTINCT FROM $2) AS others";
 
 /// The jobs that have ended last stay, as many as are allowed and fit in; the others that are not spared go,
 /// the first to end first. One replica at a time looks for them: the others find nothing.
@@ -89,6 +95,10 @@ WITH turn AS MATERIALIZED (
     DELETE FROM jobs USING surplus WHERE jobs.id = surplus.id RETURNING jobs.id, jobs.finished
 )
 SELECT id FROM gone ORDER BY finished, id";
+
+const FOLLOW: &str = "
+UPDATE jobs SET followed = true WHERE id = $1 AND finished IS NULL
+RETURNING id, outline, status, crashes, on_probation";
 
 const FORGET_KEYS: &str = "DELETE FROM keys WHERE created < now() - make_interval(secs => $1)";
 
@@ -132,7 +142,7 @@ impl Shared {
                 .bind(&entry)
                 .bind(created.as_duration().as_secs_f64())
                 .bind(KEY_LIFETIME.as_secs_f64())
-                .bind(runs.then_some(self.replica))
+                .bind(self.replica)
                 .bind(runs.then_some(self.lease.as_secs_f64()))
         };
         let (connections, begin) = (&self.connections, Instant::now());
@@ -180,9 +190,11 @@ impl Shared {
         let Some(row) = started.first() else {
             return self.is_gone(id).await;
         };
-        let epoch = row.try_get(0).map_err(of_database)?;
+        let epoch = row.try_get("epoch").map_err(of_database)?;
         self.claim(id, epoch, begin);
-        self.tell(Hint::Started(id));
+        if row.try_get("followed").map_err(of_database)? {
+            self.tell(Hint::Started(id));
+        }
         Ok(true)
     }
 
@@ -226,14 +238,15 @@ impl Shared {
                 .bind(finished)
                 .bind(bytes as i64)
                 .bind(value.as_ref().map(Value::first))
+                .bind(self.replica)
         };
         let finished = self
             .connections
             .run_with(bytes, finish, value.as_ref())
             .await?;
         self.claims.lock().remove(&id);
-        if !finished.is_empty() {
-            self.tell(Hint::Ended(id));
+        if let Some(row) = finished.first() {
+            self.tell_others(row, Hint::Ended(id))?;
             return Ok(true);
         }
         if self.is_gone(id).await? {
@@ -250,14 +263,32 @@ impl Shared {
     pub(super) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
         let deleted = self
             .connections
-            .run(0, || sqlx::query(REMOVE).bind(id))
+            .run(0, || sqlx::query(REMOVE).bind(id).bind(self.replica))
             .await?;
         self.claims.lock().remove(&id);
-        if deleted.is_empty() {
+        let Some(row) = deleted.first() else {
             return Ok(false);
-        }
-        self.tell(Hint::Deleted(id));
+        };
+        self.tell_others(row, Hint::Deleted(id))?;
         Ok(true)
+    }
+
+    /// The job of this id. If it has not ended, this replica is told when it has.
+    pub(crate) async fn follow(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
+        let follow = || sqlx::query(FOLLOW).bind(id);
+        match self.connections.run(0, follow).await?.first() {
+            Some(row) => record_of(row).map(Some),
+            // It has ended meanwhile, or is gone.
+            None => self.get(id).await,
+        }
+    }
+
+    /// Tells a hint if the row says that it is one for others.
+    fn tell_others(&self, row: &PgRow, hint: Hint) -> Result<(), StoreError> {
+        if row.try_get("others").map_err(of_database)? {
+            self.tell(hint);
+        }
+        Ok(())
     }
 
     /// Deletes keys that have expired, and jobs that are beyond the retention; gives the ids of these.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sqlx::{AssertSqlSafe, Connection, PgConnection, raw_sql};
+use tokio::sync::mpsc::Receiver;
 use tokio::time::sleep;
 use uuid::Uuid;
 
@@ -202,32 +203,65 @@ async fn a_job_is_cancelled_from_any_replica() {
     assert_eq!(state(&one, runs).await, State::Cancelled);
 }
 
+/// What is said of these jobs, to the last of it. Other tests talk in the same database.
+async fn heard(hints: &mut Receiver<Hint>, of: &[Uuid], last: Hint) -> Vec<Hint> {
+    let mut heard = Vec::new();
+    while heard.last() != Some(&last) {
+        let hint = hints.recv().await.unwrap();
+        let id = match hint {
+            Hint::Queued => continue,
+            Hint::Started(id) | Hint::Ended(id) | Hint::Deleted(id) | Hint::Cancel(id) => id,
+        };
+        heard.extend(of.contains(&id).then_some(hint));
+    }
+    heard
+}
+
 #[tokio::test]
-async fn replicas_hear_of_each_other() {
+async fn replicas_hear_of_jobs_that_they_wait_for() {
     let (_schema, one, other) = two().await;
     let mut hints = other.shared().unwrap().hints();
     // Until it listens.
     sleep(Duration::from_millis(500)).await;
-    let record = queued();
-    let id = record.outline.id;
-    insert_record(&one, &record).await;
-    assert!(one.start(id, Status::running(), false).await.unwrap());
-    other.shared().unwrap().cancel(id).await.unwrap();
-    assert!(one.finish(id, converged(0), None).await.unwrap());
-    assert!(one.remove(id).await.unwrap());
-    // Other tests talk in the same database. What each replica says comes in its order.
-    let said = [
-        Hint::Queued,
-        Hint::Started(id),
-        Hint::Ended(id),
-        Hint::Deleted(id),
-    ];
-    let (mut said, mut cancels) = (said.iter().peekable(), 0);
-    while said.peek().is_some() || cancels == 0 {
-        let hint = hints.recv().await.unwrap();
-        said.next_if(|it| **it == hint);
-        cancels += usize::from(hint == Hint::Cancel(id));
+    let ids = [queued(), queued(), queued(), queued()].map(|record| record.outline.id);
+    for id in ids {
+        let mut record = queued();
+        record.outline.id = id;
+        insert_record(&one, &record).await;
     }
+    while hints.recv().await.unwrap() != Hint::Queued {}
+    let [unread, read, taken, deleted] = ids;
+    let start = async |store: &Store, id| store.start(id, Status::running(), false).await.unwrap();
+    let finish = async |store: &Store, id| store.finish(id, converged(0), None).await.unwrap();
+    other.shared().unwrap().follow(read).await.unwrap();
+    for id in [unread, read] {
+        assert!(start(&one, id).await && finish(&one, id).await);
+        // Nobody waits for it any more.
+        assert!(one.remove(id).await.unwrap());
+    }
+    let said = heard(&mut hints, &ids, Hint::Ended(read)).await;
+    assert_eq!(said, [Hint::Started(read), Hint::Ended(read)]);
+    // The replica that has accepted a job waits for it until it has ended.
+    assert!(start(&other, taken).await && finish(&other, taken).await);
+    let said = heard(&mut hints, &ids, Hint::Ended(taken)).await;
+    assert_eq!(said, [Hint::Started(taken), Hint::Ended(taken)]);
+    assert!(start(&one, deleted).await);
+    other.shared().unwrap().cancel(deleted).await.unwrap();
+    assert!(other.remove(deleted).await.unwrap());
+    let said = heard(&mut hints, &ids, Hint::Deleted(deleted)).await;
+    assert_eq!(said, [Hint::Cancel(deleted), Hint::Deleted(deleted)]);
+}
+
+#[tokio::test]
+async fn who_follows_a_job_reads_it_as_it_is() {
+    let (_schema, one, other) = two().await;
+    let id = running(&one).await;
+    let follow = async || other.shared().unwrap().follow(id).await.unwrap();
+    assert_eq!(follow().await, one.get(id).await.unwrap());
+    assert!(one.finish(id, converged(3), None).await.unwrap());
+    assert_eq!(follow().await.unwrap().status.state, State::Converged);
+    assert!(one.remove(id).await.unwrap());
+    assert_eq!(follow().await, None);
 }
 
 #[tokio::test]

@@ -4,7 +4,8 @@ CREATE TABLE jobs (
     outline bytea NOT NULL,
     state text NOT NULL,
     status bytea NOT NULL,
-    -- The replica that runs it, until when it is believed to, and how often the job was claimed.
+    -- The replica that has accepted it and then that runs it, until when it is believed to, and how often the
+    -- job was claimed.
     owner uuid,
     lease_until timestamptz,
     epoch bigint NOT NULL,
@@ -12,6 +13,8 @@ CREATE TABLE jobs (
     on_probation boolean NOT NULL DEFAULT false,
     -- A client of another replica has asked for its end.
     cancel boolean NOT NULL DEFAULT false,
+    -- Another replica waits for its end: it has accepted the job, or has readers of it.
+    followed boolean NOT NULL DEFAULT false,
     finished timestamptz,
     input_bytes bigint NOT NULL,
     result_bytes bigint NOT NULL DEFAULT 0
