@@ -277,6 +277,50 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     assert_eq!(other.program.json(path).await, ended);
 }
 
+/// A job that is stored while the answer is lost: the client is told that it may not be, and asks again
+/// elsewhere. Who reads it where it was posted first comes to its end all the same.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_job_whose_acknowledgement_was_lost_has_an_end_for_its_readers() {
+    let all = Replicas::start(2).await;
+    let [first, other] = &all.replicas[..] else {
+        panic!("two replicas");
+    };
+    let job = json!({"curve": {"points": data::wave(2000)}});
+    // Each connection that is there knows the statement: it is stored without a question before.
+    for _ in 0..10 {
+        first.program.fit(&job).await;
+    }
+    first.wire.mute_next();
+    let job = json!({"name": "wing", "curve": {"points": data::wave(2000)},
+        "stop": {"tolerance": 0, "max_iterations": 1_000_000_000}});
+    let post = first.program.post("/v1/jobs").json(&job).send();
+    let read = async {
+        let mut path = String::new();
+        eventually("it is stored", async || {
+            let list = other.program.json("/v1/jobs").await;
+            let mut jobs = list["jobs"].as_array().unwrap().iter();
+            let found = jobs.find(|job| job["name"] == "wing");
+            found.is_some_and(|job| {
+                path = job["links"]["events"].as_str().unwrap().to_owned();
+                true
+            })
+        })
+        .await;
+        let stream = first.program.get(&path).send().await.unwrap();
+        (path.replace("/events", "/cancel"), stream)
+    };
+    let (refused, (cancel, stream)) = tokio::join!(post, read);
+    let refused = refused.unwrap();
+    assert_eq!(
+        (refused.status().as_u16(), stream.status().as_u16()),
+        (503, 200)
+    );
+    let cancelled = other.program.post(&cancel).send().await.unwrap();
+    assert_eq!(cancelled.status(), 200);
+    let story = timeout(PATIENCE, Story::read(stream)).await;
+    assert_eq!(story.expect("an end").end["state"], "cancelled");
+}
+
 /// Replicas are replaced one at a time: some work with the schema of the next version already.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_later_schema_is_no_obstacle() {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream, UnixStream};
@@ -31,7 +31,12 @@ pub struct Wire {
     mode: watch::Sender<Mode>,
     /// Connections made before the last cut are closed.
     cuts: watch::Sender<usize>,
+    /// The next one on which much is sent gives no answer any more.
+    mutes_next: Arc<AtomicBool>,
 }
+
+/// More bytes than statements have without data.
+const MUCH: usize = 4000;
 
 impl Wire {
     pub async fn to(target: Target) -> Self {
@@ -39,15 +44,20 @@ impl Wire {
         let address = listener.local_addr().unwrap().to_string();
         let (mode, frozen) = watch::channel(Mode::Open);
         let (cuts, cut) = watch::channel(0);
+        let mutes_next = Arc::new(AtomicBool::new(false));
+        let mutes = Arc::clone(&mutes_next);
         let turn = Arc::new(AtomicUsize::new(0));
         tokio::spawn(async move {
             while let Ok((client, _)) = listener.accept().await {
-                let (target, frozen, mut cut) = (target.clone(), frozen.clone(), cut.clone());
-                let turn = Arc::clone(&turn);
+                let (target, mut cut, turn) = (target.clone(), cut.clone(), Arc::clone(&turn));
+                let obstacles = Obstacles {
+                    mode: frozen.clone(),
+                    mutes_next: Arc::clone(&mutes),
+                };
                 cut.mark_unchanged();
                 tokio::spawn(async move {
                     tokio::select! {
-                        () = forward(client, target, frozen, turn) => {}
+                        () = forward(client, target, obstacles, turn) => {}
                         _ = cut.changed() => {}
                     }
                 });
@@ -57,7 +67,13 @@ impl Wire {
             address,
             mode,
             cuts,
+            mutes_next,
         }
+    }
+
+    /// Gives no answer any more on the next connection on which much is sent, which comes through.
+    pub fn mute_next(&self) {
+        self.mutes_next.store(true, Ordering::Release);
     }
 
     /// Closes all connections.
@@ -75,16 +91,18 @@ impl Wire {
     }
 }
 
-async fn forward(
-    client: TcpStream,
-    target: Target,
-    frozen: watch::Receiver<Mode>,
-    turn: Arc<AtomicUsize>,
-) {
+/// What keeps bytes from coming through.
+#[derive(Clone)]
+struct Obstacles {
+    mode: watch::Receiver<Mode>,
+    mutes_next: Arc<AtomicBool>,
+}
+
+async fn forward(client: TcpStream, target: Target, obstacles: Obstacles, turn: Arc<AtomicUsize>) {
     match target {
         Target::Socket(path) => {
             if let Ok(server) = UnixStream::connect(path).await {
-                exchange(client, server, frozen).await;
+                exchange(client, server, obstacles).await;
             }
         }
         Target::Servers(servers) => {
@@ -92,24 +110,39 @@ async fn forward(
             for _ in 0..servers.len() {
                 let next = turn.fetch_add(1, Ordering::Relaxed) % servers.len();
                 if let Ok(server) = TcpStream::connect(&servers[next]).await {
-                    return exchange(client, server, frozen).await;
+                    return exchange(client, server, obstacles).await;
                 }
             }
         }
     }
 }
 
-async fn exchange<C, S>(client: C, server: S, frozen: watch::Receiver<Mode>)
+async fn exchange<C, S>(client: C, server: S, obstacles: Obstacles)
 where
     C: AsyncRead + AsyncWrite,
     S: AsyncRead + AsyncWrite,
 {
     let (from_client, to_client) = tokio::io::split(client);
     let (from_server, to_server) = tokio::io::split(server);
+    let (muted, is_muted) = watch::channel(false);
+    let note = |length| {
+        if length >= MUCH && obstacles.mutes_next.swap(false, Ordering::AcqRel) {
+            muted.send_replace(true);
+        }
+    };
+    let hears = |_| {};
+    let answers = async {
+        let mut is_muted = is_muted.clone();
+        tokio::select! {
+            biased;
+            () = async { let _ = is_muted.wait_for(|muted| *muted).await; } => std::future::pending().await,
+            () = pass(from_server, to_client, obstacles.mode.clone(), hears) => {}
+        }
+    };
     // When one side closes, the other is closed, too.
     tokio::select! {
-        () = pass(from_client, to_server, frozen.clone()) => {}
-        () = pass(from_server, to_client, frozen) => {}
+        () = pass(from_client, to_server, obstacles.mode.clone(), note) => {}
+        () = answers => {}
     }
 }
 
@@ -117,9 +150,11 @@ async fn pass(
     mut from: impl AsyncRead + Unpin,
     mut to: impl AsyncWrite + Unpin,
     mut mode: watch::Receiver<Mode>,
+    note: impl Fn(usize),
 ) {
     let mut bytes = vec![0; 64 << 10];
     while let Ok(length @ 1..) = from.read(&mut bytes).await {
+        note(length);
         if mode.wait_for(|mode| *mode == Mode::Open).await.is_err()
             || to.write_all(&bytes[..length]).await.is_err()
         {

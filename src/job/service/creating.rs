@@ -85,7 +85,10 @@ impl Jobs {
             }
             None => Some(slot),
         };
-        let existing = inserted.await.inspect_err(|_| self.abandon(&job))?;
+        let existing = inserted.await.inspect_err(|_| {
+            self.abandon(&job);
+            self.follow_abandoned(&job);
+        })?;
         if let Some(entry) = existing {
             self.abandon(&job);
             return self.job_of(entry, key.as_ref()).await;

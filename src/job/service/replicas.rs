@@ -118,6 +118,27 @@ impl Jobs {
         self.forget(&[job.id()]);
     }
 
+    /// Tells those who have found a job in the store what becomes of it, although the answer that it was stored
+    /// was lost.
+    pub(super) fn follow_abandoned(self: &Arc<Self>, job: &Arc<Job>) {
+        let Some(shared) = self.store.shared().map(Arc::clone) else {
+            return;
+        };
+        job.elsewhere.store(true, Ordering::Release);
+        let (jobs, job) = (Arc::downgrade(self), Arc::downgrade(job));
+        tokio::spawn(async move {
+            while let (Some(jobs), Some(job)) = (jobs.upgrade(), job.upgrade())
+                && !job.status().state.is_final()
+            {
+                if let Err(error) = jobs.refresh(&shared, vec![job]).await {
+                    debug!(%error, "the jobs of other replicas could not be looked at");
+                }
+                drop(jobs);
+                sleep(LOOK).await;
+            }
+        });
+    }
+
     /// A job has ended, or was deleted, at this replica or at another one.
     async fn has_ended(&self, shared: &Shared, id: Uuid) -> Result<(), StoreError> {
         let Some(job) = self.live(id).filter(|job| !job.status().state.is_final()) else {
