@@ -1,4 +1,4 @@
-.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract python typescript browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators python typescript browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -20,7 +20,7 @@ INSTALL := $(RETRY) sh -c 'apt-get update && apt-get install -y --no-install-rec
 
 # Everything that a change must pass; installs what that needs.
 test:
-	@tests/steps tools lint library api programs files interop contract python typescript browser page
+	@tests/steps tools lint library api programs files interop contract deploy python typescript browser page
 
 # What to run while working: a few minutes after a small change.
 check:
@@ -66,6 +66,17 @@ browser: $(VENV)/installed chromium
 contract: $(VENV)/installed
 	$(PYTHON) tests/python/description.py target/debug/piad
 	$(PYTHON) tests/python/contract.py target/debug/piad
+
+# What deploy/ has, read by the programs that it is for; and a server behind the proxies of docs/OPERATIONS.md.
+deploy: $(VENV)/installed postgres operators
+	tests/postgres $(PYTHON) tests/python/deploy.py target/debug/piad
+	$(PYTHON) tests/python/proxies.py target/debug/piad
+
+# promtool, Compose and proxies. Debian also starts servers of nginx, Caddy and Prometheus, which nothing here needs.
+operators:
+	@command -v promtool >/dev/null && command -v docker-compose >/dev/null && command -v caddy >/dev/null && \
+	  command -v openssl >/dev/null && test -x /usr/sbin/nginx || \
+	  $(INSTALL) prometheus docker-compose caddy openssl nginx-light
 
 # Writes docs/openapi.json, which tests compare with what a server says.
 openapi:

@@ -21,9 +21,9 @@ FORMATS = {"step": "step", "iges": "igs", "obj": "obj", "gltf": "glb", "stl": "s
 
 
 @contextlib.contextmanager
-def server(program: str, *flags: str):
+def server(program: str, *flags: str, store: str = ":memory:"):
     """A server on a free port; gives its address."""
-    command = [program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--log-format", "json", *flags]
+    command = [program, "--listen", "127.0.0.1:0", "--store", store, "--log-format", "json", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         for line in process.stderr:
