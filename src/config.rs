@@ -49,7 +49,7 @@ pub enum Command {
     },
     /// Fit the points of a file, or a job, and write the result; no server is needed.
     Fit(Box<FitArguments>),
-    /// Copy all jobs from one store to another, while no server uses them.
+    /// Copy, check, repair or export the jobs of servers, while none runs.
     #[command(subcommand)]
     Store(StoreCommand),
     /// Write completions for a shell to the standard output.
@@ -74,6 +74,25 @@ pub enum StoreCommand {
         from: Storage,
         /// Where they go.
         to: Storage,
+    },
+    /// Read everything in a store and say what is damaged; the store stays as it is. Exit status 1 if anything is.
+    Check {
+        /// A directory, or the URL of a PostgreSQL database.
+        store: Storage,
+    },
+    /// Put a new file with all that can be read in the place of a damaged one, which stays beside it. Jobs whose
+    /// results are lost run again.
+    Repair {
+        /// The directory of the file.
+        store: Storage,
+    },
+    /// Write each job that can be read as ID.json, which POST /v1/jobs takes again, and its result as
+    /// ID.result.json; the store stays as it is. Exit status 1 if anything is damaged.
+    Export {
+        /// A directory, or the URL of a PostgreSQL database.
+        store: Storage,
+        /// Where the files go.
+        directory: PathBuf,
     },
 }
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use piad::command;
-use piad::config::{Cli, Command, Config, LogFormat, StoreCommand};
+use piad::config::{Cli, Command, Config, LogFormat};
 use piad::server;
 use piad::server::listen::Listen;
 use piad::trim;
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         Some(Command::Serve(config)) => serve(*config),
         Some(Command::Health { listen, timeout }) => health(listen, timeout),
         Some(Command::Fit(arguments)) => command::fit(&arguments),
-        Some(Command::Store(StoreCommand::Copy { from, to })) => command::store::copy(&from, &to),
+        Some(Command::Store(asked)) => command::store::run(&asked),
         Some(Command::Completions { shell }) => command::shells::completions(shell),
         Some(Command::Man { command }) => command::shells::manual(command.as_deref()),
     }

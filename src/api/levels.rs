@@ -158,7 +158,7 @@ pub(super) async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content
     let points = &frame.control_points;
     let numbers = points.len() * points.dimension();
     let write = move || match form.is_protobuf() {
-        false => view::result::result(&owner, &status, &frame, &form),
+        false => view::result::result(owner.outline(), &status, &frame, &form),
         true => proto::geometry::result(&owner, &status, &frame, form.view),
     };
     Ok(encode::off_network(job, numbers, write).await?)

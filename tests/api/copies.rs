@@ -17,9 +17,8 @@ fn copy(from: &str, to: &str) -> Output {
 
 fn copied(from: &str, to: &str) -> String {
     let done = copy(from, to);
-    let said = String::from_utf8(done.stderr).unwrap();
-    assert!(done.status.success(), "{said}");
-    said
+    assert!(done.status.success(), "{done:?}");
+    String::from_utf8(done.stdout).unwrap()
 }
 
 async fn post(program: &Program, key: &str, job: &Value) -> Value {

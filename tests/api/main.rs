@@ -88,6 +88,7 @@ mod refusals;
 mod replicas;
 mod rpc;
 mod rpc_operations;
+mod salvage;
 mod scales;
 mod scattered;
 mod short_forms;

@@ -12,9 +12,9 @@ use super::job::GeometryKind;
 use super::level::digits;
 use super::net::{ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, parameters};
 use crate::api::json::plain::never_null;
-use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
+use crate::job::outline::Outline;
 use crate::job::state::{State, Status};
 use crate::model::basis::BasisKind;
 use crate::model::per_direction::{Count, Pair, PerDirection};
@@ -88,7 +88,7 @@ schema_of!(ResultWeights, "ResultWeights", generator => json_schema!({
 }));
 
 /// The result: geometry that can be read without anything else.
-pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> Content {
+pub(crate) fn result(outline: &Outline, status: &Status, frame: &Frame, form: &Form) -> Content {
     let Frame {
         level,
         problem,
@@ -101,7 +101,6 @@ pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, form: &Form) -> 
     let net = ControlNet::new(&mut document, problem, control_points);
     let fixed = fixed_weights(&mut document, problem).map(ResultWeights::Fixed);
     let encoding = document.encoding();
-    let outline = job.outline();
     let result = FitResult {
         id: outline.id,
         name: outline.label.name.as_deref(),

@@ -1,5 +1,6 @@
 //! The open database: reading jobs, and opening it again after an error.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::sleep;
@@ -12,7 +13,7 @@ use uuid::Uuid;
 
 use super::error::{catch_panic, not_open};
 use super::opening::{self, OpenError};
-use super::tables::{self, HEADERS, INPUTS, KEYS, RESULTS};
+use super::tables::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, Values};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::store::record;
@@ -35,6 +36,11 @@ impl JobDatabase {
         let path = directory.join(name);
         let redb = opening::open_or_make(directory, &path)?;
         Ok(Self::new(Some(path), redb))
+    }
+
+    /// A database whose file stays as it is.
+    pub(super) fn on_overlay(redb: Database) -> Self {
+        Self::new(None, redb)
     }
 
     /// Makes a database in memory.
@@ -94,25 +100,44 @@ impl JobDatabase {
         Ok(())
     }
 
+    /// The ids of all jobs.
+    pub(super) fn ids(&self) -> Result<BTreeSet<Uuid>, StoreError> {
+        let headers = self.table(HEADERS.table)?;
+        let ids = headers.iter()?;
+        ids.map(|entry| Ok(Uuid::from_u128(entry?.0.value())))
+            .collect()
+    }
+
+    /// The bytes of a value.
+    pub(super) fn bytes(&self, values: &Values, id: Uuid) -> Result<Option<Vec<u8>>, StoreError> {
+        self.get(values, id, |bytes| Ok(bytes.to_vec()))
+    }
+
+    fn header(&self, id: Uuid) -> Result<Option<Header>, StoreError> {
+        self.get(&HEADERS, id, |bytes| tables::header(id, bytes))
+    }
+
     /// A job without its points.
     pub(super) fn record(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
-        self.get(HEADERS, id, |bytes| Ok(tables::header(id, bytes)?.record))
+        Ok(self.header(id)?.map(|header| header.record))
     }
 
     /// The problem of a job.
     pub(super) fn problem(&self, id: Uuid) -> Result<Option<Arc<Problem>>, StoreError> {
-        self.get(INPUTS, id, |bytes| record::problem(id, bytes).map(Arc::new))
+        self.get(&INPUTS, id, |bytes| {
+            record::problem(id, bytes).map(Arc::new)
+        })
     }
 
     /// The geometry of the last level of a job.
     pub(super) fn result(&self, id: Uuid) -> Result<Option<LastGeometry>, StoreError> {
-        self.get(RESULTS, id, |bytes| record::result(id, bytes))
+        self.get(&RESULTS, id, |bytes| record::result(id, bytes))
     }
 
     /// Jobs, the newest first.
     pub(super) fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
         let end = selection.before.unwrap_or(Uuid::max()).as_u128();
-        let headers = self.table(HEADERS)?;
+        let headers = self.table(HEADERS.table)?;
         let records = headers.range(..end)?.rev().map(tables::of_entry);
         let wanted = |record: &Record| selection.state.is_none_or(|it| it == record.status.state);
         let records = records.filter(|record| record.as_ref().map_or(true, wanted));
@@ -121,7 +146,7 @@ impl JobDatabase {
 
     /// Jobs that have not ended, the oldest first.
     pub(super) fn unfinished(&self) -> Result<Vec<Record>, StoreError> {
-        let headers = self.table(HEADERS)?;
+        let headers = self.table(HEADERS.table)?;
         let records = headers.iter()?.map(tables::of_entry);
         let unfinished = |record: &Record| !record.status.state.is_final();
         let records = records.filter(|record| record.as_ref().map_or(true, unfinished));
@@ -130,8 +155,7 @@ impl JobDatabase {
 
     /// The idempotency key of the request that made a job, unless it has expired.
     pub(super) fn key_of(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
-        let header = self.get(HEADERS, id, |bytes| tables::header(id, bytes))?;
-        let Some(name) = header.and_then(|header| header.key) else {
+        let Some(name) = self.header(id)?.and_then(|header| header.key) else {
             return Ok(None);
         };
         let entry = self.idempotency_entry(&name)?;
@@ -150,7 +174,7 @@ impl JobDatabase {
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
         let keys = self.table(KEYS)?;
         let bytes = keys.get(key)?;
-        let entry = bytes.map(|bytes| record::entry(bytes.value()));
+        let entry = bytes.map(|bytes| tables::key_in(bytes.value()));
         Ok(entry.transpose()?.filter(|entry| !entry.has_expired()))
     }
 
@@ -167,13 +191,15 @@ impl JobDatabase {
 
     fn get<T>(
         &self,
-        table: TableDefinition<u128, &'static [u8]>,
+        values: &Values,
         id: Uuid,
         decode: impl FnOnce(&[u8]) -> Result<T, StoreError>,
     ) -> Result<Option<T>, StoreError> {
-        let table = self.table(table)?;
-        let value = table.get(id.as_u128())?;
-        value.map(|bytes| decode(bytes.value())).transpose()
+        let table = self.table(values.table)?;
+        let Some(value) = table.get(id.as_u128())? else {
+            return Ok(None);
+        };
+        decode(values.opened(id, value.value())?).map(Some)
     }
 }
 
@@ -182,6 +208,7 @@ mod tests {
     use redb::Table;
 
     use super::*;
+    use crate::job::store::embedded::envelope::{Kind, envelope};
 
     type Results<'a> = Table<'a, u128, &'static [u8]>;
 
@@ -191,16 +218,18 @@ mod tests {
         let write = |change: &dyn Fn(&mut Results<'_>)| {
             let redb = database.redb();
             let transaction = redb.as_ref().unwrap().begin_write().unwrap();
-            change(&mut transaction.open_table(RESULTS).unwrap());
+            change(&mut transaction.open_table(RESULTS.table).unwrap());
             transaction.commit().unwrap();
         };
         for length in [200, 3800, 100_000] {
             let (id, bytes) = (Uuid::from_u128(length), vec![7; length as usize]);
             let insert = |table: &mut Results<'_>, id| {
-                table.insert(id, bytes.as_slice()).unwrap();
+                let outside = envelope(Kind::Result, Uuid::from_u128(id), &bytes);
+                let value = [outside.as_slice(), &bytes].concat();
+                table.insert(id, value.as_slice()).unwrap();
             };
             write(&|table| insert(table, length));
-            let read = database.get(RESULTS, id, |read| {
+            let read = database.get(&RESULTS, id, |read| {
                 write(&|table| drop(table.remove(length).unwrap()));
                 // Later commits use the pages of the removed value again, unless they are read.
                 for other in 1..6 {
@@ -209,7 +238,7 @@ mod tests {
                 Ok(read.to_vec())
             });
             assert_eq!(read.unwrap(), Some(bytes));
-            assert_eq!(database.get(RESULTS, id, |_| Ok(())).unwrap(), None);
+            assert_eq!(database.get(&RESULTS, id, |_| Ok(())).unwrap(), None);
         }
     }
 }

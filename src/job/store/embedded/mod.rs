@@ -1,18 +1,22 @@
 //! The store of one process: one file of the embedded ACID database redb, or in memory.
 //!
-//! - [`tables`]: the tables of the file, and what stands in them;
+//! - [`tables`]: the tables of the file, and what stands in them; [`envelope`]: the checksum of each value;
 //! - [`database`]: the open file, and what is read from it; [`opening`]: opens the file, or says what is
 //!   wrong with it; [`error`]: errors and panics of the database;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
 //!   and back; [`transaction`]: what changes do to the tables; [`ended`]: which jobs that have ended to
-//!   forget; [`recovery`]: after a crash.
+//!   forget; [`recovery`]: after a crash;
+//! - [`salvage`]: what can be read of a damaged file, with an [`overlay`] above it.
 
 mod change;
 mod database;
 mod ended;
+mod envelope;
 mod error;
 pub(super) mod opening;
+mod overlay;
 mod recovery;
+pub(crate) mod salvage;
 pub(super) mod tables;
 mod transaction;
 mod writer;
@@ -47,9 +51,13 @@ impl Embedded {
     /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
     /// go back to the queue, or fail if that has happened too often.
     pub(crate) fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
-        let database = Arc::new(JobDatabase::open(directory, FILE)?);
+        Self::open_file(directory, FILE, counters)
+    }
+
+    fn open_file(directory: &Path, name: &str, counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::open(directory, name)?);
         let writer = Writer::start(Arc::clone(&database), counters);
-        let writer = writer.map_err(|error| OpenError::of_records(directory.join(FILE), error))?;
+        let writer = writer.map_err(|error| OpenError::of_records(directory.join(name), error))?;
         Ok(Self { database, writer })
     }
 

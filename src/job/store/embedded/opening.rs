@@ -1,6 +1,6 @@
 //! Opening a database, or making it; what is wrong with it is said in words.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use redb::backends::InMemoryBackend;
 use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
-use tracing::warn;
 
 use super::error::catch_panic;
+use super::overlay::Overlay;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 use crate::job::store::StoreError;
 
@@ -66,7 +66,7 @@ pub(crate) enum OpenError {
     Recovery(StoreError),
     /// It is not a store, or is damaged.
     #[error(
-        "{path:?} cannot be opened, {reason}: restore it from a backup, or move it away to start \
+        "{path:?} cannot be opened, {reason}: `piad store repair` keeps what can be read; or restore it from a backup, or move it away to start \
          without its jobs"
     )]
     Broken {
@@ -107,7 +107,7 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
         make(path)?;
         // On Unix a new name is there for good once its directory is on the disk.
         #[cfg(unix)]
-        fs::File::open(directory)
+        File::open(directory)
             .and_then(|directory| directory.sync_all())
             .map_err(of_directory)?;
     }
@@ -123,8 +123,8 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
         let mut database = builder.set_cache_size(CACHE).open(path)?;
         // A repair, after a crash, has read everything.
         let checked = repaired.load(Ordering::Relaxed) || length > CHECKED;
-        if !checked && !database.check_integrity()? {
-            warn!(?path, "the store was damaged, and could be repaired");
+        if !checked {
+            check(&mut database)?;
         }
         Ok(database)
     })?;
@@ -135,6 +135,48 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
             found,
         }),
         None => Err(broken(path, "it is a database, but not of jobs")),
+    }
+}
+
+/// Opens the database in a file without changing the file; tells what is wrong with its pages.
+pub(super) fn open_below(
+    path: &Path,
+    file: &File,
+) -> Result<(Database, Option<String>), OpenError> {
+    let open = || {
+        attempt(path, || {
+            let overlay = Overlay::new(file.try_clone()?)?;
+            let mut builder = Database::builder();
+            Ok(builder.set_cache_size(CACHE).create_with_backend(overlay)?)
+        })
+    };
+    if file
+        .metadata()
+        .map_err(|reason| of_file(path, reason))?
+        .len()
+        == 0
+    {
+        return Err(broken(path, "it is empty"));
+    }
+    let mut database = open()?;
+    let complaint = match attempt(path, || check(&mut database)) {
+        Ok(()) => None,
+        // What was checked cannot be used any more.
+        Err(OpenError::Broken { reason, .. }) => {
+            let _ = catch_panic(|| drop(database));
+            database = open()?;
+            Some(reason)
+        }
+        Err(error) => return Err(error),
+    };
+    match attempt(path, || version(&database)) {
+        Ok(Some(VERSION)) => Ok((database, complaint)),
+        Ok(Some(found)) => Err(OpenError::Version {
+            path: path.to_owned(),
+            found,
+        }),
+        Ok(None) => Err(broken(path, "it is a database, but not of jobs")),
+        Err(error) => Err(error),
     }
 }
 
@@ -164,12 +206,19 @@ fn make_tables(database: &Database) -> Result<(), redb::Error> {
     transaction
         .open_table(FACTS)?
         .insert(VERSION_FACT, VERSION)?;
-    transaction.open_table(HEADERS)?;
-    transaction.open_table(INPUTS)?;
-    transaction.open_table(RESULTS)?;
+    transaction.open_table(HEADERS.table)?;
+    transaction.open_table(INPUTS.table)?;
+    transaction.open_table(RESULTS.table)?;
     transaction.open_table(KEYS)?;
     transaction.open_table(SLACK)?;
     transaction.commit()?;
+    Ok(())
+}
+
+/// Reads the whole file and compares the checksums of its pages. What redb tells beside, that it has counted the
+/// free pages again, happens after each start and says nothing of the jobs.
+fn check(database: &mut Database) -> Result<(), redb::Error> {
+    let _counted_again = database.check_integrity()?;
     Ok(())
 }
 
@@ -211,7 +260,7 @@ fn broken(path: &Path, reason: &str) -> OpenError {
     }
 }
 
-fn of_file(path: &Path, reason: io::Error) -> OpenError {
+pub(super) fn of_file(path: &Path, reason: io::Error) -> OpenError {
     OpenError::File {
         path: path.to_owned(),
         reason,

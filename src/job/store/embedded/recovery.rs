@@ -17,7 +17,7 @@ impl Transaction<'_> {
         for item in self.headers.iter()? {
             let (id, bytes) = item?;
             let id = Uuid::from_u128(id.value());
-            let header = tables::header(id, bytes.value())?;
+            let header = tables::header_in(id, bytes.value())?;
             if header.record.status.state == State::Running {
                 running.push((id, header));
             } else if let Some(at) = header.record.status.finished {

@@ -4,7 +4,8 @@ use redb::{AccessGuard, StorageError, TableDefinition};
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use crate::job::store::{Record, StoreError, record};
+use super::envelope::{self, Kind};
+use crate::job::store::{IdempotencyEntry, Record, StoreError, record};
 
 /// The version of what is described here. Files of other versions are refused.
 pub(super) const VERSION: u64 = 1;
@@ -13,12 +14,32 @@ pub(super) const VERSION: u64 = 1;
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");
 pub(super) const VERSION_FACT: &str = "version";
 
-/// Jobs without their points, by id: lists read only these.
-pub(super) const HEADERS: TableDefinition<u128, &[u8]> = TableDefinition::new("headers");
-/// Problems as they were asked for, by the id of the job.
-pub(super) const INPUTS: TableDefinition<u128, &[u8]> = TableDefinition::new("inputs");
-/// The free control points of the last level, by the id of the job.
-pub(super) const RESULTS: TableDefinition<u128, &[u8]> = TableDefinition::new("results");
+/// Values by the id of their job, each in its envelope.
+pub(super) struct Values {
+    pub(super) table: TableDefinition<'static, u128, &'static [u8]>,
+    pub(super) kind: Kind,
+    /// What one is called in errors.
+    pub(super) name: &'static str,
+}
+
+/// Jobs without their points: lists read only these.
+pub(super) const HEADERS: Values = Values {
+    table: TableDefinition::new("headers"),
+    kind: Kind::Header,
+    name: "header",
+};
+/// Problems as they were asked for.
+pub(super) const INPUTS: Values = Values {
+    table: TableDefinition::new("inputs"),
+    kind: Kind::Input,
+    name: "problem",
+};
+/// The free control points of the last level.
+pub(super) const RESULTS: Values = Values {
+    table: TableDefinition::new("results"),
+    kind: Kind::Result,
+    name: "result",
+};
 /// Which job was made for a key.
 pub(super) const KEYS: TableDefinition<&str, &[u8]> = TableDefinition::new("keys");
 /// Nothing: pages are taken and given back here, so that there are some.
@@ -42,12 +63,34 @@ pub(in crate::job::store) fn header(id: Uuid, bytes: &[u8]) -> Result<Header, St
     Ok(header)
 }
 
+impl Values {
+    /// The value of a job in its envelope.
+    pub(super) fn opened<'a>(&self, id: Uuid, bytes: &'a [u8]) -> Result<&'a [u8], StoreError> {
+        envelope::opened(
+            self.kind,
+            format_args!("the {} of job {id}", self.name),
+            bytes,
+        )
+    }
+}
+
+/// The header of this job in its envelope.
+pub(super) fn header_in(id: Uuid, bytes: &[u8]) -> Result<Header, StoreError> {
+    header(id, HEADERS.opened(id, bytes)?)
+}
+
+/// The entry of an idempotency key in its envelope.
+pub(super) fn key_in(bytes: &[u8]) -> Result<IdempotencyEntry, StoreError> {
+    let bytes = envelope::opened(Kind::Key, "the entry of an idempotency key", bytes)?;
+    record::entry(bytes)
+}
+
 /// The record of an entry of the table of headers.
 pub(super) fn of_entry(
     entry: Result<(AccessGuard<'_, u128>, AccessGuard<'_, &'static [u8]>), StorageError>,
 ) -> Result<Record, StoreError> {
     let (id, bytes) = entry?;
-    Ok(header(Uuid::from_u128(id.value()), bytes.value())?.record)
+    Ok(header_in(Uuid::from_u128(id.value()), bytes.value())?.record)
 }
 
 #[cfg(test)]

@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 
 use jiff::Timestamp;
-use redb::{ReadableTable, Table, WriteTransaction};
+use redb::{Key, ReadableTable, Table, WriteTransaction};
 use uuid::Uuid;
 
 use super::ended::Ended;
+use super::envelope::{self, Kind, envelope};
 use super::tables::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
@@ -44,9 +45,9 @@ impl<'a> Transaction<'a> {
         ended: &'a Ended,
     ) -> Result<Self, StoreError> {
         Ok(Self {
-            headers: transaction.open_table(HEADERS)?,
-            inputs: transaction.open_table(INPUTS)?,
-            results: transaction.open_table(RESULTS)?,
+            headers: transaction.open_table(HEADERS.table)?,
+            inputs: transaction.open_table(INPUTS.table)?,
+            results: transaction.open_table(RESULTS.table)?,
             keys: transaction.open_table(KEYS)?,
             slack: transaction.open_table(SLACK)?,
             ended,
@@ -86,10 +87,10 @@ impl<'a> Transaction<'a> {
                 digest: key.digest,
                 created: record.outline.created,
             })?;
-            self.keys.insert(key.name.as_str(), entry.as_slice())?;
+            keep(&mut self.keys, key.name.as_str(), Kind::Key, id, &entry)?;
         }
         let input = record::input(problem)?;
-        self.inputs.insert(id.as_u128(), input.as_slice())?;
+        keep(&mut self.inputs, id.as_u128(), Kind::Input, id, &input)?;
         let header = Header {
             record: record.clone(),
             bytes: input.len() as u64,
@@ -128,7 +129,7 @@ impl<'a> Transaction<'a> {
         if let Some(result) = result {
             let bytes = record::geometry(result)?;
             header.bytes += bytes.len() as u64;
-            self.results.insert(id.as_u128(), bytes.as_slice())?;
+            keep(&mut self.results, id.as_u128(), Kind::Result, id, &bytes)?;
         }
         self.put(id, &header)
     }
@@ -171,7 +172,7 @@ impl<'a> Transaction<'a> {
         let mut expired = Vec::new();
         for item in self.keys.iter()? {
             let (key, bytes) = item?;
-            if record::entry(bytes.value())?.has_expired() {
+            if tables::key_in(bytes.value())?.has_expired() {
                 expired.push(key.value().to_owned());
             }
         }
@@ -184,13 +185,13 @@ impl<'a> Transaction<'a> {
     /// The entry of a key, which may have expired.
     fn entry(&self, key: &str) -> Result<Option<IdempotencyEntry>, StoreError> {
         let bytes = self.keys.get(key)?;
-        bytes.map(|bytes| record::entry(bytes.value())).transpose()
+        bytes.map(|bytes| tables::key_in(bytes.value())).transpose()
     }
 
     /// Writes a header.
     pub(super) fn put(&mut self, id: Uuid, header: &Header) -> Result<(), StoreError> {
         let bytes = record::write(header)?;
-        self.headers.insert(id.as_u128(), bytes.as_slice())?;
+        keep(&mut self.headers, id.as_u128(), Kind::Header, id, &bytes)?;
         if let Some(at) = header.record.status.finished {
             let bytes = header.bytes;
             self.changes.push(EndedChange::Add { at, id, bytes });
@@ -200,7 +201,22 @@ impl<'a> Transaction<'a> {
 
     fn header(&self, id: Uuid) -> Result<Option<Header>, StoreError> {
         let bytes = self.headers.get(id.as_u128())?;
-        let header = bytes.map(|bytes| tables::header(id, bytes.value()));
+        let header = bytes.map(|bytes| tables::header_in(id, bytes.value()));
         header.transpose()
     }
+}
+
+/// Writes a value in its envelope.
+fn keep<'k, K: Key + 'static>(
+    table: &mut Table<'_, K, &'static [u8]>,
+    key: K::SelfType<'k>,
+    kind: Kind,
+    id: Uuid,
+    value: &[u8],
+) -> Result<(), StoreError> {
+    let mut place = table.insert_reserve(key, envelope::BYTES + value.len())?;
+    let (outside, inside) = place.as_mut().split_at_mut(envelope::BYTES);
+    outside.copy_from_slice(&envelope(kind, id, value));
+    inside.copy_from_slice(value);
+    Ok(())
 }

@@ -1,0 +1,142 @@
+//! Reading all jobs of a store that may be damaged, without changing it.
+
+use std::panic;
+
+use super::{counter, jobs, open};
+use crate::config::Storage;
+use crate::job::store::copy::Records;
+use crate::job::store::embedded::salvage::{Salvage, Salvaged};
+use crate::job::store::{Store, StoreError};
+
+/// A store that may be damaged.
+pub(super) enum Source {
+    File(Box<Salvage>),
+    Database(Store),
+}
+
+/// What could be read.
+#[derive(Debug, Default)]
+pub(super) struct Reading {
+    /// Jobs that could be read, and those of them that have lost their end.
+    pub good: usize,
+    pub endless: usize,
+    /// Jobs that could not be read.
+    pub lost: usize,
+    /// What is wrong with each of these two kinds.
+    pub reasons: Vec<String>,
+    /// What is wrong with the file beside its jobs.
+    pub complaint: Option<String>,
+}
+
+impl Source {
+    pub(super) async fn open(storage: &Storage) -> Result<Self, String> {
+        match storage {
+            Storage::Directory(path) => {
+                be_silent_of_damage();
+                let salvage = Salvage::open(path).map_err(|error| error.to_string())?;
+                Ok(Self::File(Box::new(salvage)))
+            }
+            storage => open(storage).await.map(Self::Database),
+        }
+    }
+
+    /// Reads all jobs, and hands on each that can be read.
+    pub(super) async fn read_all(
+        &self,
+        mut take: impl AsyncFnMut(Salvaged) -> Result<(), String>,
+    ) -> Result<Reading, String> {
+        let mut reading = Reading::default();
+        let bar = counter();
+        match self {
+            Self::File(file) => {
+                reading.complaint = file.complaint().map(str::to_owned);
+                for id in file.ids() {
+                    match file.job(id) {
+                        Ok(job) => reading.add(job, &mut take).await?,
+                        Err(error) => reading.miss(&error),
+                    }
+                    bar.set_message(jobs(reading.good));
+                }
+            }
+            Self::Database(store) => {
+                let mut records = Records::of(store);
+                while let Some(record) = records.next().await.map_err(|error| error.to_string())? {
+                    match store.whole(record).await {
+                        Ok(job) => reading.add(Salvaged { job, lost: None }, &mut take).await?,
+                        Err(error) => reading.miss(&error),
+                    }
+                    bar.set_message(jobs(reading.good));
+                }
+            }
+        }
+        bar.finish_and_clear();
+        Ok(reading)
+    }
+}
+
+/// Damage makes the database panic at times, which is told in other words.
+fn be_silent_of_damage() {
+    let usual = panic::take_hook();
+    panic::set_hook(Box::new(move |what| {
+        if what
+            .location()
+            .is_none_or(|at| !at.file().contains("/redb-"))
+        {
+            usual(what);
+        }
+    }));
+}
+
+/// What is wrong, of a store that worked.
+fn plain(error: &StoreError) -> String {
+    match error {
+        StoreError::Failed(reason) => reason.clone(),
+        error => error.to_string(),
+    }
+}
+
+impl Reading {
+    async fn add(
+        &mut self,
+        job: Salvaged,
+        take: &mut impl AsyncFnMut(Salvaged) -> Result<(), String>,
+    ) -> Result<(), String> {
+        self.good += 1;
+        if let Some(error) = &job.lost {
+            self.endless += 1;
+            self.reasons
+                .push(format!("{}; it can be computed again", plain(error)));
+        }
+        take(job).await
+    }
+
+    fn miss(&mut self, error: &StoreError) {
+        self.lost += 1;
+        self.reasons.push(plain(error));
+    }
+
+    /// Tells what is wrong with which job.
+    pub(super) fn tell_reasons(&self) {
+        self.reasons.iter().for_each(|reason| eprintln!("{reason}"));
+    }
+
+    /// Whether everything could be read, and nothing is wrong beside.
+    pub(super) fn is_whole(&self) -> bool {
+        self.endless == 0 && self.lost == 0 && self.complaint.is_none()
+    }
+
+    /// What could be read, in words.
+    pub(super) fn summary(&self) -> String {
+        let mut summary = match self.lost {
+            0 => format!("{} can be read", jobs(self.good)),
+            lost => format!("{} of {} can be read", self.good, jobs(self.good + lost)),
+        };
+        if self.endless > 0 {
+            summary += &format!(", {} of them without the result", self.endless);
+        }
+        if let Some(complaint) = &self.complaint {
+            summary += &format!("; {complaint}");
+        }
+        summary
+    }
+}

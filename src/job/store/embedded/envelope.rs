@@ -1,0 +1,91 @@
+//! What stands before each value in the file: what it is, of which job, how long, and a checksum of all this.
+//!
+//! By it a value of which a bit has changed is told from a good one when it is read, and values are found in a
+//! file whose pages do not lead to them any more ([`salvage`](super::salvage)).
+
+use std::fmt::Display;
+
+use crc32fast::Hasher;
+use uuid::Uuid;
+
+use crate::job::store::StoreError;
+
+/// How each envelope begins.
+pub(super) const MAGIC: &[u8; 8] = b"\x89piadjob";
+
+/// Where the parts of an envelope begin, and how long it is.
+const KIND: usize = MAGIC.len();
+const ID: usize = KIND + 1;
+const LENGTH: usize = ID + 16;
+const CHECKSUM: usize = LENGTH + 8;
+pub(super) const BYTES: usize = CHECKSUM + 4;
+
+/// What a value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub(super) enum Kind {
+    Header = b'h',
+    Input = b'i',
+    Result = b'r',
+    Key = b'k',
+}
+
+/// The envelope of a value.
+pub(super) fn envelope(kind: Kind, id: Uuid, value: &[u8]) -> [u8; BYTES] {
+    let mut envelope = [0; BYTES];
+    envelope[..KIND].copy_from_slice(MAGIC);
+    envelope[KIND] = kind as u8;
+    envelope[ID..LENGTH].copy_from_slice(id.as_bytes());
+    envelope[LENGTH..CHECKSUM].copy_from_slice(&(value.len() as u64).to_le_bytes());
+    let mut checksum = Hasher::new();
+    checksum.update(&envelope[..CHECKSUM]);
+    checksum.update(value);
+    envelope[CHECKSUM..].copy_from_slice(&checksum.finalize().to_le_bytes());
+    envelope
+}
+
+/// What an envelope says of the value behind it, if this is one.
+pub(super) fn announced(envelope: &[u8; BYTES]) -> Option<(Kind, Uuid, u64)> {
+    if !envelope.starts_with(MAGIC) {
+        return None;
+    }
+    let kinds = [Kind::Header, Kind::Input, Kind::Result, Kind::Key];
+    let kind = kinds.into_iter().find(|&it| it as u8 == envelope[KIND])?;
+    let id = Uuid::from_slice(&envelope[ID..LENGTH]).ok()?;
+    let (length, _) = envelope[LENGTH..].split_first_chunk()?;
+    Some((kind, id, u64::from_le_bytes(*length)))
+}
+
+/// The value in an envelope, or an error that says which one is damaged.
+pub(super) fn opened(kind: Kind, what: impl Display, bytes: &[u8]) -> Result<&[u8], StoreError> {
+    let parts = bytes.split_first_chunk::<BYTES>();
+    let value = parts.and_then(|(outside, value)| {
+        let (_, id, _) = announced(outside)?;
+        (*outside == envelope(kind, id, value)).then_some(value)
+    });
+    value.ok_or_else(|| StoreError::damaged(what, "its checksum is another one"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_what_it_was_or_damaged() {
+        let (id, value) = (Uuid::now_v7(), b"points");
+        let sealed = [envelope(Kind::Input, id, value).as_slice(), value].concat();
+        let read = |bytes: &[u8]| opened(Kind::Input, "it", bytes).map(<[u8]>::to_vec);
+        assert_eq!(read(&sealed).unwrap(), value);
+        assert!(opened(Kind::Result, "it", &sealed).is_err());
+        for length in 0..sealed.len() {
+            assert!(read(&sealed[..length]).is_err(), "{length}");
+        }
+        assert!(read(&[&sealed[..], b"s"].concat()).is_err());
+        for bit in 0..8 * sealed.len() {
+            let mut flipped = sealed.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            let error = read(&flipped).unwrap_err().to_string();
+            assert!(error.contains("it cannot be read"), "{error}");
+        }
+    }
+}
