@@ -189,6 +189,9 @@ async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
             Err(error) => debug!(%error, "leases could not be renewed"),
         }
         drop(jobs);
+        if let Err(error) = shared.release_unknown().await {
+            debug!(%error, "jobs whose acknowledgement was lost could not be looked for");
+        }
         if let Err(error) = shared.recover().await {
             debug!(%error, "jobs of replicas that are gone could not be looked for");
         }

@@ -21,6 +21,13 @@ FROM unnest($1::uuid[], $2::bigint[]) AS mine (id, epoch)
 WHERE jobs.id = mine.id AND jobs.epoch = mine.epoch AND jobs.state = 'running'
 RETURNING jobs.id, jobs.cancel";
 
+/// Back into the queue: jobs that this replica has, by the database, and does not know of. The answer that they
+/// were stored was lost, or came after it was given up. Those whose answer is under way have a lease.
+const RELEASE: &str = "
+UPDATE jobs SET state = 'queued', status = $3, on_probation = false, owner = NULL, lease_until = NULL
+WHERE owner = $1 AND state = 'running' AND lease_until < now() AND id <> ALL($2)
+RETURNING id";
+
 /// A replica whose lease of a job has run out, with all the jobs that it ran. Where some of its leases still
 /// hold, it is not gone.
 const ABANDONED: &str = "
@@ -85,6 +92,22 @@ impl Shared {
             }
         }
         Ok(cancelled)
+    }
+
+    /// Puts jobs back into the queue that this replica has without knowing it: others take them for its own as
+    /// long as it renews the leases of some.
+    pub(crate) async fn release_unknown(&self) -> Result<(), StoreError> {
+        let known: Vec<Uuid> = self.claims.lock().keys().copied().collect();
+        let status = record::write(&Status::QUEUED)?;
+        let release = || {
+            let release = sqlx::query(RELEASE).bind(self.replica);
+            release.bind(&known).bind(&status)
+        };
+        let released = self.connections.run(0, release).await?;
+        if !released.is_empty() {
+            self.tell(Hint::Queued);
+        }
+        Ok(())
     }
 
     /// Notes which claims of these jobs were renewed; the others are lost, and are given back. Those that have ended meanwhile

@@ -161,6 +161,37 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
 }
 
 #[tokio::test]
+async fn a_job_that_its_replica_does_not_know_of_goes_back() {
+    let (schema, one, other) = two().await;
+    let (known, unknown) = (running(&one).await, running(&other).await);
+    let take = format!(
+        "UPDATE {0}.jobs SET owner = (SELECT owner FROM {0}.jobs WHERE id = '{known}')",
+        schema.name
+    );
+    schema.run(&take).await;
+    let replica = one.shared().unwrap();
+    // Its answer may be under way.
+    replica.release_unknown().await.unwrap();
+    assert_eq!(state(&one, unknown).await, State::Running);
+    schema.run_out().await;
+    replica.renew().await.unwrap();
+    // Others take it for one that runs.
+    other.shared().unwrap().recover().await.unwrap();
+    assert_eq!(state(&one, unknown).await, State::Running);
+    replica.release_unknown().await.unwrap();
+    assert_eq!(state(&one, known).await, State::Running);
+    let released = one.get(unknown).await.unwrap().unwrap();
+    assert_eq!(released.status.state, State::Queued);
+    assert_eq!(released.crashes, 0);
+    assert!(
+        other
+            .start(unknown, Status::running(), false)
+            .await
+            .unwrap()
+    );
+}
+
+#[tokio::test]
 async fn a_job_whose_replicas_go_fails_in_the_end() {
     let (schema, one, other) = two().await;
     let id = running(&one).await;
