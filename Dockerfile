@@ -3,23 +3,41 @@
 #   docker build -t piad --build-arg PIAD_COMMIT="$(git rev-parse --short=12 HEAD)" .
 #   docker run --rm -p 8080:8080 -v piad-data:/data piad
 #   docker run --rm -u "$(id -u)" -v "$PWD:/work" -w /work piad fit wing.dat -o wing.step
+#
+# `make image` builds it with buildah and tries it.
 
-FROM rust:1-slim-bookworm AS build
+ARG RUST=docker.io/library/rust:1-slim-bookworm
+
+FROM ${RUST} AS build
 WORKDIR /build
+# Writes the list of crates into the binary, where scanners look for it.
+RUN --mount=type=cache,target=/usr/local/cargo/registry \
+    cargo install --locked --root /usr/local cargo-auditable@0.7.7
 COPY Cargo.toml Cargo.lock build.rs ./
 COPY proto ./proto
 COPY src ./src
+COPY benches ./benches
 COPY viewer/dist ./viewer/dist
 # What `piad --version` tells beside the version: there is no repository in here.
 ARG PIAD_COMMIT=""
 # A static binary cannot look getrandom up by name: it calls the kernel rather than open /dev/urandom.
-ENV RUSTFLAGS="-C target-feature=+crt-static --cfg getrandom_backend=\"linux_getrandom\""
-RUN target="$(uname -m)-unknown-linux-gnu" \
- && cargo build --release --locked --target "$target" \
+# Relative relocations in their short form make it half a megabyte smaller.
+ENV RUSTFLAGS="-C target-feature=+crt-static -C link-arg=-Wl,-z,pack-relative-relocs --cfg getrandom_backend=\"linux_getrandom\""
+# The caches keep what was compiled of other crates, so that a change in src compiles piad alone.
+RUN --mount=type=cache,target=/usr/local/cargo/registry --mount=type=cache,target=/build/target \
+    target="$(uname -m)-unknown-linux-gnu" \
+ && cargo auditable build --release --locked --target "$target" \
  && cp "target/$target/release/piad" /piad \
  && mkdir /data
 
 FROM scratch
+ARG PIAD_COMMIT=""
+ARG PIAD_VERSION=""
+LABEL org.opencontainers.image.title="piad" \
+      org.opencontainers.image.description="Fits curves and surfaces, and streams every iteration" \
+      org.opencontainers.image.version="${PIAD_VERSION}" \
+      org.opencontainers.image.revision="${PIAD_COMMIT}" \
+      org.opencontainers.image.licenses="MIT OR Apache-2.0"
 COPY --from=build /piad /piad
 # Whom `piad fit --server https://…` trusts.
 COPY --from=build /etc/ssl/certs/ca-certificates.crt /etc/ssl/certs/ca-certificates.crt

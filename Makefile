@@ -1,4 +1,4 @@
-.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators python typescript browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -37,7 +37,7 @@ api: tools postgres
 
 # The same with its jobs in a database, without the tests of what one process does with its file: there a job
 # that was running in a crash waits for the end of a lease.
-OF_A_FILE := damage::|crash_recovery::|durable::(a_commit|only_one|a_server_waits|unknown_files|a_full_disk|jobs_can_be|a_job_that_was)
+OF_A_FILE := damage::|salvage::|crash_recovery::|durable::(a_commit|only_one|a_server_waits|unknown_files|a_full_disk|jobs_can_be|a_job_that_was)
 database: tools postgres
 	PIAD_TEST_STORE=database tests/postgres cargo nextest run --locked --test api -E 'not test(/^($(OF_A_FILE))/)'
 
@@ -77,6 +77,14 @@ operators:
 	@command -v promtool >/dev/null && command -v docker-compose >/dev/null && command -v caddy >/dev/null && \
 	  command -v openssl >/dev/null && test -x /usr/sbin/nginx || \
 	  $(INSTALL) prometheus docker-compose caddy openssl nginx-light
+
+# The image of the Dockerfile, built by buildah and tried: ten minutes the first time.
+image:
+	@command -v buildah >/dev/null && command -v podman >/dev/null && command -v debootstrap >/dev/null && \
+	  command -v objcopy >/dev/null || \
+	  $(INSTALL) buildah podman crun debootstrap binutils python3
+	deploy/image
+	python3 tests/python/image.py
 
 # Writes docs/openapi.json, which tests compare with what a server says.
 openapi:

@@ -100,10 +100,43 @@ async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
     };
     match timeout(ATTEMPT, migrated).await {
         Ok(Err(MigrateError::Execute(error) | MigrateError::ExecuteMigration(error, _))) => {
-            Err(of_database(error))
+            Err(of_attempt(error))
         }
         Ok(Err(error)) => Err(StoreError::Failed(error.to_string())),
         Ok(Ok(())) => Ok(()),
         Err(_) => Err(StoreError::Away(format!("no answer within {ATTEMPT:?}"))),
+    }
+}
+
+/// Why a connection could not be made. A certificate that is not trusted does not become so by waiting.
+fn of_attempt(error: sqlx::Error) -> StoreError {
+    match &error {
+        sqlx::Error::Io(reason)
+            if reason
+                .get_ref()
+                .is_some_and(|it| it.is::<rustls::Error>()) =>
+        {
+            StoreError::Failed(error.to_string())
+        }
+        _ => of_database(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use rustls::CertificateError;
+
+    use super::*;
+
+    #[test]
+    fn certificates_are_not_waited_for() {
+        let of = |reason: io::Error| of_attempt(sqlx::Error::Io(reason));
+        let refused = rustls::Error::InvalidCertificate(CertificateError::UnknownIssuer);
+        let refused = of(io::Error::new(io::ErrorKind::InvalidData, refused));
+        assert!(matches!(refused, StoreError::Failed(_)), "{refused}");
+        let away = of(io::ErrorKind::ConnectionRefused.into());
+        assert!(matches!(away, StoreError::Away(_)), "{away}");
     }
 }
