@@ -116,16 +116,20 @@ impl Cursor {
                 none => none.insert(self.job.attach(self.next, self.peer).await?),
             };
             let waiting = &mut self.waiting;
-            match attempt(run, self.next, waiting, &mut self.status, job_ended).await {
+            let goes_on = job_ended || self.job.goes_on_without_its_run();
+            match attempt(run, self.next, waiting, &mut self.status, goes_on).await {
                 Attempt::Frame(frame) => {
                     self.waiting = None;
                     self.next += 1;
                     return Ok(Next::Frame(frame));
                 }
+                // The job has more levels than are computed here: by another version of the program.
+                Attempt::Ended if job_ended => return Ok(Next::End(Box::new(status))),
+                Attempt::Ended => changed(&mut self.status).await,
                 Attempt::TryAgain => {}
                 // A reader of the newest frame looks for a newer one.
-                Attempt::Leave if self.latest.is_some() && !job_ended => {}
-                Attempt::Leave => self.run = None,
+                Attempt::Passed if self.latest.is_some() && !job_ended => {}
+                Attempt::Passed | Attempt::Leave => self.run = None,
             }
         }
     }
@@ -151,8 +155,12 @@ enum Attempt {
     Frame(Arc<Frame>),
     /// The run or the job has changed in the meantime.
     TryAgain,
-    /// Only another run can deliver the frame.
+    /// The frame has left the ring: only another run can deliver it.
+    Passed,
+    /// The run was stopped: only another one can deliver the frame.
     Leave,
+    /// The fit ends before the frame.
+    Ended,
 }
 
 async fn attempt(
@@ -160,7 +168,7 @@ async fn attempt(
     index: usize,
     waiting: &mut Option<Instant>,
     status: &mut watch::Receiver<Status>,
-    job_ended: bool,
+    goes_on: bool,
 ) -> Attempt {
     // Usually the frame is there already.
     if let FrameLookup::Frame(frame) = run.read(index) {
@@ -171,10 +179,10 @@ async fn attempt(
     advanced.as_mut().enable();
     match run.read(index) {
         FrameLookup::Frame(frame) => return Attempt::Frame(frame),
-        // The frame has left the ring, or the run was stopped.
-        FrameLookup::Gone => return Attempt::Leave,
-        FrameLookup::Ended if job_ended => return Attempt::Leave,
-        FrameLookup::Ended => changed(status).await,
+        FrameLookup::Gone => return Attempt::Passed,
+        FrameLookup::Stopped if goes_on => return Attempt::Leave,
+        FrameLookup::Stopped => changed(status).await,
+        FrameLookup::Ended => return Attempt::Ended,
         FrameLookup::Later => {
             let until = run.want(index, waiting);
             tokio::select! {

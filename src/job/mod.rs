@@ -241,6 +241,11 @@ impl Job {
         self.elsewhere.load(Ordering::Acquire)
     }
 
+    /// Whether the run of this replica, if it was stopped, does not tell how the job goes on or has ended.
+    pub(crate) fn goes_on_without_its_run(&self) -> bool {
+        self.is_elsewhere() || self.status().state.is_final()
+    }
+
     /// Takes over what another replica has made of the job.
     fn follow(&self, theirs: Status) {
         self.status.send_if_modified(|mine| {
@@ -374,7 +379,8 @@ impl Job {
             !shared.is_some_and(|(from, shared)| shared.checkpoints.shorten(from, next))
         };
         let mut quickest = live.iter().filter(is_quickest);
-        quickest.find_map(|run| run.attach(next, peer))
+        let goes_on = self.goes_on_without_its_run();
+        quickest.find_map(|run| run.attach(next, peer, goes_on))
     }
 }
 

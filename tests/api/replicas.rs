@@ -252,6 +252,8 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     let job: Value = job.json().await.unwrap();
     assert_eq!(job["state"], "running");
     let path = job["links"]["self"].as_str().unwrap();
+    let stream = paused.program.get(&format!("{path}/events?view=errors"));
+    let stream = stream.send().await.unwrap();
     paused.program.signal("-STOP");
     eventually("another replica ends it", async || {
         other.program.json(path).await["state"] == "exhausted"
@@ -275,6 +277,12 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     );
     assert_eq!(paused.program.json(path).await, ended);
     assert_eq!(other.program.json(path).await, ended);
+    // It goes on where it was, though its replica has given up the job.
+    let story = timeout(PATIENCE, Story::read(stream))
+        .await
+        .expect("an end");
+    assert_eq!(story.iterations.len(), 10_001);
+    assert_eq!(story.end["state"], "exhausted");
 }
 
 /// A job that is stored while the answer is lost: the client is told that it may not be, and asks again

@@ -19,11 +19,19 @@ pub(crate) struct Attached {
 }
 
 impl Run {
-    /// Becomes a reader from frame `next` on, if the run can still deliver that frame.
-    pub(crate) fn attach(self: &Arc<Self>, next: usize, peer: Option<Peer>) -> Option<Attached> {
+    /// Becomes a reader from frame `next` on, if the run can still deliver that frame. One that was stopped
+    /// is left where the job `goes_on`, or has gone on, without it.
+    pub(crate) fn attach(
+        self: &Arc<Self>,
+        next: usize,
+        peer: Option<Peer>,
+        goes_on: bool,
+    ) -> Option<Attached> {
         let mut state = self.state.lock();
-        if matches!(state.read(next), FrameLookup::Gone) {
-            return None;
+        match state.read(next) {
+            FrameLookup::Gone => return None,
+            FrameLookup::Stopped if goes_on => return None,
+            _ => {}
         }
         let reader = state.add_reader(Follower { next, peer });
         drop(state);

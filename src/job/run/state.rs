@@ -35,6 +35,8 @@ pub(crate) enum FrameLookup {
     Gone,
     /// The run has ended before it.
     Ended,
+    /// The run was stopped before it: another run can go on.
+    Stopped,
 }
 
 #[derive(Debug)]
@@ -152,6 +154,7 @@ impl RunState {
         if reached < Some(index) {
             return match self.ending {
                 None => FrameLookup::Later,
+                Some(Ending::Stopped) => FrameLookup::Stopped,
                 Some(_) => FrameLookup::Ended,
             };
         }

@@ -24,7 +24,7 @@ async fn readers_of_large_frames_wait_for_each_other() {
     let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
     let run = Run::new(system, Arc::clone(&resources), None, None);
     let quick = Attached::to_new(Arc::clone(&run), 0, None);
-    let slow = run.attach(0, None).unwrap();
+    let slow = run.attach(0, None, false).unwrap();
     quick.want(0, &mut None);
     arrives(&quick, 0).await;
     arrives(&slow, 0).await;
@@ -49,4 +49,22 @@ async fn readers_of_large_frames_wait_for_each_other() {
     quick.want(3, &mut None);
     arrives(&quick, 3).await;
     assert_eq!(resources.counters.iterations.get(), 4);
+}
+
+/// A run that was stopped delivers what it has, and is left where the job goes on without it.
+#[tokio::test]
+async fn a_stopped_run_is_left_by_readers_that_want_more() {
+    let scheduler = Scheduler::new(1).unwrap();
+    let resources = Arc::new(Resources::new(scheduler, 1 << 30, 0));
+    let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
+    let run = Run::new(system, resources, None, None);
+    let reader = Attached::to_new(Arc::clone(&run), 0, None);
+    reader.want(0, &mut None);
+    arrives(&reader, 0).await;
+    run.stop();
+    let reached = run.levels().unwrap().last.iteration;
+    assert!(matches!(reader.read(reached + 1), FrameLookup::Stopped));
+    assert!(run.attach(reached, None, true).is_some());
+    assert!(run.attach(reached + 1, None, false).is_some());
+    assert!(run.attach(reached + 1, None, true).is_none());
 }

@@ -111,11 +111,7 @@ async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
 /// Why a connection could not be made. A certificate that is not trusted does not become so by waiting.
 fn of_attempt(error: sqlx::Error) -> StoreError {
     match &error {
-        sqlx::Error::Io(reason)
-            if reason
-                .get_ref()
-                .is_some_and(|it| it.is::<rustls::Error>()) =>
-        {
+        sqlx::Error::Io(reason) if reason.get_ref().is_some_and(|it| it.is::<rustls::Error>()) => {
             StoreError::Failed(error.to_string())
         }
         _ => of_database(error),
