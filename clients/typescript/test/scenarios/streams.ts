@@ -126,20 +126,20 @@ export const streams: Scenarios = {
     equal(levels.map(({ number }) => number), [...levels.keys()]);
   },
 
-  "iterations of another version come again": async ({ client, backstage, url }) => {
-    const proxy = await backstage.proxy(url);
-    await backstage.cutAfter(proxy, 12_000);
+  "iterations of another version come again": async ({ client }) => {
     let last = "";
+    // The first answer breaks off in the middle of an event.
     const newer = async (url: string, init: RequestInit) => {
       const headers = new Headers(init.headers);
       last = headers.get("Last-Event-ID") ?? "";
-      if (last === "") return fetch(url, init);
       headers.delete("Last-Event-ID");
       const answer = await fetch(url, { ...init, headers });
-      const text = (await answer.text()).replace("data: {", 'data: {"resumed":"restarted",');
-      return new Response(text.replace(/^id: (\d+)$/gm, "id: $1@2"), answer);
+      const text = await answer.text();
+      if (last === "") return new Response(text.slice(0, 12_000), answer);
+      const restarted = text.replace("data: {", 'data: {"resumed":"restarted",');
+      return new Response(restarted.replace(/^id: (\d+)$/gm, "id: $1@2"), answer);
     };
-    const levels = await all(client({ fetch: newer }, proxy).createStream(AUTOMATIC, { view: "errors" }));
+    const levels = await all(client({ fetch: newer }).createStream(AUTOMATIC, { view: "errors" }));
     const numbers = levels.map(({ number }) => number);
     const first = Number(last) + 1;
     equal([first > 3, numbers], [true, [...Array(first).keys(), ...Array(levels.length - first).keys()]]);
