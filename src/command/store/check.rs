@@ -7,15 +7,11 @@ use crate::config::Storage;
 pub(super) async fn check(storage: &Storage) -> Result<String, String> {
     let source = Source::open(storage).await?;
     let reading = source.read_all(async |_| Ok(())).await?;
-    reading.tell_reasons();
-    let summary = reading.summary();
-    if reading.is_whole() {
-        return Ok(format!("{storage:?}: {summary}, nothing is damaged"));
-    }
     let advice = match (reading.good, storage) {
         (0, _) => "restore it from a backup",
         (_, Storage::Directory(_)) => "`piad store repair` keeps what can be read",
         _ => "restore the database from a backup, or delete these jobs",
     };
-    Err(format!("{storage:?} is damaged: {summary}: {advice}"))
+    let damaged = |summary| format!("{storage:?} is damaged: {summary}: {advice}");
+    reading.verdict(storage).map_err(damaged)
 }

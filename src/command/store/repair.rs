@@ -1,6 +1,6 @@
 //! `piad store repair`: a new file with all that can be read of a damaged one.
 
-use super::source::Source;
+use super::source::{open_file, read_file};
 use crate::config::Storage;
 use crate::job::store::embedded::salvage::{Salvage, Salvaged};
 
@@ -9,13 +9,12 @@ pub(super) async fn repair(storage: &Storage) -> Result<String, String> {
     let Storage::Directory(directory) = storage else {
         return Err("only files are repaired: databases have backups of their own".to_owned());
     };
-    let source = Source::open(storage).await?;
-    let reading = source.read_all(async |_| Ok(())).await?;
-    reading.tell_reasons();
-    let summary = reading.summary();
-    if reading.is_whole() {
-        return Ok(format!("{storage:?}: {summary}, nothing is damaged"));
-    }
+    let file = open_file(directory)?;
+    let reading = read_file(&file, async |_| Ok(())).await?;
+    let summary = match reading.verdict(storage) {
+        Ok(whole) => return Ok(whole),
+        Err(summary) => summary,
+    };
     if reading.good == 0 {
         let advice = "restore it from a backup, or move it away to start without its jobs";
         return Err(format!(
@@ -28,11 +27,8 @@ pub(super) async fn repair(storage: &Storage) -> Result<String, String> {
         let kept = fresh.put(salvaged.job).await;
         kept.map_err(|error| told(error.to_string()))
     };
-    source.read_all(put).await?;
-    let kept = match source {
-        Source::File(file) => file.replace(directory, fresh),
-        Source::Database(_) => return Err("this is no file".to_owned()),
-    };
+    read_file(&file, put).await?;
+    let kept = file.replace(directory, fresh);
     let kept = kept.map_err(|error| told(error.to_string()))?;
     Ok(format!(
         "{storage:?} is repaired: {summary}; the damaged file is {kept:?}"

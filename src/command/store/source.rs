@@ -1,6 +1,7 @@
 //! Reading all jobs of a store that may be damaged, without changing it.
 
 use std::panic;
+use std::path::Path;
 
 use super::{counter, jobs, open};
 use crate::config::Storage;
@@ -31,11 +32,7 @@ pub(super) struct Reading {
 impl Source {
     pub(super) async fn open(storage: &Storage) -> Result<Self, String> {
         match storage {
-            Storage::Directory(path) => {
-                be_silent_of_damage();
-                let salvage = Salvage::open(path).map_err(|error| error.to_string())?;
-                Ok(Self::File(Box::new(salvage)))
-            }
+            Storage::Directory(path) => Ok(Self::File(open_file(path)?)),
             storage => open(storage).await.map(Self::Database),
         }
     }
@@ -45,33 +42,49 @@ impl Source {
         &self,
         mut take: impl AsyncFnMut(Salvaged) -> Result<(), String>,
     ) -> Result<Reading, String> {
+        let store = match self {
+            Self::File(file) => return read_file(file, take).await,
+            Self::Database(store) => store,
+        };
         let mut reading = Reading::default();
         let bar = counter();
-        match self {
-            Self::File(file) => {
-                reading.complaint = file.complaint().map(str::to_owned);
-                for id in file.ids() {
-                    match file.job(id) {
-                        Ok(job) => reading.add(job, &mut take).await?,
-                        Err(error) => reading.miss(&error),
-                    }
-                    bar.set_message(jobs(reading.good));
-                }
+        let mut records = Records::of(store);
+        while let Some(record) = records.next().await.map_err(|error| error.to_string())? {
+            match store.whole(record).await {
+                Ok(job) => reading.add(Salvaged { job, lost: None }, &mut take).await?,
+                Err(error) => reading.miss(&error),
             }
-            Self::Database(store) => {
-                let mut records = Records::of(store);
-                while let Some(record) = records.next().await.map_err(|error| error.to_string())? {
-                    match store.whole(record).await {
-                        Ok(job) => reading.add(Salvaged { job, lost: None }, &mut take).await?,
-                        Err(error) => reading.miss(&error),
-                    }
-                    bar.set_message(jobs(reading.good));
-                }
-            }
+            bar.set_message(jobs(reading.good));
         }
         bar.finish_and_clear();
         Ok(reading)
     }
+}
+
+/// Opens the file in a directory.
+pub(super) fn open_file(directory: &Path) -> Result<Box<Salvage>, String> {
+    be_silent_of_damage();
+    let file = Salvage::open(directory).map_err(|error| error.to_string())?;
+    Ok(Box::new(file))
+}
+
+/// Reads all jobs of a file, and hands on each that can be read.
+pub(super) async fn read_file(
+    file: &Salvage,
+    mut take: impl AsyncFnMut(Salvaged) -> Result<(), String>,
+) -> Result<Reading, String> {
+    let mut reading = Reading::default();
+    let bar = counter();
+    reading.complaint = file.complaint().map(str::to_owned);
+    for id in file.ids() {
+        match file.job(id) {
+            Ok(job) => reading.add(job, &mut take).await?,
+            Err(error) => reading.miss(&error),
+        }
+        bar.set_message(jobs(reading.good));
+    }
+    bar.finish_and_clear();
+    Ok(reading)
 }
 
 /// Damage makes the database panic at times, which is told in other words.
@@ -118,6 +131,16 @@ impl Reading {
     /// Tells what is wrong with which job.
     pub(super) fn tell_reasons(&self) {
         self.reasons.iter().for_each(|reason| eprintln!("{reason}"));
+    }
+
+    /// That a store is whole; if it is not, tells why and gives what could be read.
+    pub(super) fn verdict(&self, storage: &Storage) -> Result<String, String> {
+        self.tell_reasons();
+        let summary = self.summary();
+        if self.is_whole() {
+            return Ok(format!("{storage:?}: {summary}, nothing is damaged"));
+        }
+        Err(summary)
     }
 
     /// Whether everything could be read, and nothing is wrong beside.

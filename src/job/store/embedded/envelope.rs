@@ -56,14 +56,18 @@ pub(super) fn announced(envelope: &[u8; BYTES]) -> Option<(Kind, Uuid, u64)> {
     Some((kind, id, u64::from_le_bytes(*length)))
 }
 
-/// The value in an envelope, or an error that says which one is damaged.
-pub(super) fn opened(kind: Kind, what: impl Display, bytes: &[u8]) -> Result<&[u8], StoreError> {
+/// The value of this job in its envelope, or an error that says which one is damaged.
+pub(super) fn opened(
+    kind: Kind,
+    id: Uuid,
+    what: impl Display,
+    bytes: &[u8],
+) -> Result<&[u8], StoreError> {
     let parts = bytes.split_first_chunk::<BYTES>();
-    let value = parts.and_then(|(outside, value)| {
-        let (_, id, _) = announced(outside)?;
-        (*outside == envelope(kind, id, value)).then_some(value)
-    });
-    value.ok_or_else(|| StoreError::damaged(what, "its checksum is another one"))
+    let value = parts
+        .filter(|(outside, value)| **outside == envelope(kind, id, value))
+        .map(|(_, value)| value);
+    value.ok_or_else(|| StoreError::damaged(what, "its checksum is that of another value"))
 }
 
 #[cfg(test)]
@@ -74,9 +78,10 @@ mod tests {
     fn a_value_is_what_it_was_or_damaged() {
         let (id, value) = (Uuid::now_v7(), b"points");
         let sealed = [envelope(Kind::Input, id, value).as_slice(), value].concat();
-        let read = |bytes: &[u8]| opened(Kind::Input, "it", bytes).map(<[u8]>::to_vec);
+        let read = |bytes: &[u8]| opened(Kind::Input, id, "it", bytes).map(<[u8]>::to_vec);
         assert_eq!(read(&sealed).unwrap(), value);
-        assert!(opened(Kind::Result, "it", &sealed).is_err());
+        assert!(opened(Kind::Result, id, "it", &sealed).is_err());
+        assert!(opened(Kind::Input, Uuid::now_v7(), "it", &sealed).is_err());
         for length in 0..sealed.len() {
             assert!(read(&sealed[..length]).is_err(), "{length}");
         }

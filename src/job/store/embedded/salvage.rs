@@ -129,7 +129,8 @@ impl Salvage {
         });
         let mut kept = kept.filter(|path| !path.exists());
         let kept = kept.next().unwrap_or_default();
-        fs::rename(&self.path, &kept)?;
+        // There is a file of jobs at each moment: a server that found none would start without them.
+        fs::hard_link(&self.path, &kept).or_else(|_| fs::copy(&self.path, &kept).map(drop))?;
         fs::rename(directory.join(REPAIRED), &self.path)?;
         #[cfg(unix)]
         File::open(directory)?.sync_all()?;
@@ -281,7 +282,7 @@ fn find(file: &File) -> io::Result<Found> {
 
 /// Notes a value if it is good. Of several headers one counts that tells of the end.
 fn note(found: &mut Found, kind: Kind, id: Uuid, begin: u64, whole: &[u8]) {
-    let Ok(value) = envelope::opened(kind, "", whole) else {
+    let Ok(value) = envelope::opened(kind, id, "", whole) else {
         return;
     };
     let is_better = kind == Kind::Header

@@ -68,6 +68,7 @@ impl Values {
     pub(super) fn opened<'a>(&self, id: Uuid, bytes: &'a [u8]) -> Result<&'a [u8], StoreError> {
         envelope::opened(
             self.kind,
+            id,
             format_args!("the {} of job {id}", self.name),
             bytes,
         )
@@ -81,8 +82,10 @@ pub(super) fn header_in(id: Uuid, bytes: &[u8]) -> Result<Header, StoreError> {
 
 /// The entry of an idempotency key in its envelope.
 pub(super) fn key_in(bytes: &[u8]) -> Result<IdempotencyEntry, StoreError> {
-    let bytes = envelope::opened(Kind::Key, "the entry of an idempotency key", bytes)?;
-    record::entry(bytes)
+    let announced = bytes.first_chunk().and_then(envelope::announced);
+    let id = announced.map(|(_, id, _)| id).unwrap_or_default();
+    let what = "the entry of an idempotency key";
+    record::entry(envelope::opened(Kind::Key, id, what, bytes)?)
 }
 
 /// The record of an entry of the table of headers.
