@@ -260,6 +260,11 @@ pub struct Config {
     #[arg(long, env = "PIAD_GRACE", default_value = "4", value_parser = seconds)]
     pub grace: Duration,
 
+    /// The collector that gets traces of requests and jobs, by OTLP over gRPC, such as http://localhost:4317;
+    /// the variables OTEL_* of OpenTelemetry hold, too [default: that of OTEL_EXPORTER_OTLP_ENDPOINT, if any].
+    #[arg(long, env = "PIAD_OTLP_ENDPOINT", value_name = "URL")]
+    pub otlp_endpoint: Option<String>,
+
     /// How log lines, on standard error, look.
     #[arg(long, env = "PIAD_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
     pub log_format: LogFormat,

@@ -24,6 +24,7 @@
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`server`] — binds them together: [`server::serve`];
 //! - [`command`] — `piad fit`: from a file to files, as a client of a server inside of the process;
+//! - [`telemetry`] — traces of requests and jobs, for a collector;
 //! - [`trim`] — gives memory back that nobody uses any more.
 
 pub mod api;
@@ -36,4 +37,5 @@ pub(crate) mod job;
 pub mod model;
 pub(crate) mod proto;
 pub mod server;
+pub mod telemetry;
 pub mod trim;

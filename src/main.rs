@@ -8,9 +8,11 @@ use piad::command;
 use piad::config::{Cli, Command, Config, LogFormat};
 use piad::server;
 use piad::server::listen::Listen;
+use piad::telemetry::endpoint::Endpoint;
+use piad::telemetry::{self, Telemetry};
 use piad::trim;
 use tracing::{error, info};
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::{EnvFilter, Layer, fmt};
 
 /// Frames of long curves come and go by the megabyte on all threads, which leaves the allocator of the
 /// C library with several times the memory that is in use. What this one keeps is seen to by [`trim`].
@@ -30,9 +32,28 @@ fn main() -> ExitCode {
     }
 }
 
+fn serve(config: Config) -> ExitCode {
+    let endpoint = Endpoint::find(config.otlp_endpoint.as_deref());
+    let telemetry = endpoint.and_then(|it| it.as_ref().map(Telemetry::start).transpose());
+    let telemetry = match telemetry {
+        Ok(telemetry) => telemetry,
+        Err(reason) => {
+            eprintln!("piad: {reason}");
+            return ExitCode::from(2);
+        }
+    };
+    let grace = config.grace;
+    let code = serve_until_the_end(config, telemetry.as_ref());
+    // The spans of all tasks have ended by now, as the runtime has.
+    if let Some(telemetry) = telemetry {
+        telemetry.stop(grace);
+    }
+    code
+}
+
 #[tokio::main]
-async fn serve(config: Config) -> ExitCode {
-    if let Err(reason) = start_log(&config) {
+async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> ExitCode {
+    if let Err(reason) = start_log(&config, telemetry) {
         eprintln!("piad: --log {:?}: {reason}", config.log);
         return ExitCode::from(2);
     }
@@ -67,15 +88,14 @@ async fn health(listen: Listen, timeout: u64) -> ExitCode {
     }
 }
 
-fn start_log(config: &Config) -> Result<(), String> {
+fn start_log(config: &Config, telemetry: Option<&Telemetry>) -> Result<(), String> {
     let filter = EnvFilter::try_new(&config.log).map_err(|reason| reason.to_string())?;
-    let log = tracing_subscriber::fmt()
+    let log = fmt::layer()
         .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_env_filter(filter);
-    match config.log_format {
-        LogFormat::Text => log.init(),
-        LogFormat::Json => log.json().init(),
-    }
-    Ok(())
+        .with_ansi(std::io::stderr().is_terminal());
+    let log = match config.log_format {
+        LogFormat::Text => log.boxed(),
+        LogFormat::Json => log.json().boxed(),
+    };
+    telemetry::start_log(log, filter, telemetry)
 }

@@ -1,5 +1,6 @@
 //! The server that fits: one inside of this process, or one at a URL. Both are asked the same.
 
+use std::env;
 use std::error::Error;
 use std::io;
 use std::sync::OnceLock;
@@ -20,6 +21,7 @@ use super::failure::Failure;
 use super::refusal::Refusal;
 use crate::config::{Config, Storage};
 use crate::server::local::{self, Local};
+use crate::telemetry::request::TRACE_PARENT;
 
 /// The memory of a job in this process: large jobs get 5/16 of that of a server, so that this is
 /// nearly all of the machine's.
@@ -176,6 +178,11 @@ impl Client {
                     request
                         .headers_mut()
                         .insert(header::AUTHORIZATION, token.clone());
+                }
+                // Who starts the program may have a span of its own, below which this one belongs.
+                let parent = env::var("TRACEPARENT").map(HeaderValue::try_from);
+                if let Ok(Ok(parent)) = parent {
+                    request.headers_mut().insert(TRACE_PARENT, parent);
                 }
                 let answer = client.request(request).await;
                 answer

@@ -15,7 +15,7 @@
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
-//! - [`counters`]: the metrics of the server.
+//! - [`counters`]: the metrics of the server; [`trace`]: the spans of a job.
 //!
 //! An iterate is a pure function of the problem and its level. So frames are never stored: those that
 //! are no longer in memory are computed again, by a run that starts over.
@@ -43,6 +43,7 @@ pub(crate) mod share;
 pub(crate) mod slots;
 pub(crate) mod state;
 pub(crate) mod store;
+pub(crate) mod trace;
 mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -68,6 +69,7 @@ use run::attached::Attached;
 use run::{Run, SharedSystem};
 use state::{State, Status};
 use store::{Record, Store, StoreError};
+use trace::JobTrace;
 
 /// Streams hold the points of jobs of at most so many bytes.
 const HELD: usize = 256 * 1024;
@@ -99,6 +101,7 @@ pub(crate) struct Job {
     runs: Mutex<Vec<Weak<Run>>>,
     resources: Arc<Resources>,
     descriptions: EncodingCache,
+    trace: Arc<JobTrace>,
 }
 
 impl Job {
@@ -125,6 +128,7 @@ impl Job {
             runs: Mutex::new(Vec::new()),
             resources,
             descriptions: EncodingCache::default(),
+            trace: Arc::default(),
         }
     }
 
@@ -278,6 +282,7 @@ impl Job {
     fn abandon(&self) {
         self.cancel_requested.store(true, Ordering::Release);
         self.abandoned.store(true, Ordering::Release);
+        self.trace.abandon(&self.status());
         self.suspend();
     }
 
@@ -315,10 +320,16 @@ impl Job {
         &self.resources
     }
 
+    /// Its spans.
+    pub(crate) fn trace(&self) -> &Arc<JobTrace> {
+        &self.trace
+    }
+
     /// Starts the primary run. Readers can attach to it as soon as this returns.
     fn begin(&self, system: Arc<SharedSystem>, permit: Option<Permit>) -> Arc<Run> {
         *self.system.lock() = Arc::downgrade(&system);
-        let run = Run::new(system, Arc::clone(&self.resources), permit, self.peer);
+        let (resources, trace) = (Arc::clone(&self.resources), Arc::clone(&self.trace));
+        let run = Run::new(system, resources, permit, self.peer, trace);
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
         // The job may have been cancelled before there was a run to stop.
@@ -359,9 +370,11 @@ impl Job {
         if let Some(attached) = self.attach_to_live(next, peer) {
             return Ok(attached);
         }
-        let run = Run::new(self.system().await?, Arc::clone(resources), permit, peer);
+        let (system, resources) = (self.system().await?, Arc::clone(resources));
+        // The spans of the job are about what it does once.
+        let run = Run::new(system, resources, permit, peer, Arc::default());
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
-        resources.replays.add(Arc::downgrade(&run));
+        self.resources.replays.add(Arc::downgrade(&run));
         self.runs.lock().push(Arc::downgrade(&run));
         Ok(attached)
     }

@@ -4,7 +4,10 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
 use std::process::{Child, Stdio};
 
-use crate::support::{Folder, field};
+use crate::support::{Folder, Told, field};
+
+/// A span of whoever starts the program.
+const PARENT: &str = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
 
 /// A server, and its address.
 pub struct Server(Child, pub String);
@@ -86,7 +89,7 @@ fn a_server_that_is_not_there_is_a_failure() {
 }
 
 #[test]
-fn the_token_is_sent() {
+fn the_token_and_the_parent_are_sent() {
     let folder = Folder::with_curve();
     folder.write("token", "secret-7\n");
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
@@ -104,16 +107,23 @@ fn the_token_is_sent() {
         write!(stream, "HTTP/1.1 401 Unauthorized\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n{problem}").unwrap();
         String::from_utf8_lossy(&head).into_owned()
     });
-    let told = folder.fit(&["curve.csv", "--server", &url, "--token-file", "token"]);
+    let mut command = folder.command(&["fit", "curve.csv", "--server", &url]);
+    command.args(["--token-file", "token"]);
+    command.env("TRACEPARENT", PARENT);
+    let told = Told::of(command.output().unwrap());
     assert_eq!(
         (told.status, told.err.as_str()),
         (1, "piad: who are you?\n")
     );
     let head = door.join().unwrap();
     assert!(head.starts_with("POST /fits/v1/jobs/stream?"), "{head}");
+    let head = head.to_lowercase();
     assert!(
-        head.to_lowercase()
-            .contains("authorization: bearer secret-7\r\n"),
+        head.contains("authorization: bearer secret-7\r\n"),
+        "{head}"
+    );
+    assert!(
+        head.contains(&format!("traceparent: {PARENT}\r\n")),
         "{head}"
     );
 }

@@ -2118,6 +2118,8 @@ export interface components {
             errors?: components["schemas"]["FieldError"][];
             /** @description The id of the request, as X-Request-Id has it. */
             request_id?: string;
+            /** @description The id of the trace of the request, as traceresponse has it, if the server exports traces. */
+            trace_id?: string;
         };
         /**
          * @description One thing that is wrong. It names its place in one way.

@@ -8,12 +8,13 @@ use axum::http::{HeaderName, HeaderValue, Method, Uri, header};
 use tower_http::cors::{AllowOrigin, CorsLayer};
 
 use super::request_id::REQUEST_ID;
+use crate::telemetry::request::{TRACE_PARENT, TRACE_RESPONSE, TRACE_STATE};
 
 /// How long browsers cache the answer to a preflight request.
 const MAX_AGE: Duration = Duration::from_secs(7200);
 
 /// The request headers that pages may send.
-const READ: [HeaderName; 8] = [
+const READ: [HeaderName; 10] = [
     header::ACCEPT,
     header::CONTENT_ENCODING,
     header::CONTENT_TYPE,
@@ -21,12 +22,14 @@ const READ: [HeaderName; 8] = [
     HeaderName::from_static("last-event-id"),
     HeaderName::from_static("prefer"),
     REQUEST_ID,
+    TRACE_PARENT,
+    TRACE_STATE,
     // Browsers send it when a page bypasses the cache.
     header::CACHE_CONTROL,
 ];
 
 /// The answer headers that pages may read, beyond those that they always may.
-const SHOWN: [HeaderName; 8] = [
+const SHOWN: [HeaderName; 9] = [
     header::ALLOW,
     header::CONTENT_DISPOSITION,
     header::LOCATION,
@@ -35,6 +38,7 @@ const SHOWN: [HeaderName; 8] = [
     HeaderName::from_static("piad-resumed-after"),
     HeaderName::from_static("preference-applied"),
     REQUEST_ID,
+    TRACE_RESPONSE,
 ];
 
 /// An origin, as a browser writes it; or any.

@@ -20,6 +20,7 @@ use crate::api::order;
 use crate::api::problem::{Kind, Problem};
 use crate::job::store::StoreError;
 use crate::model::short::quoted;
+use crate::telemetry;
 
 /// What the server is.
 #[derive(Serialize, JsonSchema)]
@@ -62,6 +63,7 @@ pub(super) async fn metrics(State(app): State<App>) -> Result<Response, Problem>
     let mut registry = Registry::default();
     app.jobs.resources().counters.register(&mut registry);
     app.requests.register(&mut registry);
+    telemetry::register(&mut registry);
     let queued = i64::try_from(app.jobs.queued()).unwrap_or(i64::MAX);
     let help = "Jobs that wait for their turn";
     registry.register("piad_jobs_queued", help, ConstGauge::new(queued));

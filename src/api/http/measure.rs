@@ -8,9 +8,11 @@ use axum::middleware::Next;
 use axum::response::Response;
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::exemplar::HistogramWithExemplars;
 use prometheus_client::metrics::family::Family;
-use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::registry::{Registry, Unit};
+
+use crate::telemetry::request::{Exemplar, RequestTrace};
 
 /// Upper bounds of the histogram's buckets, in seconds.
 const BOUNDS: [f64; 12] = [
@@ -20,9 +22,12 @@ const BOUNDS: [f64; 12] = [
 /// Requests from the start of the server on.
 #[derive(Clone, Debug)]
 pub(crate) struct Requests {
-    seconds: Family<Route, Histogram, fn() -> Histogram>,
+    seconds: Family<Route, Seconds, fn() -> Seconds>,
     answers: Family<Answered, Counter>,
 }
+
+/// Times; of each bucket the trace of its last request, if that is exported.
+type Seconds = HistogramWithExemplars<Exemplar>;
 
 /// The labels of a request: a finite set, which clients cannot grow.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
@@ -41,7 +46,7 @@ struct Answered {
 impl Default for Requests {
     fn default() -> Self {
         Self {
-            seconds: Family::new_with_constructor(|| Histogram::new(BOUNDS)),
+            seconds: Family::new_with_constructor(|| Seconds::new(BOUNDS.into_iter())),
             answers: Family::default(),
         }
     }
@@ -84,12 +89,14 @@ pub(super) async fn measure(
     requests.answers.get_or_create(&answered).inc();
     let seconds = begin.elapsed().as_secs_f64();
     let route = Route { method, route };
-    requests.seconds.get_or_create(&route).observe(seconds);
+    let exemplar = RequestTrace::current().and_then(|trace| trace.exemplar());
+    let times = requests.seconds.get_or_create(&route);
+    times.observe(seconds, exemplar, None);
     response
 }
 
 /// The name of a method; invented ones share a label.
-fn name(method: &Method) -> &'static str {
+pub(super) fn name(method: &Method) -> &'static str {
     match *method {
         Method::GET => "GET",
         Method::HEAD => "HEAD",

@@ -5,7 +5,7 @@
 //! - [`fit`]: one request, one answer, and nothing is kept;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
 //! - [`points`]: files of points as bodies;
-//! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take;
+//! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take; [`trace`]: their spans;
 //! - [`page`]: the page for people; [`assets`]: files for browsers that are part of the program;
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`body`]: a request body by its media type; [`body_limits`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
@@ -43,4 +43,5 @@ mod rates;
 mod render;
 mod request_id;
 pub(crate) mod router;
+mod trace;
 mod unpacking;

@@ -11,6 +11,7 @@ use super::newline;
 use super::request_id::REQUEST_ID;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::{Kind, Problem};
+use crate::telemetry::request::RequestTrace;
 
 impl IntoResponse for Problem {
     /// The problem travels as an extension; [`render`] writes it, with the id of the request.
@@ -38,7 +39,9 @@ pub(super) async fn render(request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         let text = id.as_ref().and_then(|id| id.to_str().ok());
-        *response.body_mut() = Body::from(to_bytes(&problem.body(text)));
+        let mut body = problem.body(text);
+        body.trace_id = RequestTrace::current().map(|trace| trace.trace_id());
+        *response.body_mut() = Body::from(to_bytes(&body));
         let headers = response.headers_mut();
         headers.insert(
             header::CONTENT_TYPE,

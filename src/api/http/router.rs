@@ -20,7 +20,7 @@ use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
     base_path, capabilities, compression, cors, create, events, fit, geometry, host, info as about,
-    jobs, measure, overload, page as viewer, points, rates, render, request_id,
+    jobs, measure, overload, page as viewer, points, rates, render, request_id, trace,
 };
 use crate::api::app::App;
 use crate::api::grpc;
@@ -28,14 +28,16 @@ use crate::api::openapi::resources::Resources;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
 use crate::model::short;
+use crate::telemetry;
+use crate::telemetry::request::RequestTrace;
 
 /// The router of all resources and gRPC services, with their middleware.
 pub(crate) fn router(app: App, hosts: Hosts) -> Router {
-    let trace = TraceLayer::new_for_http().make_span_with(span);
+    let log = TraceLayer::new_for_http().make_span_with(span);
     let layers = ServiceBuilder::new()
         .map_request(request_id::plain)
         .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
-        .layer(trace.on_failure(tell_failure))
+        .layer(log.on_failure(tell_failure))
         .layer(middleware::from_fn_with_state(
             app.requests.clone(),
             measure::measure,
@@ -63,9 +65,12 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
             ready(method_not_allowed(&methods, &request))
         })
         .merge(grpc::mount::routes(&app))
-        .layer(layers)
-        .with_state(app);
-    base_path::below(router, &base_path)
+        .layer(layers);
+    let router = match telemetry::is_on() {
+        true => router.layer(middleware::from_fn(trace::trace)),
+        false => router,
+    };
+    base_path::below(router.with_state(app), &base_path)
 }
 
 /// Every resource.
@@ -134,11 +139,13 @@ fn method_not_allowed(methods: &BTreeMap<&str, Vec<&str>>, request: &Request) ->
 
 fn span<B>(request: &http::Request<B>) -> tracing::Span {
     let id = request.headers().get(REQUEST_ID);
+    let trace = RequestTrace::current();
     tracing::info_span!(
         "request",
         method = %request.method(),
         path = request.uri().path(),
         id = id.and_then(|id| id.to_str().ok()),
+        trace_id = trace.map(|trace| trace.trace_id()),
     )
 }
 

@@ -58,6 +58,9 @@ pub struct ProblemBody {
     /// The id of the request, as X-Request-Id has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     request_id: Option<String>,
+    /// The id of the trace of the request, as traceresponse has it, if the server exports traces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace_id: Option<String>,
 }
 
 impl Problem {
@@ -214,6 +217,7 @@ impl Problem {
             detail: self.detail.clone(),
             errors: self.errors.clone(),
             request_id: request_id.map(str::to_owned),
+            trace_id: None,
         }
     }
 }

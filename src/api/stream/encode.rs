@@ -114,5 +114,10 @@ pub(crate) async fn off_network(
         return Ok(encode());
     }
     let lane = WorkLane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let traced = job.trace().encode(numbers);
+    let encode = move || {
+        let _traced = traced;
+        encode()
+    };
     Ok(job.resources().scheduler.compute(lane, encode).await?)
 }

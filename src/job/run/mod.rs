@@ -31,6 +31,7 @@ use crate::job::reader_budget::ReaderBudget;
 use crate::job::resources::Resources;
 use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
+use crate::job::trace::JobTrace;
 use state::RunState;
 
 /// How many levels a run may be ahead of its readers.
@@ -55,15 +56,17 @@ pub(crate) struct Run {
     state: Mutex<RunState>,
     changed: Notify,
     stopped: Arc<AtomicBool>,
+    trace: Arc<JobTrace>,
 }
 
 impl Run {
-    /// A run for a peer that has not begun, with the memory that it takes.
+    /// A run for a peer that has not begun, with the memory that it takes and the spans that it adds to.
     pub(crate) fn new(
         system: Arc<SharedSystem>,
         resources: Arc<Resources>,
         permit: Option<Permit>,
         peer: Option<Peer>,
+        trace: Arc<JobTrace>,
     ) -> Arc<Self> {
         let problem = &system.problem;
         let weight = Frame::weight(problem.data().dimension(), problem.most_control_points());
@@ -83,6 +86,7 @@ impl Run {
             state: Mutex::new(RunState::new(system, permit)),
             changed: Notify::new(),
             stopped: Arc::default(),
+            trace,
         })
     }
 
@@ -178,6 +182,7 @@ impl Run {
 
     /// Level 0. What it takes to get there is given up if the run is stopped.
     fn level_0(&self, shared: &SharedSystem) -> Iteration {
+        let _traced = self.trace.set_up();
         let stopped = Arc::clone(&self.stopped);
         let is_stopped = Arc::new(move || stopped.load(Ordering::Acquire));
         interrupt::until(is_stopped, || Iteration::start(shared.get()))
@@ -308,6 +313,7 @@ impl Work for Run {
         let Some((mut current, shared)) = self.take_up() else {
             return Turn::Done;
         };
+        let mut traced = None;
         loop {
             let (mut iteration, is_start) = match current.take() {
                 None => (self.start(&shared), true),
@@ -315,6 +321,8 @@ impl Work for Run {
                     return self.end_stopped(iteration);
                 }
                 Some(mut iteration) => {
+                    let level = iteration.level().iteration;
+                    traced.get_or_insert_with(|| self.trace.slice(level));
                     self.advance(&mut iteration);
                     (iteration, false)
                 }

@@ -22,7 +22,7 @@ async fn readers_of_large_frames_wait_for_each_other() {
     let scheduler = Scheduler::new(1).unwrap();
     let resources = Arc::new(Resources::new(scheduler, 1 << 30, 0));
     let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
-    let run = Run::new(system, Arc::clone(&resources), None, None);
+    let run = Run::new(system, Arc::clone(&resources), None, None, Arc::default());
     let quick = Attached::to_new(Arc::clone(&run), 0, None);
     let slow = run.attach(0, None, false).unwrap();
     quick.want(0, &mut None);
@@ -57,7 +57,7 @@ async fn a_stopped_run_is_left_by_readers_that_want_more() {
     let scheduler = Scheduler::new(1).unwrap();
     let resources = Arc::new(Resources::new(scheduler, 1 << 30, 0));
     let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
-    let run = Run::new(system, resources, None, None);
+    let run = Run::new(system, resources, None, None, Arc::default());
     let reader = Attached::to_new(Arc::clone(&run), 0, None);
     reader.want(0, &mut None);
     arrives(&reader, 0).await;

@@ -14,6 +14,7 @@ use crate::job::peer::Peer;
 use crate::job::run::SharedSystem;
 use crate::job::state::Status;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
+use crate::telemetry::request::RequestTrace;
 
 /// The job for a request that was accepted.
 #[derive(Debug)]
@@ -36,13 +37,14 @@ impl Jobs {
     ) -> Result<Accepted, Refused> {
         let jobs = Arc::clone(self);
         let problem = Arc::new(problem);
-        let peer = Peer::current();
+        let (peer, request) = (Peer::current(), RequestTrace::current());
         // In a task of its own: a client that disconnects must not leave half a job behind.
         let accepted = tokio::spawn(async move {
             loop {
                 let (label, problem) = (label.clone(), Arc::clone(&problem));
                 let (similar, key) = (similar.clone(), key.clone());
-                let accepted = Arc::clone(&jobs).accept(label, problem, similar, key, peer);
+                let jobs = Arc::clone(&jobs);
+                let accepted = jobs.accept(label, problem, similar, key, peer, request.as_ref());
                 // The job of the key may have been deleted before it was found.
                 if let Some(accepted) = accepted.await? {
                     return Ok(accepted);
@@ -62,6 +64,7 @@ impl Jobs {
         similar: Option<Arc<System>>,
         key: Option<IdempotencyKey>,
         peer: Option<Peer>,
+        request: Option<&RequestTrace>,
     ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem);
         let slot = self.slots.take(peer)?;
@@ -73,14 +76,16 @@ impl Jobs {
         let record = Record::new(outline, status);
         // In memory before it is in the store, so that whoever finds it there finds this one.
         let job = self.bring_to_life(record.clone(), peer, false);
+        job.trace.begin(job.outline(), request);
         let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
+        let inserted = job.trace.store("insert", inserted);
         // The answer waits for the disk, the fit does not. A job that has to wait for memory drops its
         // points and reads them from the store again.
         let waiting = match memory {
             Some(memory) => {
                 let system = SharedSystem::new(problem, similar);
                 let run = job.begin(Arc::new(system), Some(memory));
-                tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), Some(run), slot));
+                self.start_driving(Arc::clone(&job), Some(run), slot);
                 None
             }
             None => Some(slot),
@@ -94,7 +99,7 @@ impl Jobs {
             return self.job_of(entry, key.as_ref()).await;
         }
         if let Some(slot) = waiting {
-            tokio::spawn(Arc::clone(&self).drive(Arc::clone(&job), None, slot));
+            self.start_driving(Arc::clone(&job), None, slot);
         }
         self.resources.counters.accepted.inc();
         info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");

@@ -16,6 +16,8 @@ use crate::job::run::attached::Attached;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::Status;
 use crate::job::store::{Record, StoreError};
+use crate::job::trace::JobTrace;
+use crate::telemetry::request::RequestTrace;
 
 /// A fit for one answer. Whoever drops it has to ask the job to end.
 pub(crate) struct Ephemeral {
@@ -63,15 +65,20 @@ impl Jobs {
         let outline = Outline::new(label, &problem);
         let peer = Peer::current();
         let slot = self.slots.take(peer)?;
+        let trace = Arc::new(JobTrace::default());
+        trace.begin(&outline, RequestTrace::current().as_ref());
+        let queue = trace.queue();
         let share = self.share(&outline);
         let room = tokio::select! {
             biased;
             () = replaced(&mut turn) => None,
             room = share.take(peer, outline.memory) => room,
         };
+        drop(queue);
         let record = Record::new(outline, Status::running());
-        let resources = Arc::clone(&self.resources);
-        let job = Arc::new(Job::new(record, None, peer, resources));
+        let mut job = Job::new(record, None, peer, Arc::clone(&self.resources));
+        job.trace = trace;
+        let job = Arc::new(job);
         if room.is_none() {
             job.request_cancel();
         }
@@ -85,7 +92,7 @@ impl Jobs {
                 _ = driven.ended() => {}
             }
         });
-        tokio::spawn(jobs.drive(Arc::clone(&job), Some(run), slot));
+        jobs.start_driving(Arc::clone(&job), Some(run), slot);
         self.resources.counters.ephemeral.inc();
         Ok(Ephemeral {
             job,

@@ -51,9 +51,33 @@ fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
     }
 }
 
+/// Ends the span of a job when the task that drives it ends, or is dropped with the runtime.
+struct Traced(Arc<Job>);
+
+impl Drop for Traced {
+    fn drop(&mut self) {
+        self.0.trace.end(&self.0.status());
+    }
+}
+
 impl Jobs {
+    /// Takes a job to its end, in a task of its own.
+    pub(super) fn start_driving(
+        self: &Arc<Self>,
+        job: Arc<Job>,
+        run: Option<Arc<Run>>,
+        slot: Slot,
+    ) {
+        job.trace.begin(job.outline(), None);
+        let (jobs, traced) = (Arc::clone(self), Traced(Arc::clone(&job)));
+        tokio::spawn(async move {
+            jobs.drive(job, run, slot).await;
+            drop(traced);
+        });
+    }
+
     /// Takes a job to its end: at once if it has a run, else when its turn comes.
-    pub(super) async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
+    async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
         let probation = None;
         let turn = match run {
             Some(run) => Ok(Turn::Run(StartedRun { run, probation })),
@@ -102,7 +126,8 @@ impl Jobs {
         let finish = async || match &job.store {
             Some(store) => {
                 let (status, result) = (status.clone(), result.clone());
-                store.finish(job.id(), status, result).await
+                let finished = store.finish(job.id(), status, result);
+                job.trace.store("finish", finished).await
             }
             None => Ok(true),
         };
@@ -153,6 +178,7 @@ impl Jobs {
 
     /// Waits for the turn of a queued job and starts its run.
     async fn turn(&self, job: &Job) -> Result<Turn, StoreError> {
+        let queue = job.trace.queue();
         let permits = async {
             let outline = job.outline();
             let memory = self.share(outline).take(job.peer, outline.memory).await?;
@@ -167,6 +193,7 @@ impl Jobs {
             () = job.cancel_requested() => None,
             permits = permits => permits,
         };
+        drop(queue);
         let Some((memory, probation)) = permits else {
             return Ok(Turn::Cancelled);
         };
@@ -174,7 +201,7 @@ impl Jobs {
         // After a crash the store must tell which jobs were running.
         let on_probation = probation.is_some();
         let start = || store.start(job.id(), status.clone(), on_probation);
-        if !patiently(start).await? {
+        if !job.trace.store("start", patiently(start)).await? {
             return Ok(Turn::Elsewhere);
         }
         let problem = patiently(|| job.problem()).await?;

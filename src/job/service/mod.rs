@@ -161,7 +161,7 @@ impl Jobs {
         for record in unfinished {
             let job = self.bring_to_life(record, None, false);
             let slot = self.slots.occupy();
-            tokio::spawn(Arc::clone(self).drive(job, None, slot));
+            self.start_driving(job, None, slot);
         }
         Ok(())
     }

@@ -174,7 +174,7 @@ impl Jobs {
         // If it was here already, it may wait in the queue.
         if job.elsewhere.swap(false, Ordering::AcqRel) {
             let slot = self.slots.occupy();
-            tokio::spawn(Arc::clone(self).drive(job, None, slot));
+            self.start_driving(job, None, slot);
         }
     }
 }

@@ -1,0 +1,107 @@
+//! Where the collector is: a flag, or the variables that OpenTelemetry has for it.
+
+use std::env;
+
+use axum::http::Uri;
+
+/// The variables, the first of which that is set counts.
+const STANDARD: [&str; 2] = [
+    "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT",
+    "OTEL_EXPORTER_OTLP_ENDPOINT",
+];
+
+/// What an address looks like.
+const SUCH_AS: &str =
+    "the address of a collector of OTLP over gRPC is such as http://localhost:4317";
+
+/// The address of a collector.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Endpoint(Uri);
+
+impl Endpoint {
+    /// The address that is set, by the flag or by a standard variable, if any is.
+    ///
+    /// # Errors
+    ///
+    /// If it is none; the error says where it is set, and what is wrong with it.
+    pub fn find(flag: Option<&str>) -> Result<Option<Self>, String> {
+        let flag = flag.map(|url| ("--otlp-endpoint", url.to_owned()));
+        let set = |name| Some((name, env::var(name).ok()?)).filter(|(_, url)| !url.is_empty());
+        let found = match flag {
+            Some(flag) => Some(flag).filter(|(_, url)| !url.is_empty()),
+            None if is_disabled() => None,
+            None => STANDARD.into_iter().find_map(set),
+        };
+        let parsed = found.map(|(name, url)| {
+            Self::of(&url).map_err(|reason| format!("{name} {url:?}: {reason}"))
+        });
+        parsed.transpose()
+    }
+
+    fn of(url: &str) -> Result<Self, String> {
+        let uri: Uri = url
+            .parse()
+            .map_err(|reason| format!("{reason}; {SUCH_AS}"))?;
+        if !matches!(uri.scheme_str(), Some("http" | "https")) {
+            return Err(format!("neither http:// nor https://; {SUCH_AS}"));
+        }
+        if uri.path() != "/" || uri.query().is_some() {
+            let path = uri.path_and_query().map_or("", |it| it.as_str());
+            return Err(format!(
+                "over gRPC there is no {path}, which is of OTLP over HTTP; {SUCH_AS}"
+            ));
+        }
+        if uri.authority().is_some_and(|it| it.as_str().contains('@')) {
+            return Err("no user: OTEL_EXPORTER_OTLP_HEADERS says who the server is".to_owned());
+        }
+        Ok(Self(uri))
+    }
+
+    pub(super) fn url(&self) -> String {
+        self.0.to_string()
+    }
+
+    /// Whether the connection is encrypted.
+    pub(super) fn is_secure(&self) -> bool {
+        self.0.scheme_str() == Some("https")
+    }
+}
+
+/// Whether OpenTelemetry is switched off for programs that read its variables.
+fn is_disabled() -> bool {
+    env::var("OTEL_SDK_DISABLED").is_ok_and(|value| value.eq_ignore_ascii_case("true"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_those_of_grpc() {
+        for url in [
+            "http://localhost:4317",
+            "https://collector.example:4317/",
+            "http://[::1]:4317",
+            "HTTP://collector.example",
+        ] {
+            assert!(Endpoint::of(url).is_ok(), "{url}");
+        }
+        for (url, reason) in [
+            ("localhost:4317", "neither http:// nor https://"),
+            ("grpc://localhost:4317", "neither http:// nor https://"),
+            ("/var/run/collector", "neither http:// nor https://"),
+            ("http://", "such as http://localhost:4317"),
+            ("http://a b", "such as http://localhost:4317"),
+            ("http://localhost:99999", "such as http://localhost:4317"),
+            ("http://localhost:4318/v1/traces", "OTLP over HTTP"),
+            ("http://localhost:4317/?a=b", "OTLP over HTTP"),
+            (
+                "http://me:secret@localhost:4317",
+                "OTEL_EXPORTER_OTLP_HEADERS",
+            ),
+        ] {
+            let refused = Endpoint::of(url).unwrap_err();
+            assert!(refused.contains(reason), "{url}: {refused}");
+        }
+    }
+}
