@@ -54,6 +54,13 @@ impl Endpoint {
         if uri.authority().is_some_and(|it| it.as_str().contains('@')) {
             return Err("no user: OTEL_EXPORTER_OTLP_HEADERS says who the server is".to_owned());
         }
+        // A port that is none is not found.
+        if uri
+            .authority()
+            .is_some_and(|it| it.port().is_none() && it.as_str() != it.host())
+        {
+            return Err(format!("it has no valid port; {SUCH_AS}"));
+        }
         Ok(Self(uri))
     }
 
