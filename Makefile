@@ -58,9 +58,10 @@ files: $(VENV)/installed
 interop: $(VENV)/installed
 	$(PYTHON) tests/python/grpc_client.py target/debug/piad
 
-# A page of another origin in a browser.
+# A page of another origin in a browser; TLS with clients of all kinds.
 browser: $(VENV)/installed chromium
 	$(PYTHON) tests/python/cors_check.py target/debug/piad
+	$(PYTHON) tests/python/handshakes.py target/debug/piad
 
 # The API against its own description: what it answers, and requests that schemathesis makes up.
 contract: $(VENV)/installed
@@ -137,8 +138,8 @@ node:
 	  { echo "clients/typescript needs Node 20 or later, and this is $$(node --version): https://nodejs.org" >&2; exit 1; }
 
 chromium:
-	@command -v chromium >/dev/null && command -v chromedriver >/dev/null || \
-	  $(INSTALL) chromium chromium-driver
+	@command -v chromium >/dev/null && command -v chromedriver >/dev/null && command -v openssl >/dev/null && \
+	  command -v curl >/dev/null || $(INSTALL) chromium chromium-driver openssl curl
 
 # Kernels, HTTP and other programs, measured side by side: about ten minutes on a quiet machine.
 bench: $(VENV)/benches

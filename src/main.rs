@@ -1,13 +1,15 @@
 //! The program: parses the command line and starts what it asks for.
 
+use std::env;
 use std::io::IsTerminal;
 use std::process::ExitCode;
+use std::time::Duration;
 
-use clap::Parser;
 use piad::command;
-use piad::config::{Cli, Command, Config, LogFormat};
-use piad::server;
+use piad::config::{self, Command, Config, LogFormat};
 use piad::server::listen::Listen;
+use piad::server::probe::probe;
+use piad::server::{self, signals};
 use piad::telemetry::endpoint::Endpoint;
 use piad::telemetry::{self, Telemetry};
 use piad::trim;
@@ -20,11 +22,20 @@ use tracing_subscriber::{EnvFilter, Layer, fmt};
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let (cli, sources) = match config::parse(env::args_os().collect()) {
+        Ok(parsed) => parsed,
+        Err(error) => error.exit(),
+    };
     match cli.command {
         None => serve(cli.config),
         Some(Command::Serve(config)) => serve(*config),
-        Some(Command::Health { listen, timeout }) => health(listen, timeout),
+        Some(Command::Health {
+            listen,
+            tls_cert,
+            timeout,
+            ..
+        }) => health(&listen, tls_cert.is_some(), timeout),
+        Some(Command::Config(_)) => command::shells::show(sources.shown().as_bytes()),
         Some(Command::Fit(arguments)) => command::fit(&arguments),
         Some(Command::Store(asked)) => command::store::run(&asked),
         Some(Command::Completions { shell }) => command::shells::completions(shell),
@@ -57,15 +68,19 @@ async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> E
         eprintln!("piad: --log {:?}: {reason}", config.log);
         return ExitCode::from(2);
     }
-    let listeners = match config.listen.bind().await {
-        Ok(listeners) => listeners,
-        Err(reason) => {
-            error!("cannot listen on {}: {reason}", config.listen);
-            return ExitCode::FAILURE;
+    let interrupted = signals::interrupted();
+    let mut listeners = Vec::new();
+    for place in &config.listen {
+        match place.bind().await {
+            Ok(bound) => listeners.extend(bound),
+            Err(reason) => {
+                error!("cannot listen on {place}: {reason}");
+                return ExitCode::FAILURE;
+            }
         }
-    };
+    }
     tokio::spawn(trim::network());
-    match server::serve(listeners, config, server::interrupted()).await {
+    match server::serve(listeners, config, interrupted).await {
         Ok(()) => {
             info!("stopped");
             ExitCode::SUCCESS
@@ -78,11 +93,16 @@ async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> E
 }
 
 #[tokio::main(flavor = "current_thread")]
-async fn health(listen: Listen, timeout: u64) -> ExitCode {
-    match server::probe(&listen, std::time::Duration::from_secs(timeout)).await {
+async fn health(places: &[Listen], is_secure: bool, timeout: u64) -> ExitCode {
+    let mut sockets = places.iter().filter(|it| matches!(it, Listen::Unix(_)));
+    let Some(place) = sockets.next().or(places.first()) else {
+        eprintln!("piad: there is no place where it listens");
+        return ExitCode::FAILURE;
+    };
+    match probe(place, is_secure, Duration::from_secs(timeout)).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
-            eprintln!("piad: {listen} is not ready: {reason}");
+            eprintln!("piad: {place} is not ready: {reason}");
             ExitCode::FAILURE
         }
     }

@@ -50,7 +50,7 @@ use request::Request;
 use summary::Shape;
 
 use crate::import::Hints;
-use crate::server;
+use crate::server::signals;
 
 /// The status after an interrupt, as shells tell it.
 const INTERRUPTED: u8 = 130;
@@ -71,7 +71,7 @@ pub fn fit(arguments: &FitArguments) -> ExitCode {
         let client = OnceLock::new();
         let outcome = tokio::select! {
             biased;
-            () = server::interrupted() => {
+            () = signals::interrupted() => {
                 if let Some(client) = client.get() {
                     // A server that does not answer is not waited for.
                     let _ = timeout(CANCELLING, Client::cancel(client)).await;

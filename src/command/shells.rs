@@ -1,4 +1,4 @@
-//! Completions and manual pages, from the definitions of the arguments.
+//! Completions and manual pages, from the definitions of the arguments; texts on the standard output.
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -39,7 +39,8 @@ pub fn manual(name: Option<&str>) -> ExitCode {
     }
 }
 
-fn show(text: &[u8]) -> ExitCode {
+/// Writes a text to the standard output.
+pub fn show(text: &[u8]) -> ExitCode {
     match io::stdout().lock().write_all(text) {
         Ok(()) => ExitCode::SUCCESS,
         Err(_) => ExitCode::FAILURE,

@@ -33,6 +33,10 @@ pub(crate) struct Counters {
     pub stale_writes: Counter,
     /// Jobs of replicas that were gone, put back into the queue or failed by this one.
     pub jobs_recovered: Counter,
+    /// Connections whose TLS handshake has failed.
+    pub handshakes_failed: Counter,
+    /// Certificates that could not be loaded again.
+    pub reloads_failed: Counter,
     ended: Family<EndLabel, Counter>,
     streams: Gauge,
     connections: Gauge,
@@ -122,6 +126,16 @@ impl Counters {
                 "jobs_recovered",
                 "Jobs taken over from replicas that were gone",
                 &self.jobs_recovered,
+            ),
+            (
+                "tls_handshakes_failed",
+                "Connections whose TLS handshake has failed",
+                &self.handshakes_failed,
+            ),
+            (
+                "tls_reloads_failed",
+                "Times that changed certificates could not be loaded",
+                &self.reloads_failed,
             ),
         ];
         for (name, help, counter) in plain {

@@ -2,7 +2,6 @@
 
 use std::future::poll_fn;
 use std::io::{self, Cursor};
-use std::net::SocketAddr;
 use std::sync::Arc;
 use std::task::Poll;
 use std::time::Instant;
@@ -10,8 +9,7 @@ use std::time::Instant;
 use axum::Router;
 use ipnet::IpNet;
 use parking_lot::Mutex;
-use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, join};
-use tokio::net::{TcpListener, TcpStream};
+use tokio::io::{AsyncReadExt, join, split};
 use tokio::sync::watch;
 use tokio::task::{JoinError, JoinSet};
 use tokio::time::{Duration, sleep, timeout};
@@ -20,8 +18,10 @@ use tracing::{debug, error, warn};
 use super::activity::Times;
 use super::connection::{self, Caller};
 use super::limits::{Admission, Connections};
+use super::listener::{Incoming, Listener, Stream};
 use super::log_throttle::LogThrottle;
 use super::proxy;
+use super::tls::Tls;
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
 
@@ -47,6 +47,8 @@ pub(super) struct Doors {
     pub(super) connections: Connections,
     /// Proxies that tell the addresses of their clients.
     pub(super) proxies: Vec<IpNet>,
+    /// What connections from the network are encrypted with.
+    pub(super) tls: Option<Arc<Tls>>,
     pub(super) counters: Counters,
     /// Becomes true when no more are taken in.
     pub(super) stopping: watch::Receiver<bool>,
@@ -56,7 +58,7 @@ pub(super) struct Doors {
 
 impl Doors {
     /// Accepts connections until the server stops; returns when all of them have ended.
-    pub(super) async fn serve(self, mut listeners: Vec<TcpListener>) {
+    pub(super) async fn serve(self, mut listeners: Vec<Listener>) {
         let mut tasks = JoinSet::new();
         let mut failures = LogThrottle::new(TELLING);
         let mut stopping = self.stopping.clone();
@@ -74,11 +76,10 @@ impl Doors {
                 _ = stopping.wait_for(|stopping| *stopping) => break,
             };
             match accepted {
-                Ok((stream, address)) => {
-                    prepare(&stream);
+                Ok(incoming) => {
                     let doors = Arc::clone(&doors);
                     tasks.spawn(async move {
-                        doors.take_in(stream, address).await;
+                        doors.take_in(incoming).await;
                         drop(room);
                     });
                 }
@@ -98,13 +99,14 @@ impl Doors {
     }
 
     /// Serves a connection; one of a trusted proxy may tell first whose it is.
-    async fn take_in(self: Arc<Self>, mut stream: TcpStream, address: SocketAddr) {
+    async fn take_in(self: Arc<Self>, mut incoming: Incoming) {
         let _open = self.counters.open_connection();
-        let proxy = Peer::at(address.ip());
-        if !proxy::is_trusted(&self.proxies, address.ip()) {
-            return self.converse(stream, Caller::direct(proxy)).await;
+        let proxy = Peer::at(incoming.address);
+        if !proxy::is_trusted(&self.proxies, incoming.address) {
+            return self.converse(incoming, Caller::direct(proxy)).await;
         }
-        let begun = timeout(self.times.head, proxy::read(&mut stream)).await;
+        let stream = &mut incoming.stream;
+        let begun = timeout(self.times.head, proxy::read(stream)).await;
         let begun = begun.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()));
         let proxy::Beginning { client, rest } = match begun {
             Ok(begun) => begun,
@@ -114,20 +116,15 @@ impl Doors {
             Some(address) => Caller::direct(Peer::at(address)),
             None => Caller::proxy(proxy),
         };
-        let (input, output) = stream.into_split();
-        let stream = join(Cursor::new(rest).chain(input), output);
-        self.converse(stream, caller).await;
+        let (input, output) = split(incoming.stream);
+        incoming.stream = Box::new(join(Cursor::new(rest).chain(input), output));
+        self.converse(incoming, caller).await;
     }
 
-    async fn converse<S>(self: &Arc<Self>, stream: S, mut caller: Caller)
-    where
-        S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
-    {
+    async fn converse(self: &Arc<Self>, incoming: Incoming, mut caller: Caller) {
         let admission = self.connections.admit(caller.limited());
         match admission {
-            Admission::Within(_slot) => {
-                connection::serve(stream, caller, Arc::clone(self), self.times).await;
-            }
+            Admission::Within(_slot) => self.serve_connection(incoming, caller, self.times).await,
             Admission::Beyond(crowded, ended) => {
                 if let Some(times) = self.crowds.lock().record(Instant::now()) {
                     let peer = caller.peer;
@@ -135,10 +132,38 @@ impl Doors {
                 }
                 caller.crowded = Some(crowded);
                 tokio::select! {
-                    () = connection::serve(stream, caller, Arc::clone(self), BEYOND) => {}
+                    () = self.serve_connection(incoming, caller, BEYOND) => {}
                     // It makes room for another one.
                     _ = ended => {}
                 }
+            }
+        }
+    }
+
+    /// Serves a connection, from the network with TLS if there is any.
+    async fn serve_connection(self: &Arc<Self>, incoming: Incoming, caller: Caller, times: Times) {
+        let stream = match &self.tls {
+            Some(tls) if incoming.is_network => self.encrypted(tls, incoming.stream, times).await,
+            _ => Ok(incoming.stream),
+        };
+        match stream {
+            Ok(stream) => connection::serve(stream, caller, Arc::clone(self), times).await,
+            Err(reason) => {
+                self.counters.handshakes_failed.inc();
+                debug!(peer = %caller.peer, "a connection is closed: {reason}");
+            }
+        }
+    }
+
+    /// A connection with TLS, whose handshake takes at most as long as the head of a request.
+    async fn encrypted(&self, tls: &Tls, stream: Stream, times: Times) -> io::Result<Stream> {
+        let mut stopping = self.stopping.clone();
+        tokio::select! {
+            stream = timeout(times.head, tls.accept(stream)) => {
+                stream.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()))
+            }
+            _ = stopping.wait_for(|stopping| *stopping) => {
+                Err(io::Error::other("the server stops"))
             }
         }
     }
@@ -150,7 +175,7 @@ pub(super) fn crowds() -> Mutex<LogThrottle> {
 }
 
 /// The next connection at any of the addresses, which take turns.
-async fn next(listeners: &mut [TcpListener]) -> io::Result<(TcpStream, SocketAddr)> {
+async fn next(listeners: &mut [Listener]) -> io::Result<Incoming> {
     let (place, accepted) = poll_fn(|context| {
         for (place, listener) in listeners.iter().enumerate() {
             if let Poll::Ready(accepted) = listener.poll_accept(context) {
@@ -162,13 +187,6 @@ async fn next(listeners: &mut [TcpListener]) -> io::Result<(TcpStream, SocketAdd
     .await;
     listeners.rotate_left(place + 1);
     accepted
-}
-
-/// Events are small and must leave at once.
-fn prepare(stream: &TcpStream) {
-    if let Err(reason) = stream.set_nodelay(true) {
-        warn!("TCP_NODELAY: {reason}");
-    }
 }
 
 /// Whether the client has disconnected before it was accepted, which is no fault of the server.
@@ -188,23 +206,27 @@ fn tell(ended: Result<(), JoinError>) {
 
 #[cfg(test)]
 mod tests {
+    use tokio::net::{TcpListener, TcpStream};
+
     use super::*;
 
     #[tokio::test]
     async fn addresses_take_turns() {
         let bind = || TcpListener::bind("127.0.0.1:0");
-        let mut listeners = [bind().await.unwrap(), bind().await.unwrap()];
-        let addresses = listeners.each_ref().map(|it| it.local_addr().unwrap());
+        let sockets = [bind().await.unwrap(), bind().await.unwrap()];
+        let addresses = sockets.each_ref().map(|it| it.local_addr().unwrap());
+        let mut listeners = sockets.map(Listener::Tcp);
         let mut clients = Vec::new();
         for place in [0, 0, 0, 1, 1] {
             clients.push(TcpStream::connect(addresses[place]).await.unwrap());
         }
         let mut at = Vec::new();
         for _ in &clients {
-            let (stream, _) = next(&mut listeners).await.unwrap();
-            let address = stream.local_addr().unwrap();
-            at.push(addresses.iter().position(|it| *it == address).unwrap());
+            next(&mut listeners).await.unwrap();
+            // The one that has had its turn is the last one now.
+            let last = listeners[1].to_string();
+            at.push(addresses.iter().position(|it| it.to_string() == last));
         }
-        assert_eq!(at, [0, 1, 0, 1, 0]);
+        assert_eq!(at, [0, 1, 0, 1, 0].map(Some));
     }
 }

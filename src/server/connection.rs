@@ -11,7 +11,6 @@ use hyper::rt::Executor;
 use hyper::service::service_fn;
 use hyper_util::rt::TokioIo;
 use hyper_util::server::conn::auto::Builder;
-use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::time::Duration;
 use tower::Service;
 use tracing::debug;
@@ -19,6 +18,7 @@ use tracing::debug;
 use super::accept::Doors;
 use super::activity::{Activity, Overdue, Times};
 use super::limits::Crowded;
+use super::listener::Stream;
 use super::proxy;
 use super::request_body::RequestBody;
 use super::response_body::{ResponseBody, Served};
@@ -72,18 +72,12 @@ impl Caller {
 }
 
 /// Serves a connection until it ends, is told to stop, or does nothing for too long.
-pub(super) async fn serve<S>(stream: S, caller: Caller, doors: Arc<Doors>, times: Times)
-where
-    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
-{
+pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
     let served = converse(stream, caller, doors, times);
     Peer::scope(Some(caller.peer), served).await;
 }
 
-async fn converse<S>(stream: S, caller: Caller, doors: Arc<Doors>, times: Times)
-where
-    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
-{
+async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
     let mut stopping = doors.stopping.clone();
     let activity = Arc::new(Activity::new());
     let io = TimedStream::new(stream, Arc::clone(&activity), times.write);

@@ -1,11 +1,12 @@
 //! A running server: binds configuration, jobs and API together.
 //!
 //! - [`local`]: the same without a port, for programs that answer themselves;
-//! - [`listen`]: the addresses of the server;
+//! - [`listen`]: the addresses and sockets of the server; [`listener`]: what comes there; [`tls`]: how it is encrypted;
 //! - [`accept`]: takes in connections; [`connection`]: serves one;
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`write_timeout`]: bytes that the client does not take;
 //! - [`limits`]: how many connections there may be; [`proxy`]: clients behind trusted proxies;
 //! - [`request_body`]: the bodies of its requests; [`response_body`]: those of its answers; [`stream_timeout`]: those of HTTP/2 that the client does not take;
+//! - [`signals`]: of the operating system; [`probe`]: asks a server whether it is ready;
 //! - [`log_throttle`]: log lines about events that happen often.
 
 mod accept;
@@ -13,23 +14,22 @@ mod activity;
 mod connection;
 pub(crate) mod limits;
 pub mod listen;
+pub mod listener;
 pub(crate) mod local;
 mod log_throttle;
+pub mod probe;
 pub mod proxy;
 mod request_body;
 mod response_body;
+pub mod signals;
 mod stream_timeout;
+pub(crate) mod tls;
 mod write_timeout;
 
 use std::io;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use bytes::Bytes;
-use http_body_util::Empty;
-use hyper_util::client::legacy::Client;
-use hyper_util::rt::TokioExecutor;
-use tokio::net::TcpListener;
 use tokio::sync::watch;
 use tokio::time::sleep;
 use tracing::{debug, info, warn};
@@ -47,7 +47,8 @@ use crate::job::store::{OpenError, Retention, Store};
 use accept::Doors;
 use activity::Times;
 use limits::{ConnectionLimits, Connections};
-use listen::Listen;
+use listener::Listener;
+use tls::Tls;
 
 /// How long a server waits for the one before it to let go of the data directory: its last reads may go on
 /// for a moment after it has stopped.
@@ -56,10 +57,12 @@ const HANDOVER: Duration = Duration::from_secs(3);
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
 /// finish within the grace period and returns.
 pub async fn serve(
-    listeners: Vec<TcpListener>,
+    listeners: Vec<Listener>,
     config: Config,
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> io::Result<()> {
+    let tls = config.tls_files().map_err(io::Error::other)?;
+    let tls = tls.map(Tls::load).transpose()?.map(Arc::new);
     let resources = resources(&config)?;
     let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters).await?;
@@ -77,17 +80,25 @@ pub async fn serve(
     let (times, most) = (times(&config), ConnectionLimits::of(&config));
     let counters = jobs.resources().counters.clone();
     let proxies = config.trusted_proxy.clone();
-    let hosts = Hosts::new(&config.allowed_host, is_loopback(&listeners)?);
+    let hosts = Hosts::new(&config.allowed_host, are_local(&listeners)?);
     let router = router::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
 
     for listener in &listeners {
-        info!("listening on http://{}{base_path}", listener.local_addr()?);
+        match (listener.is_network(), &tls) {
+            (true, None) => info!("listening on http://{listener}{base_path}"),
+            (true, Some(_)) => info!("listening on https://{listener}{base_path}"),
+            (false, _) => info!("listening on {listener}"),
+        }
+    }
+    if let Some(tls) = &tls {
+        tokio::spawn(Arc::clone(tls).keep_current(counters.clone()));
     }
     let doors = Doors {
         router,
         times,
         connections: Connections::new(most),
         proxies,
+        tls,
         counters,
         stopping,
         crowds: accept::crowds(),
@@ -116,9 +127,9 @@ fn resources(config: &Config) -> io::Result<Arc<Resources>> {
 }
 
 /// Whether only programs of this machine reach the server.
-fn is_loopback(listeners: &[TcpListener]) -> io::Result<bool> {
+fn are_local(listeners: &[Listener]) -> io::Result<bool> {
     for listener in listeners {
-        if !listener.local_addr()?.ip().to_canonical().is_loopback() {
+        if !listener.is_local()? {
             return Ok(false);
         }
     }
@@ -171,46 +182,5 @@ struct CloseOnDrop(Arc<Resources>);
 impl Drop for CloseOnDrop {
     fn drop(&mut self) {
         self.0.scheduler.close();
-    }
-}
-
-/// Completes at SIGINT or, on Unix, SIGTERM.
-pub async fn interrupted() {
-    let interrupt = async {
-        if let Err(reason) = tokio::signal::ctrl_c().await {
-            warn!("interrupts are not noticed: {reason}");
-            std::future::pending::<()>().await;
-        }
-    };
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        match signal(SignalKind::terminate()) {
-            Ok(mut terminate) => {
-                tokio::select! {
-                    () = interrupt => {}
-                    _ = terminate.recv() => {}
-                }
-            }
-            Err(reason) => {
-                warn!("SIGTERM is not noticed: {reason}");
-                interrupt.await;
-            }
-        }
-    }
-    #[cfg(not(unix))]
-    interrupt.await;
-}
-
-/// Asks the server at this address whether it is ready; the error says why not.
-pub async fn probe(listen: &Listen, timeout: Duration) -> Result<(), String> {
-    let target = format!("http://{}/readyz", listen.reached_at());
-    let uri = target.parse().map_err(|_| format!("{target} is no URL"))?;
-    let client: Client<_, Empty<Bytes>> = Client::builder(TokioExecutor::new()).build_http();
-    match tokio::time::timeout(timeout, client.get(uri)).await {
-        Err(_) => Err(format!("no answer within {timeout:?}")),
-        Ok(Err(reason)) => Err(reason.to_string()),
-        Ok(Ok(answer)) if answer.status().is_success() => Ok(()),
-        Ok(Ok(answer)) => Err(format!("it answers {}", answer.status())),
     }
 }

@@ -223,7 +223,8 @@ fn address(log: &mut impl BufRead) -> Result<String, String> {
             continue;
         };
         let message = entry["fields"]["message"].as_str().unwrap_or(&line);
-        if let Some(address) = message.strip_prefix("listening on http://") {
+        let place = message.strip_prefix("listening on ");
+        if let Some((_, address)) = place.and_then(|place| place.split_once("://")) {
             return Ok(address.to_owned());
         }
         if entry["level"] == "ERROR" {

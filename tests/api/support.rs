@@ -63,7 +63,7 @@ impl Server {
         config.lease = database::LEASE;
         let url = format!("http://{}", listener.local_addr().unwrap());
         let (stop, stopped) = oneshot::channel::<()>();
-        let served = tokio::spawn(piad::server::serve(vec![listener], config, async {
+        let served = tokio::spawn(piad::server::serve(vec![listener.into()], config, async {
             let _ = stopped.await;
         }));
         let client = Client::builder().read_timeout(PATIENCE).build().unwrap();

@@ -134,10 +134,10 @@ def run(browser, base: str, script: str):
     return browser.execute_async_script(wrapped)
 
 
-def start_browser(profile: str):
+def start_browser(profile: str, *flags: str):
     options = Options()
     options.binary_location = shutil.which("chromium")
-    for flag in [*FLAGS, f"--user-data-dir={profile}"]:
+    for flag in [*FLAGS, *flags, f"--user-data-dir={profile}"]:
         options.add_argument(flag)
     browser = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
     browser.set_script_timeout(100)

@@ -27,7 +27,7 @@ def server(program: str, *flags: str, store: str = ":memory:"):
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         for line in process.stderr:
-            found = re.search(r"listening on (http://[^\s\"]+)", line)
+            found = re.search(r"listening on (https?://[^\s\"]+)", line)
             if found:
                 break
         else:

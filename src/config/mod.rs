@@ -1,107 +1,65 @@
-//! The settings of a server: flags and `PIAD_*` variables.
+//! The settings of a server: flags, `PIAD_*` variables, and a file.
+//!
+//! - [`cli`]: the command line of the program; [`values`]: how values are read;
+//! - [`file`]: a file of settings; [`sources`]: where each setting comes from.
 
-use std::fmt;
+mod cli;
+mod file;
+mod sources;
+mod values;
+
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::time::Duration;
 
 use bytesize::ByteSize;
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use clap_complete::Shell;
+use clap::{Args, Parser};
 use ipnet::IpNet;
-use jiff::SignedDuration;
+
+pub use cli::{Cli, Command, StoreCommand};
+pub use sources::{Sources, parse};
+pub use values::{BasePath, LogFormat, Storage};
+use values::{duration, host_name, seconds, some_seconds};
 
 use crate::api::http::cors::Origin;
-use crate::command::arguments::FitArguments;
-use crate::server::listen::Listen;
-use crate::server::proxy;
-
 use crate::fit::admission::Admission;
 use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
 use crate::model::job::Limits;
-
-/// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
-#[derive(Debug, Parser)]
-#[command(name = "piad", version = env!("PIAD_VERSION"), long_version = concat!(env!("PIAD_VERSION"), "\n", env!("PIAD_FEATURES")), about, args_conflicts_with_subcommands = true)]
-pub struct Cli {
-    /// What to do; without a command, serve.
-    #[command(subcommand)]
-    pub command: Option<Command>,
-    /// Settings of the server.
-    #[command(flatten)]
-    pub config: Config,
-}
-
-/// The commands of the program.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Serve fitting jobs over HTTP (what piad does without a command).
-    Serve(Box<Config>),
-    /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
-    Health {
-        /// The server's address; 0.0.0.0 and [::] stand for this machine.
-        #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
-        listen: Listen,
-        /// How many seconds to wait for the answer.
-        #[arg(long, default_value = "3")]
-        timeout: u64,
-    },
-    /// Fit the points of a file, or a job, and write the result; no server is needed.
-    Fit(Box<FitArguments>),
-    /// Copy, check, repair or export the jobs of servers, while none runs.
-    #[command(subcommand)]
-    Store(StoreCommand),
-    /// Write completions for a shell to the standard output.
-    Completions {
-        /// The shell.
-        shell: Shell,
-    },
-    /// Write a manual page to the standard output, in the format of man(1).
-    Man {
-        /// The command that it is about, such as fit; without one the program.
-        command: Option<String>,
-    },
-}
-
-/// What can be done with stores.
-#[derive(Debug, Subcommand)]
-pub enum StoreCommand {
-    /// Copy all jobs, their results and idempotency keys into another store, which keeps what it has. What was
-    /// cut off can be done again.
-    Copy {
-        /// Where they are: a directory, or the URL of a PostgreSQL database.
-        from: Storage,
-        /// Where they go.
-        to: Storage,
-    },
-    /// Read everything in a store and say what is damaged; the store stays as it is. Exit status 1 if anything is.
-    Check {
-        /// A directory, or the URL of a PostgreSQL database.
-        store: Storage,
-    },
-    /// Put a new file with all that can be read in the place of a damaged one, which stays beside it. Jobs whose
-    /// results are lost run again.
-    Repair {
-        /// The directory of the file.
-        store: Storage,
-    },
-    /// Write each job that can be read as ID.json, which POST /v1/jobs takes again, and its result as
-    /// ID.result.json; the store stays as it is. Exit status 1 if anything is damaged.
-    Export {
-        /// A directory, or the URL of a PostgreSQL database.
-        store: Storage,
-        /// Where the files go.
-        directory: PathBuf,
-    },
-}
+use crate::server::listen::Listen;
+use crate::server::proxy;
+use crate::server::tls::TlsFiles;
 
 /// The settings of a server.
 #[derive(Args, Clone, Debug)]
 pub struct Config {
-    /// Address or name, and port, to listen on: all addresses of a name; port 0 takes any free one.
-    #[arg(long, env = "PIAD_LISTEN", default_value = "127.0.0.1:8080")]
-    pub listen: Listen,
+    /// A file of settings in TOML, under the names of the flags, such as max-jobs = 500. Flags and variables come
+    /// before it.
+    #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
+    pub config_file: Option<PathBuf>,
+
+    /// Where to listen, also at several places: an address or a name with a port (all addresses of a name; port 0
+    /// takes any free one), or a Unix domain socket such as unix:/run/piad.sock.
+    #[arg(
+        long,
+        env = "PIAD_LISTEN",
+        value_delimiter = ',',
+        value_name = "PLACE",
+        default_value = "127.0.0.1:8080"
+    )]
+    pub listen: Vec<Listen>,
+
+    /// The certificate for TLS, with those of the authorities below the root, as PEM: ports then speak HTTPS.
+    /// The files are loaded again when they change, and on SIGHUP.
+    #[arg(long, env = "PIAD_TLS_CERT", value_name = "FILE")]
+    pub tls_cert: Option<PathBuf>,
+
+    /// The private key of that certificate, as PEM.
+    #[arg(long, env = "PIAD_TLS_KEY", value_name = "FILE")]
+    pub tls_key: Option<PathBuf>,
+
+    /// Authorities, as PEM: only clients with a certificate of one of them are served (mutual TLS).
+    #[arg(long, env = "PIAD_TLS_CLIENT_CA", value_name = "FILE")]
+    pub tls_client_ca: Option<PathBuf>,
 
     /// Names by which clients reach the server, such as fit.example.org or *.example.org; requests
     /// for others are refused. Without any, a server on a loopback address is localhost and others
@@ -274,103 +232,6 @@ pub struct Config {
     pub log: String,
 }
 
-/// The path below which clients see a server: empty, or such as `/fits`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct BasePath(String);
-
-impl BasePath {
-    /// Without a slash at the end.
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-}
-
-impl FromStr for BasePath {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let path = text.trim_end_matches('/');
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-._~".contains(c);
-        let mut parts = path.split('/');
-        let begins = parts.next() == Some("");
-        let whole = parts
-            .all(|part| !part.is_empty() && part != "." && part != ".." && part.chars().all(plain));
-        match begins && whole && !text.is_empty() {
-            true => Ok(Self(path.to_owned())),
-            false => Err("a path such as /fits, of letters, digits, -, ., _ and ~".to_owned()),
-        }
-    }
-}
-
-impl fmt::Display for BasePath {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.0.is_empty() { "/" } else { &self.0 })
-    }
-}
-
-/// Where jobs are kept.
-#[derive(Clone, PartialEq, Eq)]
-pub enum Storage {
-    /// Nowhere: they end with the server.
-    Memory,
-    /// In a file of this directory.
-    Directory(PathBuf),
-    /// In the PostgreSQL database of this URL.
-    Database(String),
-}
-
-impl Storage {
-    /// The place that is meant; a database is used with these settings.
-    pub(crate) fn place(&self, settings: Settings) -> StorePlace<'_> {
-        match self {
-            Self::Memory => StorePlace::Memory,
-            Self::Directory(path) => StorePlace::Directory(path),
-            Self::Database(url) => StorePlace::Database(url, settings),
-        }
-    }
-}
-
-/// Without the URL of a database, which may contain a password.
-impl fmt::Debug for Storage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Memory => f.write_str(":memory:"),
-            Self::Directory(path) => write!(f, "{path:?}"),
-            Self::Database(_) => f.write_str("a database"),
-        }
-    }
-}
-
-impl FromStr for Storage {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            ":memory:" => Ok(Self::Memory),
-            "" => Err("a directory, :memory: or the URL of a database".to_owned()),
-            url if is_database(url) => Ok(Self::Database(url.to_owned())),
-            url if url.contains("://") => {
-                Err("a database has a URL that begins with postgres://".to_owned())
-            }
-            path => Ok(Self::Directory(path.into())),
-        }
-    }
-}
-
-fn is_database(text: &str) -> bool {
-    let schemes = ["postgres://", "postgresql://"];
-    schemes.iter().any(|scheme| text.starts_with(scheme))
-}
-
-/// How log lines look.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LogFormat {
-    /// For people.
-    Text,
-    /// One JSON object a line.
-    Json,
-}
-
 impl Config {
     /// The settings of a server that is started without flags and variables.
     pub fn standard() -> Self {
@@ -378,6 +239,21 @@ impl Config {
         match Standard::try_parse_from(["piad"]) {
             Ok(standard) => standard.config,
             Err(error) => error.exit(),
+        }
+    }
+
+    /// The files for TLS, if the server speaks it; the error says which one is missing.
+    pub(crate) fn tls_files(&self) -> Result<Option<TlsFiles>, &'static str> {
+        match (&self.tls_cert, &self.tls_key, &self.tls_client_ca) {
+            (Some(certificate), Some(key), clients) => Ok(Some(TlsFiles {
+                certificate: certificate.clone(),
+                key: key.clone(),
+                clients: clients.clone(),
+            })),
+            (None, None, None) => Ok(None),
+            (Some(_), None, _) => Err("--tls-cert needs the private key, --tls-key"),
+            (None, Some(_), _) => Err("--tls-key needs the certificate, --tls-cert"),
+            (None, None, Some(_)) => Err("--tls-client-ca needs --tls-cert and --tls-key"),
         }
     }
 
@@ -443,39 +319,4 @@ fn machine_memory() -> Option<u64> {
 struct Standard {
     #[command(flatten)]
     config: Config,
-}
-
-/// A name, or all names below one.
-fn host_name(text: &str) -> Result<String, String> {
-    let name = text.strip_prefix("*.").unwrap_or(text);
-    match text != "*" && (name.is_empty() || name.contains('*')) {
-        true => Err("not a name such as fit.example.org, *.example.org or *".to_owned()),
-        false => Ok(text.to_owned()),
-    }
-}
-
-fn duration(text: &str) -> Result<Duration, String> {
-    let duration: SignedDuration = text
-        .parse()
-        .map_err(|_| "not a duration such as 36h or 90m".to_owned())?;
-    Duration::try_from(duration).map_err(|_| "a duration is not negative".to_owned())
-}
-
-fn some_seconds(text: &str) -> Result<Duration, String> {
-    match seconds(text)? {
-        seconds if seconds < Duration::from_millis(10) => {
-            Err("must be at least 0.01 seconds".to_owned())
-        }
-        seconds => Ok(seconds),
-    }
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text
-        .parse()
-        .map_err(|_| "not a number of seconds".to_owned())?;
-    match Duration::try_from_secs_f64(seconds) {
-        Ok(duration) if duration <= Duration::from_secs(86_400) => Ok(duration),
-        _ => Err("must lie between 0 and 86400 seconds".to_owned()),
-    }
 }

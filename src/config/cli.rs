@@ -1,0 +1,101 @@
+//! The command line of the program.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+use clap_complete::Shell;
+
+use super::Config;
+use super::values::Storage;
+use crate::command::arguments::FitArguments;
+use crate::server::listen::Listen;
+
+/// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
+#[derive(Debug, Parser)]
+#[command(name = "piad", version = env!("PIAD_VERSION"), long_version = concat!(env!("PIAD_VERSION"), "\n", env!("PIAD_FEATURES")), about, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do; without a command, serve.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Settings of the server.
+    #[command(flatten)]
+    pub config: Config,
+}
+
+/// The commands of the program.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Serve fitting jobs over HTTP (what piad does without a command).
+    Serve(Box<Config>),
+    /// Write the settings that a server with these flags, variables and file has, and where each comes from.
+    Config(Box<Config>),
+    /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
+    Health {
+        /// Where the server listens, a Unix domain socket first if there are several places; 0.0.0.0 and [::] stand
+        /// for this machine.
+        #[arg(
+            long,
+            env = "PIAD_LISTEN",
+            value_delimiter = ',',
+            value_name = "PLACE",
+            default_value = "127.0.0.1:8080"
+        )]
+        listen: Vec<Listen>,
+        /// The certificate of the server, if it speaks HTTPS; any that it has is taken.
+        #[arg(long, env = "PIAD_TLS_CERT", value_name = "FILE")]
+        tls_cert: Option<PathBuf>,
+        /// A file of settings, of which it takes these.
+        #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
+        config_file: Option<PathBuf>,
+        /// How many seconds to wait for the answer.
+        #[arg(long, default_value = "3")]
+        timeout: u64,
+    },
+    /// Fit the points of a file, or a job, and write the result; no server is needed.
+    Fit(Box<FitArguments>),
+    /// Copy, check, repair or export the jobs of servers, while none runs.
+    #[command(subcommand)]
+    Store(StoreCommand),
+    /// Write completions for a shell to the standard output.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Write a manual page to the standard output, in the format of man(1).
+    Man {
+        /// The command that it is about, such as fit; without one the program.
+        command: Option<String>,
+    },
+}
+
+/// What can be done with stores.
+#[derive(Debug, Subcommand)]
+pub enum StoreCommand {
+    /// Copy all jobs, their results and idempotency keys into another store, which keeps what it has. What was
+    /// cut off can be done again.
+    Copy {
+        /// Where they are: a directory, or the URL of a PostgreSQL database.
+        from: Storage,
+        /// Where they go.
+        to: Storage,
+    },
+    /// Read everything in a store and say what is damaged; the store stays as it is. Exit status 1 if anything is.
+    Check {
+        /// A directory, or the URL of a PostgreSQL database.
+        store: Storage,
+    },
+    /// Put a new file with all that can be read in the place of a damaged one, which stays beside it. Jobs whose
+    /// results are lost run again.
+    Repair {
+        /// The directory of the file.
+        store: Storage,
+    },
+    /// Write each job that can be read as ID.json, which POST /v1/jobs takes again, and its result as
+    /// ID.result.json; the store stays as it is. Exit status 1 if anything is damaged.
+    Export {
+        /// A directory, or the URL of a PostgreSQL database.
+        store: Storage,
+        /// Where the files go.
+        directory: PathBuf,
+    },
+}

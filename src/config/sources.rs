@@ -1,0 +1,144 @@
+//! Where settings come from: flags first, then variables, then the file, then the defaults.
+
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::error::{Error, ErrorKind};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory, FromArgMatches};
+use toml::Value;
+
+use super::cli::Cli;
+use super::file::SettingsFile;
+
+/// The commands that take settings of a server.
+const OF_SERVERS: [&str; 3] = ["serve", "config", "health"];
+
+/// Where the settings of a server come from.
+#[derive(Debug)]
+pub struct Sources {
+    command: Command,
+    matches: ArgMatches,
+    file: Option<SettingsFile>,
+}
+
+/// Reads the command line, and the file of settings if it or a variable names one.
+///
+/// # Errors
+///
+/// If there is anything wrong with them, or help was asked for.
+pub fn parse(arguments: Vec<OsString>) -> Result<(Cli, Sources), Error> {
+    let mut command = Cli::command();
+    let mut matches = command.clone().try_get_matches_from(&arguments)?;
+    let path = of_server(&matches).and_then(|it| it.get_one::<PathBuf>("config_file"));
+    let mut file = None;
+    if let Some(path) = path {
+        let read = SettingsFile::read(path, &command);
+        let read = read.map_err(|reason| command.error(ErrorKind::Io, reason))?;
+        command = beneath(command, &read);
+        matches = command
+            .clone()
+            .try_get_matches_from(&arguments)
+            .map_err(|error| of_file(&mut command, &read, &error))?;
+        file = Some(read);
+    }
+    let cli = Cli::from_arg_matches(&matches)?;
+    let matches = of_server(&matches).cloned().unwrap_or_default();
+    let sources = Sources {
+        command,
+        matches,
+        file,
+    };
+    Ok((cli, sources))
+}
+
+/// The part of the command line with the settings of a server.
+fn of_server(matches: &ArgMatches) -> Option<&ArgMatches> {
+    match matches.subcommand() {
+        None => Some(matches),
+        Some((name, of_command)) => OF_SERVERS.contains(&name).then_some(of_command),
+    }
+}
+
+/// The settings of a file in the place of all defaults.
+fn beneath(command: Command, file: &SettingsFile) -> Command {
+    let command = file.beneath(command);
+    OF_SERVERS.into_iter().fold(command, |command, name| {
+        command.mut_subcommand(name, |it| file.beneath(it))
+    })
+}
+
+/// What is wrong with a value in a file: without it nothing was.
+fn of_file(command: &mut Command, file: &SettingsFile, error: &Error) -> Error {
+    let told = error.to_string();
+    let told = told.lines().next().unwrap_or_default();
+    let told = told.trim_start_matches("error: ");
+    command.error(error.kind(), format!("{}: {told}", file.path.display()))
+}
+
+impl Sources {
+    /// All settings as a file has them, with where each comes from.
+    pub fn shown(&self) -> String {
+        let mut shown = String::new();
+        for argument in self.command.get_arguments() {
+            let Some(name) = argument.get_long() else {
+                continue;
+            };
+            if ["config", "help", "version"].contains(&name) {
+                continue;
+            }
+            // Nothing fails that is written to memory.
+            let _ = match self.value(argument) {
+                None => writeln!(shown, "# {name} is not set"),
+                Some(value) if is_secret(argument, &value) => {
+                    let source = self.source(argument, name);
+                    writeln!(
+                        shown,
+                        "# {name} is a URL, which may hold a password  # {source}"
+                    )
+                }
+                Some(value) => {
+                    writeln!(shown, "{name} = {value}  # {}", self.source(argument, name))
+                }
+            };
+        }
+        shown
+    }
+
+    fn value(&self, argument: &Arg) -> Option<Value> {
+        let raw = self.matches.get_raw(argument.get_id().as_str())?;
+        let mut values = raw.map(|it| plain(&it.to_string_lossy()));
+        match argument.get_action() {
+            ArgAction::Append => Some(Value::Array(values.collect())),
+            _ => values.next(),
+        }
+    }
+
+    fn source(&self, argument: &Arg, name: &str) -> String {
+        match (
+            self.matches.value_source(argument.get_id().as_str()),
+            &self.file,
+        ) {
+            (Some(ValueSource::CommandLine), _) => format!("--{name}"),
+            (Some(ValueSource::EnvVariable), _) => {
+                let variable = argument.get_env().unwrap_or_default();
+                variable.to_string_lossy().into_owned()
+            }
+            (_, Some(file)) if file.sets(name) => file.path.display().to_string(),
+            _ => "the default".to_owned(),
+        }
+    }
+}
+
+/// Whether this must not be shown: the URL of a database can hold its password.
+fn is_secret(argument: &Arg, value: &Value) -> bool {
+    argument.is_hide_env_values_set() && value.as_str().is_some_and(|text| text.contains("://"))
+}
+
+/// A number or a text.
+fn plain(text: &str) -> Value {
+    let number = text.parse().map(Value::Integer);
+    let number = number.or_else(|_| text.parse().map(Value::Boolean));
+    number.unwrap_or_else(|_| Value::String(text.to_owned()))
+}

@@ -1,0 +1,144 @@
+//! Values of settings that are no numbers, and how they are read.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+use clap::ValueEnum;
+use jiff::SignedDuration;
+
+use crate::job::store::StorePlace;
+use crate::job::store::shared::Settings;
+
+/// The path below which clients see a server: empty, or such as `/fits`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BasePath(String);
+
+impl BasePath {
+    /// Without a slash at the end.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl FromStr for BasePath {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let path = text.trim_end_matches('/');
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-._~".contains(c);
+        let mut parts = path.split('/');
+        let begins = parts.next() == Some("");
+        let whole = parts
+            .all(|part| !part.is_empty() && part != "." && part != ".." && part.chars().all(plain));
+        match begins && whole && !text.is_empty() {
+            true => Ok(Self(path.to_owned())),
+            false => Err("a path such as /fits, of letters, digits, -, ., _ and ~".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for BasePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_empty() { "/" } else { &self.0 })
+    }
+}
+
+/// Where jobs are kept.
+#[derive(Clone, PartialEq, Eq)]
+pub enum Storage {
+    /// Nowhere: they end with the server.
+    Memory,
+    /// In a file of this directory.
+    Directory(PathBuf),
+    /// In the PostgreSQL database of this URL.
+    Database(String),
+}
+
+impl Storage {
+    /// The place that is meant; a database is used with these settings.
+    pub(crate) fn place(&self, settings: Settings) -> StorePlace<'_> {
+        match self {
+            Self::Memory => StorePlace::Memory,
+            Self::Directory(path) => StorePlace::Directory(path),
+            Self::Database(url) => StorePlace::Database(url, settings),
+        }
+    }
+}
+
+/// Without the URL of a database, which may contain a password.
+impl fmt::Debug for Storage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Memory => f.write_str(":memory:"),
+            Self::Directory(path) => write!(f, "{path:?}"),
+            Self::Database(_) => f.write_str("a database"),
+        }
+    }
+}
+
+impl FromStr for Storage {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            ":memory:" => Ok(Self::Memory),
+            "" => Err("a directory, :memory: or the URL of a database".to_owned()),
+            url if is_database(url) => Ok(Self::Database(url.to_owned())),
+            url if url.contains("://") => {
+                Err("a database has a URL that begins with postgres://".to_owned())
+            }
+            path => Ok(Self::Directory(path.into())),
+        }
+    }
+}
+
+fn is_database(text: &str) -> bool {
+    let schemes = ["postgres://", "postgresql://"];
+    schemes.iter().any(|scheme| text.starts_with(scheme))
+}
+
+/// How log lines look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people.
+    Text,
+    /// One JSON object a line.
+    Json,
+}
+
+/// A name, or all names below one.
+pub(super) fn host_name(text: &str) -> Result<String, String> {
+    let name = text.strip_prefix("*.").unwrap_or(text);
+    match text != "*" && (name.is_empty() || name.contains('*')) {
+        true => Err("not a name such as fit.example.org, *.example.org or *".to_owned()),
+        false => Ok(text.to_owned()),
+    }
+}
+
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    let duration: SignedDuration = text
+        .parse()
+        .map_err(|_| "not a duration such as 36h or 90m".to_owned())?;
+    Duration::try_from(duration).map_err(|_| "a duration is not negative".to_owned())
+}
+
+pub(super) fn some_seconds(text: &str) -> Result<Duration, String> {
+    match seconds(text)? {
+        seconds if seconds < Duration::from_millis(10) => {
+            Err("must be at least 0.01 seconds".to_owned())
+        }
+        seconds => Ok(seconds),
+    }
+}
+
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text
+        .parse()
+        .map_err(|_| "not a number of seconds".to_owned())?;
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(duration) if duration <= Duration::from_secs(86_400) => Ok(duration),
+        _ => Err("must lie between 0 and 86400 seconds".to_owned()),
+    }
+}

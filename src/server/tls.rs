@@ -1,0 +1,202 @@
+//! TLS for connections from the network, with certificates that are loaded again when they change.
+
+use std::fmt::Display;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use parking_lot::Mutex;
+use rustls::crypto::ring;
+use rustls::pki_types::pem::PemObject;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use rustls::server::{Acceptor, WebPkiClientVerifier};
+use rustls::{RootCertStore, ServerConfig};
+use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, sink};
+use tokio::task::spawn_blocking;
+use tokio::time::sleep;
+use tokio_rustls::LazyConfigAcceptor;
+use tracing::{error, info};
+
+use super::listener::Stream;
+use super::signals;
+use crate::job::counters::Counters;
+
+/// How often the files are looked at.
+const LOOK: Duration = Duration::from_secs(2);
+
+/// The first byte of each TLS connection.
+const HANDSHAKE: u8 = 0x16;
+
+/// What is read of a request that came without TLS, so that the client gets the answer.
+const IGNORED: u64 = 64 << 10;
+
+/// Where the certificates are, all of them in the form of PEM.
+#[derive(Clone, Debug)]
+pub(crate) struct TlsFiles {
+    /// The certificate of the server, followed by those of the authorities below the root.
+    pub(crate) certificate: PathBuf,
+    /// Its private key.
+    pub(crate) key: PathBuf,
+    /// Authorities, one of which must have signed the certificate of each client.
+    pub(crate) clients: Option<PathBuf>,
+}
+
+/// What connections are encrypted with.
+pub(super) struct Tls {
+    files: TlsFiles,
+    loaded: Mutex<Loaded>,
+}
+
+struct Loaded {
+    config: Arc<ServerConfig>,
+    /// How the files were then.
+    seen: Vec<Option<Seen>>,
+}
+
+/// By what a change of a file is noticed.
+type Seen = (SystemTime, u64);
+
+impl Tls {
+    /// Loads the files.
+    pub(super) fn load(files: TlsFiles) -> io::Result<Self> {
+        let loaded = Mutex::new(Loaded::from(&files).map_err(io::Error::other)?);
+        Ok(Self { files, loaded })
+    }
+
+    /// Shakes hands with a client.
+    pub(super) async fn accept(&self, mut stream: Stream) -> io::Result<Stream> {
+        let mut first = [0];
+        stream.read_exact(&mut first).await?;
+        if first != [HANDSHAKE] {
+            return Err(refuse_plain(stream, first).await);
+        }
+        let mut acceptor = Acceptor::default();
+        acceptor.read_tls(&mut first.as_slice())?;
+        let handshake = LazyConfigAcceptor::new(acceptor, stream).await?;
+        let config = Arc::clone(&self.loaded.lock().config);
+        Ok(Box::new(handshake.into_stream(config).await?))
+    }
+
+    /// Loads the files again whenever they change or the process gets SIGHUP. If they are not valid, those
+    /// before stay.
+    pub(super) async fn keep_current(self: Arc<Self>, counters: Counters) {
+        let mut hangups = signals::hangups();
+        loop {
+            let is_asked_for = tokio::select! {
+                () = sleep(LOOK) => false,
+                () = hangups.next() => true,
+            };
+            let tls = Arc::clone(&self);
+            let loaded = spawn_blocking(move || tls.load_again(is_asked_for)).await;
+            match loaded {
+                Ok(Ok(true)) => info!("the certificates were loaded again"),
+                Ok(Ok(false)) => {}
+                Ok(Err(reason)) => {
+                    counters.reloads_failed.inc();
+                    error!("{reason}; the certificates before stay in use");
+                }
+                // The runtime ends.
+                Err(_) => return,
+            }
+        }
+    }
+
+    /// Loads the files if they have changed, or anyway; tells whether it has.
+    fn load_again(&self, anyway: bool) -> Result<bool, String> {
+        let seen = self.files.seen();
+        if !anyway && self.loaded.lock().seen == seen {
+            return Ok(false);
+        }
+        let loaded = Loaded::from(&self.files);
+        let mut current = self.loaded.lock();
+        match loaded {
+            Ok(loaded) => *current = loaded,
+            Err(reason) => {
+                // It is told once.
+                current.seen = seen;
+                return Err(reason);
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// Tells a client that this is no place for plain HTTP.
+async fn refuse_plain(mut stream: Stream, first: [u8; 1]) -> io::Error {
+    if first[0].is_ascii_uppercase() {
+        let body = "This server speaks HTTPS: its address begins with https://\n";
+        let answer = format!(
+            "HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
+            body.len()
+        );
+        let told = stream.write_all(answer.as_bytes()).await;
+        if told.is_ok() && stream.shutdown().await.is_ok() {
+            let _ = copy(&mut stream.take(IGNORED), &mut sink()).await;
+        }
+    }
+    io::Error::new(io::ErrorKind::InvalidData, "it does not begin with TLS")
+}
+
+impl TlsFiles {
+    fn all(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.certificate, &self.key]
+            .into_iter()
+            .chain(&self.clients)
+    }
+
+    fn seen(&self) -> Vec<Option<Seen>> {
+        let seen = |path| {
+            let about = fs::metadata(path).ok()?;
+            Some((about.modified().ok()?, about.len()))
+        };
+        self.all().map(seen).collect()
+    }
+}
+
+impl Loaded {
+    fn from(files: &TlsFiles) -> Result<Self, String> {
+        let seen = files.seen();
+        let provider = Arc::new(ring::default_provider());
+        let builder = ServerConfig::builder_with_provider(Arc::clone(&provider));
+        let builder = builder.with_safe_default_protocol_versions();
+        let builder = builder.map_err(|reason| reason.to_string())?;
+        let builder = match &files.clients {
+            None => builder.with_no_client_auth(),
+            Some(path) => {
+                let mut authorities = RootCertStore::empty();
+                for authority in certificates("--tls-client-ca", path)? {
+                    let added = authorities.add(authority);
+                    added.map_err(wrong("--tls-client-ca", path))?;
+                }
+                let verifier =
+                    WebPkiClientVerifier::builder_with_provider(authorities.into(), provider);
+                let verifier = verifier.build().map_err(wrong("--tls-client-ca", path))?;
+                builder.with_client_cert_verifier(verifier)
+            }
+        };
+        let chain = certificates("--tls-cert", &files.certificate)?;
+        let key =
+            PrivateKeyDer::from_pem_file(&files.key).map_err(wrong("--tls-key", &files.key))?;
+        let config = builder.with_single_cert(chain, key);
+        let mut config = config.map_err(wrong("--tls-cert", &files.certificate))?;
+        config.alpn_protocols = vec![b"h2".to_vec(), b"http/1.1".to_vec()];
+        let config = Arc::new(config);
+        Ok(Self { config, seen })
+    }
+}
+
+/// The certificates in a file, of which there is at least one.
+fn certificates(flag: &str, path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
+    let all = CertificateDer::pem_file_iter(path).and_then(Iterator::collect);
+    let all: Vec<_> = all.map_err(wrong(flag, path))?;
+    match all.is_empty() {
+        true => Err(wrong(flag, path)("there is no certificate in it")),
+        false => Ok(all),
+    }
+}
+
+fn wrong<E: Display>(flag: &str, path: &Path) -> impl Fn(E) -> String {
+    move |reason| format!("{flag} {path:?}: {reason}")
+}
