@@ -13,12 +13,15 @@ const PROGRAM = process.env["PIAD_PROGRAM"] ?? join(ROOT, "target/debug/piad");
 export class Server {
   readonly #directory: string;
   readonly #basePath: string;
+  readonly #token: string;
   #address = "127.0.0.1:0";
   #process: ChildProcess | undefined;
 
-  constructor(directory = ":memory:", basePath = "/") {
+  /** With a token it asks for that one. */
+  constructor(directory = ":memory:", basePath = "/", token = "") {
     this.#directory = directory;
     this.#basePath = basePath;
+    this.#token = token;
   }
 
   get url(): string {
@@ -27,7 +30,7 @@ export class Server {
 
   async start(): Promise<this> {
     const flags = ["--listen", this.#address, "--store", this.#directory, "--log-format", "json", "--base-path", this.#basePath];
-    const child = spawn(PROGRAM, flags, { stdio: ["ignore", "ignore", "pipe"] });
+    const child = spawn(PROGRAM, flags, { stdio: ["ignore", "ignore", "pipe"], env: { ...process.env, PIAD_TOKEN: this.#token } });
     this.#process = child;
     const log: string[] = [];
     // All lines are read: a full pipe would stop the server.

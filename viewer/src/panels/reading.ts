@@ -2,6 +2,7 @@
 
 import type { Problem, api } from "piad";
 
+import { ask } from "../ask.js";
 import { type Fields, type Json, isFields } from "./pointer.js";
 
 /** What a file says. */
@@ -75,7 +76,7 @@ function placeOf(text: string, words: string): { line: number | null; column: nu
 
 async function byServer(text: string, signal: AbortSignal): Promise<Reading> {
   const headers = { "Content-Type": "text/plain; charset=utf-8", Accept: "application/json, application/problem+json" };
-  const response = await fetch(new URL("v1/points", document.baseURI), { method: "POST", headers, body: text, signal });
+  const response = await ask(new URL("v1/points", document.baseURI), { method: "POST", headers, body: text, signal });
   const body = (await response.json().catch(() => null)) as Json;
   if (response.ok && isFields(body)) {
     const { notices, ...request } = body;

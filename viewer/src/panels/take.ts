@@ -3,6 +3,7 @@
 import { ApiError } from "piad";
 
 import type { App, Panel } from "../app.js";
+import { ask } from "../ask.js";
 import type { Fit } from "../fit/fit.js";
 import { el } from "../html.js";
 import { linkTo } from "../state.js";
@@ -128,7 +129,7 @@ function title(name: string): string {
 
 /** A file of the server, with its name; what it refuses is thrown. */
 async function fileAt(path: string): Promise<{ file: Blob; name: string | undefined }> {
-  const response = await fetch(new URL(path, document.baseURI), { headers: { Accept: "*/*" } });
+  const response = await ask(new URL(path, document.baseURI), { headers: { Accept: "*/*" } });
   if (!response.ok) {
     const problem = (await response.json().catch(() => null)) as ConstructorParameters<typeof ApiError>[0] | null;
     throw new ApiError(problem ?? { type: "about:blank", title: response.statusText, status: response.status, detail: `The server answered ${response.status}.`, request_id: "" });
