@@ -22,11 +22,14 @@
 //! - [`proto`] — the messages of the contract, in which jobs travel and are stored;
 //! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
+//! - [`access`] — who may do what: tokens, tenants, scopes;
 //! - [`server`] — binds them together: [`server::serve`];
 //! - [`command`] — `piad fit`: from a file to files, as a client of a server inside of the process;
 //! - [`telemetry`] — traces of requests and jobs, for a collector;
+//! - [`signals`] — of the operating system; `reload` — files that are read again when they change;
 //! - [`trim`] — gives memory back that nobody uses any more.
 
+pub mod access;
 pub mod api;
 pub mod command;
 pub mod config;
@@ -36,6 +39,8 @@ pub(crate) mod import;
 pub(crate) mod job;
 pub mod model;
 pub(crate) mod proto;
+pub(crate) mod reload;
 pub mod server;
+pub mod signals;
 pub mod telemetry;
 pub mod trim;

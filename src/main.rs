@@ -7,9 +7,10 @@ use std::time::Duration;
 
 use piad::command;
 use piad::config::{self, Command, Config, LogFormat};
+use piad::server;
 use piad::server::listen::Listen;
 use piad::server::probe::probe;
-use piad::server::{self, signals};
+use piad::signals;
 use piad::telemetry::endpoint::Endpoint;
 use piad::telemetry::{self, Telemetry};
 use piad::trim;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Some(Command::Config(_)) => command::shells::show(sources.shown().as_bytes()),
         Some(Command::Fit(arguments)) => command::fit(&arguments),
         Some(Command::Store(asked)) => command::store::run(&asked),
+        Some(Command::Token(asked)) => command::token::run(&asked),
         Some(Command::Completions { shell }) => command::shells::completions(shell),
         Some(Command::Man { command }) => command::shells::manual(command.as_deref()),
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::http::measure::Requests;
+use crate::access::tokens::Tokens;
 use crate::config::Config;
 use crate::job::service::Jobs;
 
@@ -15,16 +16,24 @@ pub(crate) struct App {
     pub(in crate::api) config: Arc<Config>,
     pub(in crate::api) stopping: watch::Receiver<bool>,
     pub(in crate::api) requests: Requests,
+    /// Who may ask, if not everybody may.
+    pub(in crate::api) tokens: Option<Arc<Tokens>>,
 }
 
 impl App {
     /// An application over `jobs`; streams end when `stopping` becomes true.
-    pub(crate) fn new(jobs: Arc<Jobs>, config: Config, stopping: watch::Receiver<bool>) -> Self {
+    pub(crate) fn new(
+        jobs: Arc<Jobs>,
+        config: Config,
+        stopping: watch::Receiver<bool>,
+        tokens: Option<Arc<Tokens>>,
+    ) -> Self {
         Self {
             jobs,
             config: Arc::new(config),
             stopping,
             requests: Requests::default(),
+            tokens,
         }
     }
 

@@ -145,7 +145,7 @@ fn outline(job: &ValidJob) -> Outline {
         parent: None,
         stream: job.stream.clone(),
     };
-    Outline::new(label, &job.problem)
+    Outline::new(label, &job.problem, None)
 }
 
 /// What must hold of every job that is accepted: what is written of it asks for the same job.

@@ -7,8 +7,10 @@ use uuid::Uuid;
 use super::app::App;
 use super::problem::{Kind, Problem};
 use crate::job::Job;
+use crate::job::peer::Peer;
 use crate::job::state::State;
 use crate::job::store::Selection;
+use crate::job::tenant::Tenant;
 
 /// The number of jobs on a page by default.
 pub(super) const DEFAULT_PAGE: usize = 50;
@@ -31,6 +33,7 @@ pub(super) async fn page(
     limit: usize,
 ) -> Result<(Vec<Arc<Job>>, bool), Problem> {
     let selection = Selection {
+        tenant: tenant(app)?,
         state,
         before,
         // One more, which tells whether there is a next page.
@@ -55,6 +58,10 @@ pub(super) async fn end(job: &Job) -> Result<(), Problem> {
 
 /// Deletes a job.
 pub(super) async fn forget(app: &App, id: &str) -> Result<(), Problem> {
+    // One that cannot be read can still be deleted, if it cannot be another tenant's.
+    if tenant(app)?.is_some() {
+        find(app, id).await?;
+    }
     let existed = app.jobs.delete(job_id(id)?).await?;
     existed
         .then_some(())
@@ -67,14 +74,26 @@ pub(super) async fn find(app: &App, id: &str) -> Result<Arc<Job>, Problem> {
     job.ok_or_else(|| Problem::unknown_job(id))
 }
 
-/// The job with this id, if there is one.
+/// The job with this id, if there is one that whoever asks may know of.
 pub(super) async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Problem> {
-    match Uuid::try_parse(id) {
-        Ok(id) => Ok(app.jobs.find(id).await?),
-        Err(_) => Ok(None),
-    }
+    let tenant = tenant(app)?;
+    let job = match Uuid::try_parse(id) {
+        Ok(id) => app.jobs.find(id).await?,
+        Err(_) => None,
+    };
+    Ok(job.filter(|job| tenant.is_none_or(|it| it == job.outline().tenant)))
 }
 
 fn job_id(id: &str) -> Result<Uuid, Problem> {
     Uuid::try_parse(id).map_err(|_| Problem::unknown_job(id))
+}
+
+/// The tenant whose jobs are all there is for whoever asks; none if the server asks for no tokens.
+fn tenant(app: &App) -> Result<Option<Tenant>, Problem> {
+    match (&app.tokens, Peer::current().and_then(Peer::tenant)) {
+        (None, _) => Ok(None),
+        (Some(_), Some(tenant)) => Ok(Some(tenant)),
+        // No resource with jobs can be reached without a token.
+        (Some(_), None) => Err(Problem::new(Kind::Unauthenticated, "a token is needed")),
+    }
 }

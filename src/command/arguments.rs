@@ -119,7 +119,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "URL", value_hint = ValueHint::Url)]
     pub(crate) server: Option<String>,
 
-    /// File with the bearer token for the server.
+    /// File with the bearer token for the server [default: the token in the variable PIAD_TOKEN, if any].
     #[arg(long, value_name = "FILE", requires = "server", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
 }

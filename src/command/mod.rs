@@ -26,7 +26,9 @@ mod request;
 pub mod shells;
 pub mod store;
 mod summary;
+pub mod token;
 
+use std::env;
 use std::fs;
 use std::process::ExitCode;
 use std::sync::OnceLock;
@@ -49,8 +51,9 @@ use progress::Progress;
 use request::Request;
 use summary::Shape;
 
+use crate::access::BOOTSTRAP;
 use crate::import::Hints;
-use crate::server::signals;
+use crate::signals;
 
 /// The status after an interrupt, as shells tell it.
 const INTERRUPTED: u8 = 130;
@@ -158,7 +161,8 @@ async fn client(arguments: &FitArguments) -> Result<Client, Failure> {
         let failed = |reason| Failure::usage(format!("{}: {reason}", path.display()));
         fs::read_to_string(path).map_err(failed)
     });
-    let token = token.transpose()?;
+    let variable = || env::var(BOOTSTRAP).ok().filter(|it| !it.is_empty());
+    let token = token.transpose()?.or_else(variable);
     Client::there(url, token.as_deref().map(str::trim))
 }
 

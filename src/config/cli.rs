@@ -6,7 +6,8 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 use super::Config;
-use super::values::Storage;
+use super::values::{Lifetime, Storage};
+use crate::access::scope::Scope;
 use crate::command::arguments::FitArguments;
 use crate::server::listen::Listen;
 
@@ -56,6 +57,9 @@ pub enum Command {
     /// Copy, check, repair or export the jobs of servers, while none runs.
     #[command(subcommand)]
     Store(StoreCommand),
+    /// Make, list and revoke the tokens of a server.
+    #[command(subcommand)]
+    Token(TokenCommand),
     /// Write completions for a shell to the standard output.
     Completions {
         /// The shell.
@@ -65,6 +69,48 @@ pub enum Command {
     Man {
         /// The command that it is about, such as fit; without one the program.
         command: Option<String>,
+    },
+}
+
+/// What can be done with tokens.
+#[derive(Debug, Subcommand)]
+pub enum TokenCommand {
+    /// Make a token and write it to the standard output, for the only time: the file keeps its hash.
+    Create {
+        /// The file, which is made if it is missing.
+        #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
+        tokens: PathBuf,
+        /// To whom the jobs belong that are made with it. A tenant knows of its own jobs alone.
+        #[arg(long, default_value = "default", value_name = "NAME")]
+        tenant: String,
+        /// What it is good for.
+        #[arg(
+            long,
+            value_enum,
+            value_delimiter = ',',
+            default_value = "jobs:read,jobs:write"
+        )]
+        scope: Vec<Scope>,
+        /// How long it is good, such as 720h, or never.
+        #[arg(long, default_value = "2160h", value_name = "TIME")]
+        expires: Lifetime,
+        /// What it is for, such as the name of its owner.
+        #[arg(long, value_name = "TEXT")]
+        note: Option<String>,
+    },
+    /// Write all tokens of a file, without the tokens themselves.
+    List {
+        /// The file.
+        #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
+        tokens: PathBuf,
+    },
+    /// Remove a token from a file; servers refuse it within two seconds.
+    Revoke {
+        /// The file.
+        #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
+        tokens: PathBuf,
+        /// The id of the token, as lists and the log have it.
+        id: String,
     },
 }
 

@@ -15,9 +15,9 @@ use bytesize::ByteSize;
 use clap::{Args, Parser};
 use ipnet::IpNet;
 
-pub use cli::{Cli, Command, StoreCommand};
+pub use cli::{Cli, Command, StoreCommand, TokenCommand};
 pub use sources::{Sources, parse};
-pub use values::{BasePath, LogFormat, Storage};
+pub use values::{BasePath, Lifetime, LogFormat, Storage};
 use values::{duration, host_name, seconds, some_seconds};
 
 use crate::api::http::cors::Origin;
@@ -60,6 +60,15 @@ pub struct Config {
     /// Authorities, as PEM: only clients with a certificate of one of them are served (mutual TLS).
     #[arg(long, env = "PIAD_TLS_CLIENT_CA", value_name = "FILE")]
     pub tls_client_ca: Option<PathBuf>,
+
+    /// The file of tokens that `piad token` makes; requests then need one. It is read again when it changes, and on
+    /// SIGHUP. The variable PIAD_TOKEN is a token of all scopes beside it.
+    #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
+    pub tokens: Option<PathBuf>,
+
+    /// Let everybody who reaches the server use it, also on addresses of the network.
+    #[arg(long, env = "PIAD_INSECURE_NO_AUTH")]
+    pub insecure_no_auth: bool,
 
     /// Names by which clients reach the server, such as fit.example.org or *.example.org; requests
     /// for others are refused. Without any, a server on a loopback address is localhost and others

@@ -99,6 +99,30 @@ fn is_database(text: &str) -> bool {
     schemes.iter().any(|scheme| text.starts_with(scheme))
 }
 
+/// How long a token is good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lifetime {
+    /// So long.
+    For(SignedDuration),
+    /// Until it is revoked.
+    Never,
+}
+
+impl FromStr for Lifetime {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "never" {
+            return Ok(Self::Never);
+        }
+        let time: Result<SignedDuration, _> = text.parse();
+        match time {
+            Ok(time) if time.is_positive() => Ok(Self::For(time)),
+            _ => Err("not a time such as 720h, or never".to_owned()),
+        }
+    }
+}
+
 /// How log lines look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {

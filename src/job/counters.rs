@@ -35,8 +35,9 @@ pub(crate) struct Counters {
     pub jobs_recovered: Counter,
     /// Connections whose TLS handshake has failed.
     pub handshakes_failed: Counter,
-    /// Certificates that could not be loaded again.
+    /// Files with certificates or tokens that could not be loaded again.
     pub reloads_failed: Counter,
+    denied: Family<DenialLabel, Counter>,
     ended: Family<EndLabel, Counter>,
     streams: Gauge,
     connections: Gauge,
@@ -66,7 +67,17 @@ struct EndLabel {
     state: &'static str,
 }
 
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct DenialLabel {
+    reason: &'static str,
+}
+
 impl Counters {
+    /// Counts a request that was turned away.
+    pub(crate) fn count_denial(&self, reason: &'static str) {
+        self.denied.get_or_create(&DenialLabel { reason }).inc();
+    }
+
     /// Counts the end of a job.
     pub(crate) fn count_end(&self, state: State) {
         let state = state.name();
@@ -133,8 +144,8 @@ impl Counters {
                 &self.handshakes_failed,
             ),
             (
-                "tls_reloads_failed",
-                "Times that changed certificates could not be loaded",
+                "reloads_failed",
+                "Times that changed certificates or tokens could not be loaded",
                 &self.reloads_failed,
             ),
         ];
@@ -153,6 +164,8 @@ impl Counters {
         for (name, help, gauge) in open {
             registry.register(format!("piad_{name}"), help, gauge.clone());
         }
+        let help = "Requests turned away, by reason";
+        registry.register("piad_denied", help, self.denied.clone());
         let ended = self.ended.clone();
         registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
     }

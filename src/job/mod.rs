@@ -14,6 +14,7 @@
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
+//! - [`peer`]: for whom work is done; [`tenant`]: to whom jobs belong;
 //! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
 //! - [`counters`]: the metrics of the server; [`trace`]: the spans of a job.
 //!
@@ -43,6 +44,7 @@ pub(crate) mod share;
 pub(crate) mod slots;
 pub(crate) mod state;
 pub(crate) mod store;
+pub(crate) mod tenant;
 pub(crate) mod trace;
 mod turns;
 

@@ -11,7 +11,9 @@ use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::fit::warning::Warning;
+use crate::job::peer::Peer;
 use crate::job::state::Levels;
+use crate::job::tenant::Tenant;
 use crate::model::stream::StreamSpec;
 
 /// A job without its points.
@@ -19,6 +21,8 @@ use crate::model::stream::StreamSpec;
 pub(crate) struct Outline {
     /// The id; ids grow with time.
     pub(crate) id: Uuid,
+    /// To whom it belongs.
+    pub(crate) tenant: Tenant,
     /// Name, parent and stream defaults, as the client gave them.
     pub(crate) label: Label,
     /// When it was accepted.
@@ -68,14 +72,15 @@ pub(crate) struct Parent {
 }
 
 impl Outline {
-    /// The outline of a new job.
-    pub(crate) fn new(label: Label, problem: &Problem) -> Self {
+    /// The outline of a new job that a peer has asked for.
+    pub(crate) fn new(label: Label, problem: &Problem, peer: Option<Peer>) -> Self {
         let adjusted = || {
             let all = problem.grid().count();
             problem.selected().map_or(all, <[usize]>::len)
         };
         Self {
             id: Uuid::now_v7(),
+            tenant: peer.and_then(Peer::tenant).unwrap_or(Tenant::DEFAULT),
             label,
             created: Timestamp::now(),
             surface: problem.v().is_some(),

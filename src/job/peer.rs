@@ -1,8 +1,9 @@
-//! The peer that work is done for: the machine at the other end of a connection.
+//! The peer that work is done for: a tenant, if the server asks for tokens; else the machine at the other end of
+//! a connection.
 //!
 //! Limits hold for each peer, so that no one client can take everything. The peer of a request is a
-//! task-local variable of the task that answers it; background work has no peer. Behind a trusted proxy it is
-//! the client that the proxy tells.
+//! task-local variable of the task that answers it; background work has no peer. Behind a trusted proxy the
+//! machine is the client that the proxy tells.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
@@ -10,24 +11,39 @@ use std::net::{IpAddr, Ipv6Addr};
 use tokio::task::JoinHandle;
 use tokio::task_local;
 
+use super::tenant::Tenant;
+
 task_local! {
     static CURRENT: Option<Peer>;
 }
 
-/// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
-/// machine chooses its address itself.
+/// For whom work is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) struct Peer(IpAddr);
+pub(crate) enum Peer {
+    /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
+    /// machine chooses its address itself.
+    Machine(IpAddr),
+    /// A tenant, whose token the request has.
+    Tenant(Tenant),
+}
 
 impl Peer {
-    /// The peer at an address.
+    /// The machine at an address.
     pub(crate) fn at(address: IpAddr) -> Self {
         match address.to_canonical() {
             IpAddr::V6(address) if !address.is_loopback() => {
                 let network = address.to_bits() >> 64 << 64;
-                Self(Ipv6Addr::from_bits(network).into())
+                Self::Machine(Ipv6Addr::from_bits(network).into())
             }
-            address => Self(address),
+            address => Self::Machine(address),
+        }
+    }
+
+    /// The tenant, if the server asks for tokens.
+    pub(crate) fn tenant(self) -> Option<Tenant> {
+        match self {
+            Self::Machine(_) => None,
+            Self::Tenant(tenant) => Some(tenant),
         }
     }
 
@@ -57,9 +73,12 @@ where
 
 impl fmt::Display for Peer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            IpAddr::V6(network) if !network.is_loopback() => write!(f, "{network}/64"),
-            address => write!(f, "{address}"),
+        match self {
+            Self::Tenant(tenant) => write!(f, "tenant {tenant}"),
+            Self::Machine(IpAddr::V6(network)) if !network.is_loopback() => {
+                write!(f, "{network}/64")
+            }
+            Self::Machine(address) => write!(f, "{address}"),
         }
     }
 }

@@ -53,5 +53,8 @@ pub(crate) fn problem() -> Problem {
 
 /// A job with this problem, which was just accepted.
 pub(crate) fn queued() -> Record {
-    Record::new(Outline::new(Label::default(), &problem()), Status::QUEUED)
+    Record::new(
+        Outline::new(Label::default(), &problem(), None),
+        Status::QUEUED,
+    )
 }

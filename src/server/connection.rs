@@ -151,6 +151,8 @@ async fn answer(
         response.headers_mut().insert(header::CONNECTION, close);
         activity.cut_short();
     }
+    // The tenant, if the request had a token.
+    let peer = response.extensions_mut().remove().unwrap_or(peer);
     let served = Served {
         peer,
         _open: open,

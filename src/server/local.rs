@@ -30,7 +30,7 @@ pub(crate) async fn start(config: Config) -> io::Result<Local> {
     let (stop, stopping) = watch::channel(false);
     let hosts = Hosts::new(&[], true);
     Ok(Local {
-        router: router::router(App::new(jobs, config, stopping), hosts),
+        router: router::router(App::new(jobs, config, stopping, None), hosts),
         _stop: stop,
         _closed_at_the_end: closed_at_the_end,
     })

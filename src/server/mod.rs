@@ -6,7 +6,7 @@
 //! - [`activity`]: what happens on a connection, and how long it may stay; [`write_timeout`]: bytes that the client does not take;
 //! - [`limits`]: how many connections there may be; [`proxy`]: clients behind trusted proxies;
 //! - [`request_body`]: the bodies of its requests; [`response_body`]: those of its answers; [`stream_timeout`]: those of HTTP/2 that the client does not take;
-//! - [`signals`]: of the operating system; [`probe`]: asks a server whether it is ready;
+//! - [`probe`]: asks a server whether it is ready;
 //! - [`log_throttle`]: log lines about events that happen often.
 
 mod accept;
@@ -21,7 +21,6 @@ pub mod probe;
 pub mod proxy;
 mod request_body;
 mod response_body;
-pub mod signals;
 mod stream_timeout;
 pub(crate) mod tls;
 mod write_timeout;
@@ -34,6 +33,7 @@ use tokio::sync::watch;
 use tokio::time::sleep;
 use tracing::{debug, info, warn};
 
+use crate::access::tokens::Tokens;
 use crate::api::app::App;
 use crate::api::http::host::Hosts;
 use crate::api::http::router;
@@ -44,6 +44,7 @@ use crate::job::scheduler::Scheduler;
 use crate::job::service::{JobLimits, Jobs};
 use crate::job::slots::Quota;
 use crate::job::store::{OpenError, Retention, Store};
+use crate::reload::keep_current;
 use accept::Doors;
 use activity::Times;
 use limits::{ConnectionLimits, Connections};
@@ -63,6 +64,10 @@ pub async fn serve(
 ) -> io::Result<()> {
     let tls = config.tls_files().map_err(io::Error::other)?;
     let tls = tls.map(Tls::load).transpose()?.map(Arc::new);
+    let tokens = Tokens::find(config.tokens.clone()).map_err(io::Error::other)?;
+    let tokens = tokens.map(Arc::new);
+    let is_local = are_local(&listeners)?;
+    check_access(&config, is_local, tokens.is_some()).map_err(io::Error::other)?;
     let resources = resources(&config)?;
     let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters).await?;
@@ -80,8 +85,11 @@ pub async fn serve(
     let (times, most) = (times(&config), ConnectionLimits::of(&config));
     let counters = jobs.resources().counters.clone();
     let proxies = config.trusted_proxy.clone();
-    let hosts = Hosts::new(&config.allowed_host, are_local(&listeners)?);
-    let router = router::router(App::new(Arc::clone(&jobs), config, stopping.clone()), hosts);
+    let hosts = Hosts::new(&config.allowed_host, is_local);
+    let router = router::router(
+        App::new(Arc::clone(&jobs), config, stopping.clone(), tokens.clone()),
+        hosts,
+    );
 
     for listener in &listeners {
         match (listener.is_network(), &tls) {
@@ -91,7 +99,13 @@ pub async fn serve(
         }
     }
     if let Some(tls) = &tls {
-        tokio::spawn(Arc::clone(tls).keep_current(counters.clone()));
+        tokio::spawn(keep_current(
+            Arc::clone(tls),
+            counters.reloads_failed.clone(),
+        ));
+    }
+    if let Some(tokens) = tokens {
+        tokio::spawn(keep_current(tokens, counters.reloads_failed.clone()));
     }
     let doors = Doors {
         router,
@@ -124,6 +138,21 @@ fn resources(config: &Config) -> io::Result<Arc<Resources>> {
     let (memory, ring) = (bytes(config.memory_bytes()), bytes(config.ring.as_u64()));
     let resources = Resources::new(scheduler, memory, ring);
     Ok(Arc::new(resources.below(config.base_path.as_str())))
+}
+
+/// Checks that strangers cannot use the server unless that is meant.
+fn check_access(config: &Config, is_local: bool, has_tokens: bool) -> Result<(), &'static str> {
+    let is_encrypted = config.tls_cert.is_some();
+    match has_tokens {
+        true if !is_local && !is_encrypted => {
+            warn!("tokens come over the network as they are: use TLS, here or in a proxy");
+            Ok(())
+        }
+        false if !is_local && config.tls_client_ca.is_none() && !config.insecure_no_auth => Err(
+            "everybody who reaches this address could use the server: give it tokens (piad token create, --tokens FILE) or client certificates (--tls-client-ca), or say --insecure-no-auth if that is meant",
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Whether only programs of this machine reach the server.

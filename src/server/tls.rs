@@ -1,11 +1,9 @@
 //! TLS for connections from the network, with certificates that are loaded again when they change.
 
 use std::fmt::Display;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
 
 use parking_lot::Mutex;
 use rustls::crypto::ring;
@@ -14,17 +12,10 @@ use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use rustls::server::{Acceptor, WebPkiClientVerifier};
 use rustls::{RootCertStore, ServerConfig};
 use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, sink};
-use tokio::task::spawn_blocking;
-use tokio::time::sleep;
 use tokio_rustls::LazyConfigAcceptor;
-use tracing::{error, info};
 
 use super::listener::Stream;
-use super::signals;
-use crate::job::counters::Counters;
-
-/// How often the files are looked at.
-const LOOK: Duration = Duration::from_secs(2);
+use crate::reload::{Reload, Seen};
 
 /// The first byte of each TLS connection.
 const HANDSHAKE: u8 = 0x16;
@@ -52,11 +43,8 @@ pub(super) struct Tls {
 struct Loaded {
     config: Arc<ServerConfig>,
     /// How the files were then.
-    seen: Vec<Option<Seen>>,
+    seen: Seen,
 }
-
-/// By what a change of a file is noticed.
-type Seen = (SystemTime, u64);
 
 impl Tls {
     /// Loads the files.
@@ -78,47 +66,21 @@ impl Tls {
         let config = Arc::clone(&self.loaded.lock().config);
         Ok(Box::new(handshake.into_stream(config).await?))
     }
+}
 
-    /// Loads the files again whenever they change or the process gets SIGHUP. If they are not valid, those
-    /// before stay.
-    pub(super) async fn keep_current(self: Arc<Self>, counters: Counters) {
-        let mut hangups = signals::hangups();
-        loop {
-            let is_asked_for = tokio::select! {
-                () = sleep(LOOK) => false,
-                () = hangups.next() => true,
-            };
-            let tls = Arc::clone(&self);
-            let loaded = spawn_blocking(move || tls.load_again(is_asked_for)).await;
-            match loaded {
-                Ok(Ok(true)) => info!("the certificates were loaded again"),
-                Ok(Ok(false)) => {}
-                Ok(Err(reason)) => {
-                    counters.reloads_failed.inc();
-                    error!("{reason}; the certificates before stay in use");
-                }
-                // The runtime ends.
-                Err(_) => return,
-            }
-        }
-    }
+impl Reload for Tls {
+    const WHAT: &'static str = "certificates";
 
-    /// Loads the files if they have changed, or anyway; tells whether it has.
     fn load_again(&self, anyway: bool) -> Result<bool, String> {
-        let seen = self.files.seen();
+        let seen = Seen::of(self.files.all());
         if !anyway && self.loaded.lock().seen == seen {
             return Ok(false);
         }
         let loaded = Loaded::from(&self.files);
         let mut current = self.loaded.lock();
-        match loaded {
-            Ok(loaded) => *current = loaded,
-            Err(reason) => {
-                // It is told once.
-                current.seen = seen;
-                return Err(reason);
-            }
-        }
+        // What is wrong with files is told once.
+        current.seen = seen;
+        *current = loaded?;
         Ok(true)
     }
 }
@@ -145,19 +107,11 @@ impl TlsFiles {
             .into_iter()
             .chain(&self.clients)
     }
-
-    fn seen(&self) -> Vec<Option<Seen>> {
-        let seen = |path| {
-            let about = fs::metadata(path).ok()?;
-            Some((about.modified().ok()?, about.len()))
-        };
-        self.all().map(seen).collect()
-    }
 }
 
 impl Loaded {
     fn from(files: &TlsFiles) -> Result<Self, String> {
-        let seen = files.seen();
+        let seen = Seen::of(files.all());
         let provider = Arc::new(ring::default_provider());
         let builder = ServerConfig::builder_with_provider(Arc::clone(&provider));
         let builder = builder.with_safe_default_protocol_versions();

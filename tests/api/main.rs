@@ -9,6 +9,7 @@
     reason = "tests fail by panicking, and nobody links to them"
 )]
 
+mod access;
 mod attacks;
 mod automatic;
 mod bad_requests;

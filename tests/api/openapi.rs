@@ -106,6 +106,11 @@ async fn references_resolve_and_components_are_used() {
     let mut references = BTreeSet::new();
     walk(&description.0, &mut |value| {
         references.extend(value["$ref"].as_str().map(str::to_owned));
+        // Schemes are called by their names.
+        let needs = value["security"].as_array().into_iter().flatten();
+        let schemes = needs.flat_map(|it| it.as_object().unwrap().keys());
+        let schemes = schemes.map(|name| format!("#/components/securitySchemes/{name}"));
+        references.extend(schemes);
     });
     for reference in &references {
         let pointer = reference.strip_prefix('#').unwrap();

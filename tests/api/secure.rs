@@ -240,7 +240,7 @@ async fn changed_certificates_are_taken_up_and_no_request_fails() {
         // not with a key of another certificate,
         let other = first.sign();
         fs::write(path(&secure.folder, "key.pem"), other.key).unwrap();
-        let failed = "piad_tls_reloads_failed_total";
+        let failed = "piad_reloads_failed_total";
         eventually("a failure", async || {
             secure.counter(&both, failed).await > 0
         })

@@ -150,7 +150,9 @@ def fits_together(name: str, resources: list[dict]) -> None:
     check(security["readOnlyRootFilesystem"] and not security["allowPrivilegeEscalation"], f"{name}: pods have rights")
     check(template["spec"]["securityContext"]["runAsNonRoot"], f"{name}: pods run as root")
     volumes = [claim["metadata"]["name"] for claim in pods["spec"].get("volumeClaimTemplates", [])]
-    check(volumes == [mount["name"] for mount in container.get("volumeMounts", [])], f"{name}: pods mount other volumes")
+    volumes += [volume["name"] for volume in template["spec"].get("volumes", [])]
+    mounts = [mount["name"] for mount in container.get("volumeMounts", [])]
+    check(sorted(volumes) == sorted(mounts), f"{name}: pods mount other volumes")
 
 
 def selectors(resource: dict) -> list[dict]:

@@ -372,6 +372,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/jobs/{id}/tickets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Make a ticket for the stream of a job
+         * @description It opens GET /v1/jobs/{id}/events for a minute, as the query parameter `ticket`, where no header with a token can be sent. A stream that was opened with it goes on. A server without tokens has no tickets.
+         */
+        post: operations["createTicket"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs/{id}/edits": {
         parameters: {
             query?: never;
@@ -2104,7 +2124,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/unknown-host" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -3314,6 +3334,22 @@ export interface components {
             status: "alive" | "ready";
         };
         /**
+         * @description What opens the stream of a job once it is in the query.
+         * @example {
+         *       "ticket": "piad_ticket_AZqnpGo8fF6KVVudLF8fEAAAAABpJ4pA",
+         *       "expires": "2027-01-15T08:00:00Z"
+         *     }
+         */
+        Ticket: {
+            /** @description The value of the query parameter `ticket`. */
+            ticket: string;
+            /**
+             * Format: date-time
+             * @description Until when a stream can be opened with it; one that is open goes on.
+             */
+            expires: string;
+        };
+        /**
          * @description What the server can do, and its limits.
          * @example {
          *       "version": "0.1.0",
@@ -3756,6 +3792,8 @@ export interface components {
          * @example continue
          */
         reader_on_disconnect: "continue";
+        /** @description A ticket of POST /v1/jobs/{id}/tickets, for clients that cannot send a token in a header, such as EventSource. It counts where there is no Authorization, and for nothing on a server without tokens. */
+        ticket: string;
     };
     requestBodies: never;
     headers: {
@@ -3909,6 +3947,7 @@ export type ProblemTypes = components['schemas']['ProblemTypes'];
 export type ProblemType = components['schemas']['ProblemType'];
 export type Service = components['schemas']['Service'];
 export type Health = components['schemas']['Health'];
+export type Ticket = components['schemas']['Ticket'];
 export type Capabilities = components['schemas']['Capabilities'];
 export type BasisCapability = components['schemas']['BasisCapability'];
 export type DegreeRange = components['schemas']['DegreeRange'];
@@ -3948,6 +3987,7 @@ export type ParameterLastEventId = components['parameters']['Last-Event-ID'];
 export type ParameterPrefer = components['parameters']['Prefer'];
 export type ParameterIdempotencyKey = components['parameters']['Idempotency-Key'];
 export type ParameterReaderOnDisconnect = components['parameters']['reader_on_disconnect'];
+export type ParameterTicket = components['parameters']['ticket'];
 export type HeaderXRequestId = components['headers']['X-Request-Id'];
 export type HeaderLocation = components['headers']['Location'];
 export type HeaderIdempotencyReplayed = components['headers']['Idempotency-Replayed'];
@@ -4139,6 +4179,26 @@ export interface operations {
                 };
                 content: {
                     "application/openmetrics-text": string;
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
@@ -4377,6 +4437,26 @@ export interface operations {
                     "application/json": components["schemas"]["Capabilities"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
             500: {
                 headers: {
@@ -4431,6 +4511,26 @@ export interface operations {
             };
             /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -4496,6 +4596,26 @@ export interface operations {
             };
             /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -4617,6 +4737,26 @@ export interface operations {
              *     - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it.
              */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -4776,6 +4916,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
             406: {
                 headers: {
@@ -4853,6 +5013,26 @@ export interface operations {
              *     - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it.
              */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -5057,6 +5237,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
             406: {
                 headers: {
@@ -5187,6 +5387,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5255,6 +5475,26 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
             };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
@@ -5330,6 +5570,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5354,6 +5614,117 @@ export interface operations {
                 };
             };
             /** @description - `/problems/already-ended`: A job that has ended cannot be cancelled. */
+            409: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+            500: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    createTicket: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /**
+                 * @description The id of the job.
+                 * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
+                 */
+                id: components["parameters"]["id"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The ticket. */
+            201: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Ticket"];
+                };
+            };
+            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
+            400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /**
+             * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
+             *     - `/problems/not-found`: The path is not one of this API.
+             */
+            404: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
+            406: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/no-tickets`: It asks for no tokens, and its streams can be opened without tickets. */
             409: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5436,6 +5807,26 @@ export interface operations {
              *     - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it.
              */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -5659,6 +6050,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5775,6 +6186,8 @@ export interface operations {
                  * @example continue
                  */
                 on_disconnect?: components["parameters"]["reader_on_disconnect"];
+                /** @description A ticket of POST /v1/jobs/{id}/tickets, for clients that cannot send a token in a header, such as EventSource. It counts where there is no Authorization, and for nothing on a server without tokens. */
+                ticket?: components["parameters"]["ticket"];
                 /**
                  * @description What is shown: control points, samples, or the errors alone.
                  * @example samples
@@ -5872,6 +6285,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5946,6 +6379,26 @@ export interface operations {
             };
             /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -6069,6 +6522,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6164,6 +6637,26 @@ export interface operations {
             };
             /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;
@@ -6307,6 +6800,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6432,6 +6945,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6537,6 +7070,26 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6621,6 +7174,26 @@ export interface operations {
             };
             /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
             400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+            401: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+            403: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
                     [name: string]: unknown;

@@ -20,6 +20,7 @@ use prost::encoding::encode_varint;
 use serde_json::json;
 use uuid::Uuid;
 
+use super::authorize::without_ticket;
 use super::negotiate;
 use super::path::InPath;
 use super::query::StreamQuery;
@@ -49,7 +50,7 @@ pub(super) async fn get(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let framing = negotiate::framing(&headers)?;
-    let query: StreamQuery = negotiate::query(&uri)?;
+    let query: StreamQuery = negotiate::query(&without_ticket(&uri))?;
     let job = jobs::find(&app, &id).await?;
     let outline = job.outline();
     let (defaults, surface) = (outline.label.stream.as_deref(), outline.surface);

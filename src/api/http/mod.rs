@@ -5,6 +5,7 @@
 //! - [`fit`]: one request, one answer, and nothing is kept;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
 //! - [`points`]: files of points as bodies;
+//! - [`authorize`]: who may ask for what; [`tickets`]: for streams of clients without headers;
 //! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take; [`trace`]: their spans;
 //! - [`page`]: the page for people; [`assets`]: files for browsers that are part of the program;
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
@@ -15,6 +16,7 @@
 
 mod answer;
 pub(crate) mod assets;
+pub(in crate::api) mod authorize;
 mod base_path;
 mod body;
 pub(crate) mod body_limits;
@@ -43,5 +45,6 @@ mod rates;
 mod render;
 mod request_id;
 pub(crate) mod router;
+pub(in crate::api) mod tickets;
 mod trace;
 mod unpacking;

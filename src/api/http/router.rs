@@ -1,6 +1,5 @@
 //! The resources and their addresses.
 
-use std::collections::BTreeMap;
 use std::future::ready;
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,12 +15,14 @@ use tower_http::request_id::SetRequestIdLayer;
 use tower_http::trace::TraceLayer;
 use tracing::{Span, error, info};
 
+use super::authorize::{self, Guard, Methods, Needs};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
     base_path, capabilities, compression, cors, create, events, fit, geometry, host, info as about,
-    jobs, measure, overload, page as viewer, points, rates, render, request_id, trace,
+    jobs, measure, overload, page as viewer, points, rates, render, request_id, tickets, trace,
 };
+use crate::access::scope::Scope;
 use crate::api::app::App;
 use crate::api::grpc;
 use crate::api::openapi::resources::Resources;
@@ -33,6 +34,14 @@ use crate::telemetry::request::RequestTrace;
 
 /// The router of all resources and gRPC services, with their middleware.
 pub(crate) fn router(app: App, hosts: Hosts) -> Router {
+    let (routes, methods) = resources().parts();
+    let methods = Arc::new(methods);
+    let guard = app.tokens.clone().map(|tokens| Guard {
+        tokens,
+        methods: Arc::clone(&methods),
+        counters: app.jobs.resources().counters.clone(),
+    });
+    let guard = guard.map(|guard| middleware::from_fn_with_state(guard, authorize::authorize));
     let log = TraceLayer::new_for_http().make_span_with(span);
     let layers = ServiceBuilder::new()
         .map_request(request_id::plain)
@@ -54,9 +63,8 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
                 "the request ran into a defect of the server",
             )
             .into_response()
-        }));
-    let (routes, methods) = resources().parts();
-    let methods = Arc::new(methods);
+        }))
+        .option_layer(guard);
     let base_path = app.config.base_path.clone();
     let router = routes
         .layer(Extension(Description::new(&base_path)))
@@ -73,43 +81,49 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
     base_path::below(router.with_state(app), &base_path)
 }
 
-/// Every resource.
+/// Every resource, with what it needs.
 pub(in crate::api) fn resources() -> Resources {
     use crate::api::openapi::page;
+    use Needs::{A, Nothing};
+    const READ: Needs = A(Scope::JobsRead);
+    const WRITE: Needs = A(Scope::JobsWrite);
+    const METRICS: Needs = A(Scope::Metrics);
     Resources::default()
-        .get("/", viewer::root)
-        .get("/viewer/{part}", viewer::part)
-        .get("/livez", about::livez)
-        .get("/readyz", about::readyz)
-        .get("/metrics", about::metrics)
-        .get("/problems", about::problems)
-        .get("/problems/{slug}", about::problem)
-        .get("/openapi.json", openapi::get)
-        .get("/docs", page::page)
-        .get("/docs/{file}", page::file)
-        .get("/v1/capabilities", capabilities::get)
-        .get("/v1/rates", rates::get)
-        .post("/v1/points", points::show)
-        .post("/v1/fit", fit::fit)
-        .post("/v1/jobs", create::job)
-        .post("/v1/jobs/stream", create::job_stream)
-        .get("/v1/jobs", jobs::list)
-        .get("/v1/jobs/{id}", jobs::get)
-        .delete("/v1/jobs/{id}", jobs::delete)
-        .post("/v1/jobs/{id}/cancel", jobs::cancel)
-        .post("/v1/jobs/{id}/edits", create::edit)
-        .post("/v1/jobs/{id}/edits/stream", create::edit_stream)
-        .get("/v1/jobs/{id}/events", events::get)
-        .get("/v1/jobs/{id}/input", geometry::input)
-        .get("/v1/jobs/{id}/iterations/{k}", geometry::iteration)
-        .get("/v1/jobs/{id}/result", geometry::result)
+        .get("/", Nothing, viewer::root)
+        .get("/viewer/{part}", Nothing, viewer::part)
+        .get("/livez", Nothing, about::livez)
+        .get("/readyz", Nothing, about::readyz)
+        .get("/metrics", METRICS, about::metrics)
+        .get("/problems", Nothing, about::problems)
+        .get("/problems/{slug}", Nothing, about::problem)
+        .get("/openapi.json", Nothing, openapi::get)
+        .get("/docs", Nothing, page::page)
+        .get("/docs/{file}", Nothing, page::file)
+        .get("/v1/capabilities", READ, capabilities::get)
+        .get("/v1/rates", READ, rates::get)
+        .post("/v1/points", WRITE, points::show)
+        .post("/v1/fit", WRITE, fit::fit)
+        .post("/v1/jobs", WRITE, create::job)
+        .post("/v1/jobs/stream", WRITE, create::job_stream)
+        .get("/v1/jobs", READ, jobs::list)
+        .get("/v1/jobs/{id}", READ, jobs::get)
+        .delete("/v1/jobs/{id}", WRITE, jobs::delete)
+        .post("/v1/jobs/{id}/cancel", WRITE, jobs::cancel)
+        .post("/v1/jobs/{id}/edits", WRITE, create::edit)
+        .post("/v1/jobs/{id}/edits/stream", WRITE, create::edit_stream)
+        .get("/v1/jobs/{id}/events", READ, events::get)
+        .post("/v1/jobs/{id}/tickets", READ, tickets::make)
+        .get("/v1/jobs/{id}/input", READ, geometry::input)
+        .get("/v1/jobs/{id}/iterations/{k}", READ, geometry::iteration)
+        .get("/v1/jobs/{id}/result", READ, geometry::result)
         .get(
             "/v1/jobs/{id}/iterations/{k}/{format}",
+            READ,
             geometry::iteration_file,
         )
-        .get("/v1/jobs/{id}/result/{format}", geometry::result_file)
-        .get("/v1/jobs/{id}/deviation", geometry::deviation)
-        .get("/v1/jobs/{id}/limit", geometry::limit)
+        .get("/v1/jobs/{id}/result/{format}", READ, geometry::result_file)
+        .get("/v1/jobs/{id}/deviation", READ, geometry::deviation)
+        .get("/v1/jobs/{id}/limit", READ, geometry::limit)
 }
 
 async fn not_found(request: Request) -> Problem {
@@ -118,14 +132,14 @@ async fn not_found(request: Request) -> Problem {
 }
 
 /// The problem of a method that the resource does not understand; it names those that it does.
-fn method_not_allowed(methods: &BTreeMap<&str, Vec<&str>>, request: &Request) -> Problem {
+fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
     let method = short::plain(request.method().as_str());
     let path = short::plain(request.uri().path());
     let matched = request.extensions().get::<MatchedPath>();
     let understood = matched.and_then(|matched| methods.get(matched.as_str()));
     let understood =
         understood.map_or("others, which the Allow header names".to_owned(), |verbs| {
-            let names = verbs.iter().map(|verb| match *verb {
+            let names = verbs.iter().map(|(verb, _)| match *verb {
                 "get" => "GET, HEAD".to_owned(),
                 verb => verb.to_uppercase(),
             });

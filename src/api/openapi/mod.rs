@@ -22,6 +22,8 @@ use serde_json::{Map, Value, json};
 
 use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
+use crate::api::http::router::resources;
+use crate::api::http::tickets::TicketView;
 use crate::api::json::plain::simplify;
 use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
@@ -70,12 +72,18 @@ pub(super) async fn get(Extension(description): Extension<Description>) -> Respo
 /// The document: what is written down, with the schemas of types.
 fn document(base_path: &str) -> serde_json::Result<Value> {
     let api = Api::read()?;
-    let mut paths = Value::Object(api.paths());
+    let (_, methods) = resources().parts();
+    let mut paths = Value::Object(api.paths(&methods));
     let mut components = json!({
         "schemas": schemas(),
         "parameters": api.parameters,
         "headers": api.headers,
         "links": api.links,
+        "securitySchemes": {"token": {
+            "type": "http",
+            "scheme": "bearer",
+            "description": "A token of piad token create, if the server asks for one.",
+        }},
         "examples": problem_examples(),
     });
     simplify(&mut paths);
@@ -118,6 +126,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<ProblemTypes>();
     answers.subschema_for::<ServiceIndex>();
     answers.subschema_for::<Health>();
+    answers.subschema_for::<TicketView>();
     answers.subschema_for::<Capabilities>();
     let mut schemas = requests.take_definitions(true);
     for (name, schema) in answers.take_definitions(true) {
@@ -149,7 +158,6 @@ fn problem_examples() -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::http::router::resources;
     use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
     use crate::api::order::LONGEST_KEY;
     use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS};
@@ -165,7 +173,7 @@ mod tests {
         let (_, served) = resources().parts();
         let served = served.iter();
         let mut served: Vec<(&str, &str)> = served
-            .flat_map(|(path, verbs)| verbs.iter().map(move |verb| (*path, *verb)))
+            .flat_map(|(path, verbs)| verbs.iter().map(move |(verb, _)| (*path, *verb)))
             .collect();
         let api = Api::read().unwrap();
         let mut described: Vec<_> = api.routes().collect();

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use crate::api::http::authorize::{Methods, Needs};
 use crate::api::language::JSON;
 use crate::api::problem::Kind;
 
@@ -71,17 +72,20 @@ impl Api {
         serde_json::from_str(include_str!("api.json"))
     }
 
-    /// The paths as the specification has them.
-    pub(super) fn paths(&self) -> Map<String, Value> {
+    /// The paths as the specification has them, with what their methods need.
+    pub(super) fn paths(&self, methods: &Methods) -> Map<String, Value> {
         let mut paths = Map::new();
         for operation in &self.operations {
+            let methods = methods.get(operation.path.as_str()).into_iter().flatten();
+            let mut needs = methods.filter(|(verb, _)| *verb == operation.verb);
+            let needs = needs.next().map_or(Needs::Nothing, |(_, needs)| *needs);
             let resource = paths.entry(&operation.path).or_insert_with(|| json!({}));
-            resource[&operation.verb] = self.operation(operation);
+            resource[&operation.verb] = self.operation(operation, needs);
         }
         paths
     }
 
-    fn operation(&self, operation: &Operation) -> Value {
+    fn operation(&self, operation: &Operation, needs: Needs) -> Value {
         let mut object = json!({
             "tags": [operation.tag],
             "summary": operation.summary,
@@ -99,7 +103,13 @@ impl Api {
         let answers = answers.map(|(status, it)| (status.clone(), self.answer(it)));
         let mut answers: BTreeMap<String, Value> = answers.collect();
         let mut problems: BTreeMap<u16, Vec<Kind>> = BTreeMap::new();
-        for kind in self.kinds(operation) {
+        let mut kinds: Vec<Kind> = self.kinds(operation).collect();
+        if let Needs::A(scope) = needs {
+            // Servers without tokens need none.
+            object["security"] = json!([{"token": [scope.name()]}, {}]);
+            kinds.extend([Kind::Unauthenticated, Kind::Forbidden]);
+        }
+        for kind in kinds {
             let status = kind.entry().status.as_u16();
             problems.entry(status).or_default().push(kind);
         }

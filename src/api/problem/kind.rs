@@ -110,11 +110,26 @@ kinds! {
         "The curve or surface cannot be written in this format",
         "The format cannot say what was fitted; detail tells why and what to do instead."
     }
+    NoTickets {
+        "no-tickets", CONFLICT, FailedPrecondition,
+        "The server has no tickets",
+        "It asks for no tokens, and its streams can be opened without tickets."
+    }
     // How the request is sent.
     UnknownHost {
         "unknown-host", MISDIRECTED_REQUEST, NotFound,
         "The request is meant for another server",
         "The Host of the request (in HTTP/2, its authority) is not a name of this server. A server on a loopback address is localhost, so that no page of the web reaches it under a name of its own; it is told further names with --allowed-host."
+    }
+    Unauthenticated {
+        "unauthenticated", UNAUTHORIZED, Unauthenticated,
+        "The request has no valid token",
+        "This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create."
+    }
+    Forbidden {
+        "forbidden", FORBIDDEN, PermissionDenied,
+        "The token is not good for this",
+        "detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them."
     }
     MethodNotAllowed {
         "method-not-allowed", METHOD_NOT_ALLOWED, Unimplemented,

@@ -43,7 +43,7 @@ pub struct Problem {
 #[schemars(rename = "Problem", example = examples::problem())]
 pub struct ProblemBody {
     /// The kind of problem; the server explains it there.
-    #[schemars(extend("enum" = Kind::ALL.map(Kind::path)))]
+    #[schemars(extend("enum" = Kind::ALL.map(Kind::path).to_vec()))]
     r#type: String,
     /// What the kind is called.
     title: &'static str,

@@ -66,7 +66,7 @@ impl Jobs {
         peer: Option<Peer>,
         request: Option<&RequestTrace>,
     ) -> Result<Option<Accepted>, Refused> {
-        let outline = Outline::new(label, &problem);
+        let outline = Outline::new(label, &problem, peer);
         let slot = self.slots.take(peer)?;
         let memory = self.share(&outline).take_at_once(peer, outline.memory);
         let status = match memory {

@@ -62,8 +62,8 @@ impl Jobs {
         similar: Option<Arc<System>>,
         mut turn: Option<SessionTurn>,
     ) -> Result<Ephemeral, Refused> {
-        let outline = Outline::new(label, &problem);
         let peer = Peer::current();
+        let outline = Outline::new(label, &problem, peer);
         let slot = self.slots.take(peer)?;
         let trace = Arc::new(JobTrace::default());
         trace.begin(&outline, RequestTrace::current().as_ref());

@@ -58,6 +58,7 @@ impl<'a> Records<'a> {
     pub(crate) async fn next(&mut self) -> Result<Option<Record>, StoreError> {
         if self.page.len() == 0 {
             let selection = Selection {
+                tenant: None,
                 state: None,
                 before: self.before,
                 limit: PAGE,

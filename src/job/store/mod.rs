@@ -32,6 +32,7 @@ use super::peer::Peer;
 use super::result::LastGeometry;
 use super::scheduler::Broken;
 use super::state::{State, Status};
+use super::tenant::Tenant;
 use crate::fit::problem::Problem;
 use embedded::Embedded;
 pub(crate) use embedded::opening::OpenError;
@@ -112,6 +113,8 @@ impl IdempotencyEntry {
 /// Which jobs to list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Selection {
+    /// Only jobs of this tenant.
+    pub tenant: Option<Tenant>,
     /// Only jobs in this state.
     pub state: Option<State>,
     /// Only jobs older than this one.

@@ -16,6 +16,7 @@ use crate::job::counters::Counters;
 use crate::job::result::LastGeometry;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
+use crate::job::tenant::Tenant;
 
 mod kinds;
 mod obeying;
@@ -63,6 +64,7 @@ for_each_store!(
     a_key_that_is_sent_many_times_at_once_makes_one_job,
     a_key_is_forgotten_after_a_day,
     lists_begin_with_the_newest_job,
+    lists_can_be_of_a_tenant,
     unfinished_jobs_begin_with_the_oldest,
     the_first_jobs_to_end_are_the_first_to_be_forgotten,
     jobs_are_forgotten_for_their_bytes_and_their_age,
@@ -78,6 +80,7 @@ const FOR_EVER: Retention = Retention {
 
 /// Lists everything.
 const ALL: Selection = Selection {
+    tenant: None,
     state: None,
     before: None,
     limit: usize::MAX,
@@ -320,6 +323,7 @@ async fn lists_begin_with_the_newest_job(store: &Store) {
             state,
             before,
             limit,
+            ..ALL
         };
         let records = store.list(selection).await.unwrap();
         let ids = records.iter().map(|record| record.outline.id);
@@ -332,6 +336,40 @@ async fn lists_begin_with_the_newest_job(store: &Store) {
     let converged = list(Some(State::Converged), Some(jobs[5]), 1).await;
     assert_eq!(converged, [jobs[3]]);
     assert!(list(Some(State::Failed), None, 10).await.is_empty());
+}
+
+async fn lists_can_be_of_a_tenant(store: &Store) {
+    let cad: Tenant = "cad".parse().unwrap();
+    let mut jobs = [const { None }; 4];
+    for (index, id) in jobs.iter_mut().enumerate() {
+        let mut record = queued();
+        if index % 2 == 1 {
+            record.outline.tenant = cad;
+        }
+        insert_record(store, &record).await;
+        *id = Some(record.outline.id);
+    }
+    for (tenant, [first, second]) in [(cad, [3, 1]), (Tenant::DEFAULT, [2, 0])] {
+        let list = async |limit| {
+            let tenant = Some(tenant);
+            let selection = Selection {
+                tenant,
+                limit,
+                ..ALL
+            };
+            let records = store.list(selection).await.unwrap();
+            let ids = records.iter().map(|record| Some(record.outline.id));
+            ids.collect::<Vec<_>>()
+        };
+        assert_eq!(list(9).await, [jobs[first], jobs[second]]);
+        assert_eq!(list(1).await, [jobs[first]]);
+    }
+    let nobody = Some("nobody".parse().unwrap());
+    let selection = Selection {
+        tenant: nobody,
+        ..ALL
+    };
+    assert!(store.list(selection).await.unwrap().is_empty());
 }
 
 async fn unfinished_jobs_begin_with_the_oldest(store: &Store) {

@@ -139,7 +139,12 @@ impl JobDatabase {
         let end = selection.before.unwrap_or(Uuid::max()).as_u128();
         let headers = self.table(HEADERS.table)?;
         let records = headers.range(..end)?.rev().map(tables::of_entry);
-        let wanted = |record: &Record| selection.state.is_none_or(|it| it == record.status.state);
+        let wanted = |record: &Record| {
+            selection.state.is_none_or(|it| it == record.status.state)
+                && selection
+                    .tenant
+                    .is_none_or(|it| it == record.outline.tenant)
+        };
         let records = records.filter(|record| record.as_ref().map_or(true, wanted));
         records.take(selection.limit).collect()
     }

@@ -8,7 +8,7 @@ use super::envelope::{self, Kind};
 use crate::job::store::{IdempotencyEntry, Record, StoreError, record};
 
 /// The version of what is described here. Files of other versions are refused.
-pub(super) const VERSION: u64 = 1;
+pub(super) const VERSION: u64 = 2;
 
 /// Facts about the file itself.
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");

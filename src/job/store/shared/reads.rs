@@ -7,6 +7,7 @@ use uuid::Uuid;
 use super::Shared;
 use super::connection::of_database;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Selection, StoreError, record};
+use crate::job::tenant::Tenant;
 
 /// What [`record_of`] reads.
 const RECORD: &str = "
@@ -14,7 +15,8 @@ SELECT id, outline, status, crashes, on_probation FROM jobs WHERE id = ANY($1)";
 
 const LIST: &str = "
 SELECT id, outline, status, crashes, on_probation FROM jobs
-WHERE id < $1 AND ($2::text IS NULL OR state = $2) ORDER BY id DESC LIMIT $3";
+WHERE id < $1 AND ($2::text IS NULL OR state = $2) AND ($4::text IS NULL OR tenant = $4)
+ORDER BY id DESC LIMIT $3";
 
 const UNFINISHED: &str = "
 SELECT id, outline, status, crashes, on_probation FROM jobs WHERE finished IS NULL ORDER BY id";
@@ -44,6 +46,7 @@ impl Shared {
                 .bind(selection.before.unwrap_or(Uuid::max()))
                 .bind(selection.state.map(|state| state.name()))
                 .bind(i64::try_from(selection.limit).unwrap_or(i64::MAX))
+                .bind(selection.tenant.map(Tenant::name))
         };
         let rows = self.connections.run(0, list).await?;
         rows.iter().map(record_of).collect()

@@ -32,8 +32,8 @@ WITH key AS (
     WHERE keys.created < now() - make_interval(secs => $11)
     RETURNING 1
 ), job AS (
-    INSERT INTO jobs (id, outline, state, status, crashes, input_bytes, epoch, owner, lease_until)
-    SELECT $1, $2, $3, $4, $5, $6, 1, $12, now() + make_interval(secs => $13)
+    INSERT INTO jobs (id, outline, state, status, crashes, input_bytes, epoch, owner, lease_until, tenant)
+    SELECT $1, $2, $3, $4, $5, $6, 1, $12, now() + make_interval(secs => $13), $14
     WHERE $8 IS NULL OR EXISTS (SELECT FROM key)
     ON CONFLICT (id) DO NOTHING
     RETURNING id
@@ -114,6 +114,7 @@ impl Shared {
         key: Option<&IdempotencyKey>,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
         let (id, created) = (record.outline.id, record.outline.created);
+        let tenant = record.outline.tenant;
         let outline = record::write(&record.outline)?;
         let status = record::write(&record.status)?;
         let entry = key.map(|key| IdempotencyEntry {
@@ -144,6 +145,7 @@ impl Shared {
                 .bind(KEY_LIFETIME.as_secs_f64())
                 .bind(self.replica)
                 .bind(runs.then_some(self.lease.as_secs_f64()))
+                .bind(tenant.name())
         };
         let (connections, begin) = (&self.connections, Instant::now());
         let inserted = connections

@@ -173,7 +173,7 @@ pub(super) fn record(problem: &Problem) -> Record {
         stream: Some(Arc::new(stream)),
     };
     Record {
-        outline: Outline::new(label, problem),
+        outline: Outline::new(label, problem, None),
         ..other
     }
 }

@@ -1,6 +1,8 @@
 -- A job without its points. What SQL works with has columns of its own.
 CREATE TABLE jobs (
     id uuid PRIMARY KEY,
+    -- To whom it belongs.
+    tenant text NOT NULL,
     outline bytea NOT NULL,
     state text NOT NULL,
     status bytea NOT NULL,
@@ -21,6 +23,7 @@ CREATE TABLE jobs (
 -- Room for a new version of a row beside the old one: a lease is renewed without touching an index.
 ) WITH (fillfactor = 70);
 
+CREATE INDEX jobs_of_tenant ON jobs (tenant, id);
 CREATE INDEX jobs_queued ON jobs (id) WHERE state = 'queued';
 CREATE INDEX jobs_running ON jobs (owner) WHERE state = 'running';
 CREATE INDEX jobs_ended ON jobs (finished, id) WHERE finished IS NOT NULL;

@@ -1,0 +1,119 @@
+"""What connections cost that do nothing: idle ones with TLS, and event streams on which nothing happens.
+
+    idle.py PROGRAM [--idle N] [--streams N]      # PROGRAM is target/release/piad; needs openssl
+
+Tells the memory of the server, and how long /livez takes meanwhile. Each connection takes a file descriptor on both
+sides (ulimit -n).
+"""
+
+import argparse
+import asyncio
+import json
+import os
+import re
+import resource
+import ssl
+import statistics
+import subprocess
+import tempfile
+import time
+
+AT_ONCE = 100
+PROBES = 200
+
+Connection = tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+
+def memory(process: subprocess.Popen) -> float:
+    """Resident memory in MB."""
+    with open(f"/proc/{process.pid}/status") as file:
+        [line] = [line for line in file if line.startswith("VmRSS")]
+    return int(line.split()[1]) * 1024 / 1e6
+
+
+async def many(count: int, make) -> list[Connection]:
+    """So many connections, some of them at a time."""
+    made: list[Connection] = []
+    while len(made) < count:
+        made += await asyncio.gather(*(make() for _ in range(min(AT_ONCE, count - len(made)))))
+    return made
+
+
+async def head(reader: asyncio.StreamReader) -> None:
+    answer = await reader.readuntil(b"\r\n\r\n")
+    assert answer.startswith(b"HTTP/1.1 20"), answer
+
+
+async def probes(connect) -> list[float]:
+    seconds = []
+    for _ in range(PROBES):
+        begin = time.perf_counter()
+        reader, writer = await connect()
+        writer.write(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        await reader.read()
+        seconds.append(time.perf_counter() - begin)
+        writer.close()
+    return seconds
+
+
+async def measure(server: subprocess.Popen, port: int, trusted: ssl.SSLContext, arguments: argparse.Namespace) -> None:
+    async def connect() -> Connection:
+        return await asyncio.open_connection("localhost", port, ssl=trusted)
+
+    async def idle() -> Connection:
+        reader, writer = await connect()
+        writer.write(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        await head(reader)
+        return reader, writer
+
+    async def stream() -> Connection:
+        reader, writer = await connect()
+        # Only every so many iterations: nothing comes but comments.
+        path = f"{job['links']['events']}?view=errors&every=1000000000"
+        writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\nAccept: text/event-stream\r\n\r\n".encode())
+        await head(reader)
+        return reader, writer
+
+    reader, writer = await connect()
+    body = json.dumps({"curve": {"points": [[0, 0], [1, 2], [3, 1], [4, 3]]}, "stop": {"tolerance": 0, "max_iterations": 1_000_000_000}})
+    writer.write(f"POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n{body}".encode())
+    job = json.loads((await reader.read()).split(b"\r\n\r\n")[1])
+    print("| connections | memory of the server | /livez, p50 | p99 |\n|---|---|---|---|")
+    kept: list[Connection] = []
+    for name, count, make in (("none", 0, idle), (f"{arguments.idle} idle", arguments.idle, idle), (f"and {arguments.streams} streams", arguments.streams, stream)):
+        kept += await many(count, make)
+        await asyncio.sleep(2)
+        cuts = statistics.quantiles(await probes(connect), n=100)
+        print(f"| {name} | {memory(server):.0f} MB | {1e3 * cuts[49]:.1f} ms | {1e3 * cuts[98]:.1f} ms |", flush=True)
+    for _, writer in kept:
+        writer.transport.abort()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("program")
+    parser.add_argument("--idle", type=int, default=10_000)
+    parser.add_argument("--streams", type=int, default=5_000)
+    arguments = parser.parse_args()
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    with tempfile.TemporaryDirectory() as folder:
+        certificate, key = os.path.join(folder, "cert.pem"), os.path.join(folder, "key.pem")
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", key, "-out", certificate,
+                        "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
+        trusted = ssl.create_default_context(cafile=certificate)
+        most = str(2 * (arguments.idle + arguments.streams))
+        command = [arguments.program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--tls-cert", certificate, "--tls-key", key, "--max-iterations", "1000000000",
+                   "--idle-timeout", "3600", "--max-connections-per-peer", most]
+        server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        assert server.stderr is not None
+        port = next(int(found[1]) for line in server.stderr if (found := re.search(r"listening on https://[^ ]+:(\d+)", line)))
+        try:
+            asyncio.run(measure(server, port, trusted, arguments))
+        finally:
+            server.terminate()
+            server.wait()
+
+
+if __name__ == "__main__":
+    main()

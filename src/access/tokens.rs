@@ -1,0 +1,151 @@
+//! The tokens that a server knows, and what requests may do with them.
+
+use std::env;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use jiff::Timestamp;
+use parking_lot::Mutex;
+use uuid::Uuid;
+
+use super::BOOTSTRAP;
+use super::denial::Denial;
+use super::file::{Token, TokensFile};
+use super::scope::Scope;
+use super::secret::Hash;
+use super::ticket::Ticket;
+use crate::job::tenant::Tenant;
+use crate::reload::{Reload, Seen};
+
+/// The shortest token that the variable may have: one that can be guessed is none.
+const SHORTEST: usize = 32;
+
+/// The tokens of a server.
+#[derive(Debug)]
+pub(crate) struct Tokens {
+    path: Option<PathBuf>,
+    /// That of the variable.
+    bootstrap: Option<Token>,
+    loaded: Mutex<Loaded>,
+}
+
+#[derive(Debug)]
+struct Loaded {
+    tokens: Arc<Vec<Token>>,
+    seen: Seen,
+}
+
+impl Tokens {
+    /// Those of a file and of the variable, if there is any of the two.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read, or the token of the variable can be guessed.
+    pub(crate) fn find(path: Option<PathBuf>) -> Result<Option<Self>, String> {
+        let bootstrap = match env::var(BOOTSTRAP) {
+            Ok(token) if !token.is_empty() => Some(bootstrap(&token)?),
+            _ => None,
+        };
+        if path.is_none() && bootstrap.is_none() {
+            return Ok(None);
+        }
+        let loaded = Mutex::new(Loaded::from(path.as_ref())?);
+        Ok(Some(Self {
+            path,
+            bootstrap,
+            loaded,
+        }))
+    }
+
+    /// The token with this text, if it is good for a scope.
+    pub(crate) fn admit(&self, text: &str, scope: Scope) -> Result<Token, Denial> {
+        let hash = Hash::of(text);
+        // All are compared, so that the time does not tell where there is one.
+        let found = self.all(|token, found: &mut Option<Token>| {
+            if token.hash.is(&hash) {
+                *found = Some(token.clone());
+            }
+        });
+        checked(found.ok_or(Denial::Unknown)?, scope)
+    }
+
+    /// The token that a ticket for a job was made with.
+    pub(crate) fn admit_by_ticket(&self, text: &str, job: Uuid) -> Result<Token, Denial> {
+        let ticket = Ticket::read(text).ok_or(Denial::Ticket)?;
+        let found = self.all(|token, found: &mut Option<Token>| {
+            if ticket.opens(token, job) {
+                *found = Some(token.clone());
+            }
+        });
+        checked(found.ok_or(Denial::Ticket)?, Scope::JobsRead)
+    }
+
+    /// Looks at all tokens.
+    fn all<T: Default>(&self, mut look: impl FnMut(&Token, &mut T)) -> T {
+        let mut result = T::default();
+        let tokens = Arc::clone(&self.loaded.lock().tokens);
+        for token in tokens.iter().chain(&self.bootstrap) {
+            look(token, &mut result);
+        }
+        result
+    }
+}
+
+/// A token whose time is not over, and that is good for this.
+fn checked(token: Token, needed: Scope) -> Result<Token, Denial> {
+    if token.has_expired() {
+        return Err(Denial::Expired { token: token.id });
+    }
+    match token.may(needed) {
+        true => Ok(token),
+        false => Err(Denial::Scope {
+            token: token.id,
+            needed,
+        }),
+    }
+}
+
+/// The token of the variable, which is good for everything.
+fn bootstrap(text: &str) -> Result<Token, String> {
+    if text.len() < SHORTEST {
+        return Err(format!(
+            "{BOOTSTRAP}: a token has at least {SHORTEST} characters; `piad token create` makes one"
+        ));
+    }
+    Ok(Token {
+        id: BOOTSTRAP.to_owned(),
+        tenant: Tenant::DEFAULT,
+        scopes: [Scope::Admin].into(),
+        created: Timestamp::now(),
+        expires: None,
+        note: None,
+        hash: Hash::of(text),
+    })
+}
+
+impl Loaded {
+    fn from(path: Option<&PathBuf>) -> Result<Self, String> {
+        let seen = Seen::of(path);
+        let file = path.map(|path| TokensFile::read(path)).transpose();
+        let file = file.map_err(|reason| format!("--tokens {reason}"))?;
+        let tokens = Arc::new(file.unwrap_or_default().tokens);
+        Ok(Self { tokens, seen })
+    }
+}
+
+impl Reload for Tokens {
+    const WHAT: &'static str = "tokens";
+
+    fn load_again(&self, anyway: bool) -> Result<bool, String> {
+        let seen = Seen::of(self.path.as_ref());
+        if !anyway && self.loaded.lock().seen == seen {
+            return Ok(false);
+        }
+        let loaded = Loaded::from(self.path.as_ref());
+        let mut current = self.loaded.lock();
+        // What is wrong with a file is told once.
+        current.seen = seen;
+        *current = loaded?;
+        Ok(true)
+    }
+}
