@@ -82,7 +82,7 @@ async fn browsers_are_told_beforehand_what_pages_may_send() {
         let name = parameter["name"].as_str().unwrap().to_lowercase();
         assert!(headers.contains(&name), "{name} of {headers:?}");
     }
-    for name in ["accept", "content-type"] {
+    for name in ["accept", "authorization", "content-type"] {
         assert!(headers.contains(&name.to_owned()), "{name}");
     }
 }

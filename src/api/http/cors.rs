@@ -14,8 +14,9 @@ use crate::telemetry::request::{TRACE_PARENT, TRACE_RESPONSE, TRACE_STATE};
 const MAX_AGE: Duration = Duration::from_secs(7200);
 
 /// The request headers that pages may send.
-const READ: [HeaderName; 10] = [
+const READ: [HeaderName; 11] = [
     header::ACCEPT,
+    header::AUTHORIZATION,
     header::CONTENT_ENCODING,
     header::CONTENT_TYPE,
     HeaderName::from_static("idempotency-key"),
@@ -29,11 +30,12 @@ const READ: [HeaderName; 10] = [
 ];
 
 /// The answer headers that pages may read, beyond those that they always may.
-const SHOWN: [HeaderName; 9] = [
+const SHOWN: [HeaderName; 10] = [
     header::ALLOW,
     header::CONTENT_DISPOSITION,
     header::LOCATION,
     header::RETRY_AFTER,
+    header::WWW_AUTHENTICATE,
     HeaderName::from_static("idempotency-replayed"),
     HeaderName::from_static("piad-resumed-after"),
     HeaderName::from_static("preference-applied"),
