@@ -14,8 +14,8 @@ import { scenarios } from "./scenarios/index.js";
 import { ROOT, Server } from "./server.js";
 import { large } from "./shapes.js";
 
-// For people, and for clients that cannot send a token in a header.
-const PAGES = new Set(["createTicket", "getPagePart", "getReference", "getReferenceFile"]);
+// For people.
+const PAGES = new Set(["getPagePart", "getReference", "getReferenceFile"]);
 
 describe("in Node", () => {
   const server = new Server(":memory:");
