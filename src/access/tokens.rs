@@ -1,6 +1,6 @@
 //! The tokens that a server knows, and what requests may do with them.
 
-use std::env;
+use std::env::{self, VarError};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -44,7 +44,8 @@ impl Tokens {
     pub(crate) fn find(path: Option<PathBuf>) -> Result<Option<Self>, String> {
         let bootstrap = match env::var(BOOTSTRAP) {
             Ok(token) if !token.is_empty() => Some(bootstrap(&token)?),
-            _ => None,
+            Ok(_) | Err(VarError::NotPresent) => None,
+            Err(VarError::NotUnicode(_)) => return Err(format!("{BOOTSTRAP}: not UTF-8")),
         };
         if path.is_none() && bootstrap.is_none() {
             return Ok(None);

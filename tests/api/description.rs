@@ -26,6 +26,15 @@ impl Description {
         self.0["components"]["schemas"].as_object().unwrap()
     }
 
+    /// An object, or what it refers to.
+    pub fn resolved<'a>(&'a self, object: &'a Value) -> &'a Value {
+        let Some(reference) = object["$ref"].as_str() else {
+            return object;
+        };
+        let pointer = reference.strip_prefix('#').unwrap();
+        self.0.pointer(pointer).expect(reference)
+    }
+
     pub fn component(&self, section: &str, name: &str) -> &Value {
         let component = &self.0["components"][section][name];
         assert!(!component.is_null(), "there is no {name}");

@@ -20,8 +20,9 @@ PROGRAM = os.environ.get("PIAD_PROGRAM", str(ROOT / "target" / "debug" / "piad")
 class Server:
     """A server that can be killed and started again with the same data at the same address."""
 
-    def __init__(self, store: str, *flags: str):
+    def __init__(self, store: str, *flags: str, token: str = ""):
         self._store, self._flags = store, flags
+        self._environment = {**os.environ, "PIAD_TOKEN": token}
         self.address = "127.0.0.1:0"
         self.start()
 
@@ -31,7 +32,9 @@ class Server:
 
     def start(self) -> None:
         command = [PROGRAM, "--listen", self.address, "--store", self._store, "--log-format", "json"]
-        self._process = subprocess.Popen([*command, *self._flags], stderr=subprocess.PIPE, text=True)
+        self._process = subprocess.Popen(
+            [*command, *self._flags], stderr=subprocess.PIPE, text=True, env=self._environment
+        )
         assert self._process.stderr is not None
         for line in self._process.stderr:
             found = re.search(r"listening on http://([^\s\"]+)", line)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
+from conftest import Server
 from shapes import CURVE, FITS, SURFACE
 
 import piad
@@ -100,6 +102,24 @@ def test_jobs_are_found_waited_for_and_deleted(client: piad.Client) -> None:
         job.refresh()
     assert refused.value.status == 404
     assert refused.value.problem.type == "/problems/unknown-job"
+
+
+def test_servers_may_ask_for_a_token(client: piad.Client, tmp_path: Path) -> None:
+    token = f"piad_{'0123456789abcdef' * 4}"
+    server = Server(str(tmp_path / "data"), token=token)
+    with piad.Client(server.url) as nobody, piad.Client(server.url, token=token) as owner:
+        with pytest.raises(piad.ApiError) as refused:
+            nobody.create(CURVE)
+        assert refused.value.problem.type == "/problems/unauthenticated"
+        job = owner.create(CURVE)
+        assert job.wait(30).ended
+        events = f"{server.url}/v1/jobs/{job.id}/events"
+        assert httpx.get(events).status_code == 401
+        assert "event: end" in httpx.get(events, params={"ticket": job.ticket()}).text
+    server.kill()
+    with pytest.raises(piad.ApiError) as needless:
+        client.create(CURVE).ticket()
+    assert needless.value.problem.type == "/problems/no-tickets"
 
 
 def test_cancelled_jobs_have_a_result(client: piad.Client) -> None:

@@ -17,6 +17,8 @@ export interface ClientOptions {
   readonly attempts?: number | undefined;
   /** How many seconds the server may be silent; 60 is the default, and the least for streams. */
   readonly timeout?: number | undefined;
+  /** Of a server that asks for one: a token of `piad token create`. */
+  readonly token?: string | undefined;
   /** What goes with every request. */
   readonly headers?: RequestInit["headers"] | undefined;
   /** Used instead of the global one, for proxies, certificates and tests. */
@@ -29,9 +31,11 @@ export class Client {
 
   /** `url` is where the server is; in a page it may be relative to that. */
   constructor(url: string | URL = "http://127.0.0.1:8080", options: ClientOptions = {}) {
-    const { attempts = 8, timeout = 60, headers, fetch = (url, init) => globalThis.fetch(url, init) } = options;
+    const { attempts = 8, timeout = 60, token, fetch = (url, init) => globalThis.fetch(url, init) } = options;
     if (!(attempts >= 1)) throw new RangeError("there is one attempt at least");
-    const settings = { baseUrl: serverUrl(url), attempts, timeout, headers: new Headers(headers), fetch };
+    const headers = new Headers(options.headers);
+    if (token !== undefined) headers.set("Authorization", `Bearer ${token}`);
+    const settings = { baseUrl: serverUrl(url), attempts, timeout, headers, fetch };
     this.#connection = new Connection(settings);
   }
 

@@ -3627,7 +3627,181 @@ export interface components {
             retained_seconds: number;
         };
     };
-    responses: never;
+    responses: {
+        /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+        internal: {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/not-found`: The path is not one of this API. */
+        "not-found": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/tickets in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+        unauthenticated: {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+        forbidden: {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
+        "invalid-request": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
+        "not-acceptable": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
+        "body-timeout": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
+        "body-too-large": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why. */
+        "invalid-fit": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/busy`: Send the request again after the number of seconds in Retry-After. */
+        busy: {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                "Retry-After": components["headers"]["Retry-After"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
+        "no-export": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
+        "too-many-jobs": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                "Retry-After": components["headers"]["Retry-After"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+        "store-away": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                "Retry-After": components["headers"]["Retry-After"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/already-ended`: A job that has ended cannot be cancelled. */
+        "already-ended": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/no-tickets`: It asks for no tokens, and its streams can be opened without tickets. */
+        "no-tickets": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/no-deviation`: Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way. */
+        "no-deviation": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/no-limit`: The closed form of the limit is for local fits that adjust not too many points. */
+        "no-limit": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+    };
     parameters: {
         /**
          * @description The id of the job.
@@ -3955,6 +4129,23 @@ export type MethodCapability = components['schemas']['MethodCapability'];
 export type Formats = components['schemas']['Formats'];
 export type Grpc = components['schemas']['Grpc'];
 export type Limits = components['schemas']['Limits'];
+export type ResponseInternal = components['responses']['internal'];
+export type ResponseNotFound = components['responses']['not-found'];
+export type ResponseUnauthenticated = components['responses']['unauthenticated'];
+export type ResponseForbidden = components['responses']['forbidden'];
+export type ResponseInvalidRequest = components['responses']['invalid-request'];
+export type ResponseNotAcceptable = components['responses']['not-acceptable'];
+export type ResponseBodyTimeout = components['responses']['body-timeout'];
+export type ResponseBodyTooLarge = components['responses']['body-too-large'];
+export type ResponseInvalidFit = components['responses']['invalid-fit'];
+export type ResponseBusy = components['responses']['busy'];
+export type ResponseNoExport = components['responses']['no-export'];
+export type ResponseTooManyJobs = components['responses']['too-many-jobs'];
+export type ResponseStoreAway = components['responses']['store-away'];
+export type ResponseAlreadyEnded = components['responses']['already-ended'];
+export type ResponseNoTickets = components['responses']['no-tickets'];
+export type ResponseNoDeviation = components['responses']['no-deviation'];
+export type ResponseNoLimit = components['responses']['no-limit'];
 export type ParameterId = components['parameters']['id'];
 export type ParameterK = components['parameters']['k'];
 export type ParameterFormat = components['parameters']['format'];
@@ -4016,16 +4207,7 @@ export interface operations {
                     "application/json": components["schemas"]["Service"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
         };
     };
     getPagePart: {
@@ -4064,26 +4246,8 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description - `/problems/not-found`: The path is not one of this API. */
-            404: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            404: components["responses"]["not-found"];
+            500: components["responses"]["internal"];
         };
     };
     getLiveness: {
@@ -4105,16 +4269,7 @@ export interface operations {
                     "application/json": components["schemas"]["Health"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
         };
     };
     getReadiness: {
@@ -4136,16 +4291,7 @@ export interface operations {
                     "application/json": components["schemas"]["Health"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
@@ -4181,36 +4327,9 @@ export interface operations {
                     "application/openmetrics-text": string;
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            500: components["responses"]["internal"];
         };
     };
     listProblems: {
@@ -4232,16 +4351,7 @@ export interface operations {
                     "application/json": components["schemas"]["ProblemTypes"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
         };
     };
     getProblem: {
@@ -4269,26 +4379,8 @@ export interface operations {
                     "application/json": components["schemas"]["ProblemType"];
                 };
             };
-            /** @description - `/problems/not-found`: The path is not one of this API. */
-            404: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            404: components["responses"]["not-found"];
+            500: components["responses"]["internal"];
         };
     };
     getDescription: {
@@ -4310,16 +4402,7 @@ export interface operations {
                     "application/json": Record<string, never>;
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
         };
     };
     getReference: {
@@ -4349,16 +4432,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
         };
     };
     getReferenceFile: {
@@ -4396,26 +4470,8 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description - `/problems/not-found`: The path is not one of this API. */
-            404: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            404: components["responses"]["not-found"];
+            500: components["responses"]["internal"];
         };
     };
     getCapabilities: {
@@ -4437,36 +4493,9 @@ export interface operations {
                     "application/json": components["schemas"]["Capabilities"];
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            500: components["responses"]["internal"];
         };
     };
     compareBases: {
@@ -4509,46 +4538,10 @@ export interface operations {
                     "application/json": components["schemas"]["Rates"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            500: components["responses"]["internal"];
         };
     };
     readPoints: {
@@ -4594,66 +4587,12 @@ export interface operations {
                     "application/json": components["schemas"]["FilePoints"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
-            408: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
-            413: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
              *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
@@ -4667,37 +4606,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why. */
-            422: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/busy`: Send the request again after the number of seconds in Retry-After. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            422: components["responses"]["invalid-fit"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["busy"];
         };
     };
     fit: {
@@ -4745,66 +4656,12 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
-            408: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
-            413: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            409: components["responses"]["no-export"];
+            413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
              *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
@@ -4832,27 +4689,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
-            429: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            429: components["responses"]["too-many-jobs"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
@@ -4906,67 +4744,12 @@ export interface operations {
                     "application/json": components["schemas"]["JobPage"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            406: components["responses"]["not-acceptable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     createJob: {
@@ -5021,56 +4804,11 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
-            408: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
-            413: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
              *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
@@ -5097,27 +4835,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
-            429: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            429: components["responses"]["too-many-jobs"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
@@ -5237,56 +4956,11 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
-            408: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
-            413: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
              *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
@@ -5313,27 +4987,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
-            429: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            429: components["responses"]["too-many-jobs"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
@@ -5377,36 +5032,9 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5420,37 +5048,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     deleteJob: {
@@ -5476,26 +5076,8 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5509,16 +5091,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
              *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
@@ -5560,36 +5133,9 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5603,47 +5149,10 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/already-ended`: A job that has ended cannot be cancelled. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["already-ended"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     createTicket: {
@@ -5671,36 +5180,9 @@ export interface operations {
                     "application/json": components["schemas"]["Ticket"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5714,47 +5196,10 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/no-tickets`: It asks for no tokens, and its streams can be opened without tickets. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["no-tickets"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     editJob: {
@@ -5815,26 +5260,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -5848,36 +5275,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
-            408: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
-            413: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
              *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
@@ -5904,27 +5304,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
-            429: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            429: components["responses"]["too-many-jobs"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
@@ -6050,26 +5431,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6083,36 +5446,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-timeout`: The client paused for too long while it sent the body. */
-            408: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/body-too-large`: The body is larger than this server accepts (see limits in /v1/capabilities). */
-            413: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
              *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
@@ -6139,27 +5475,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
-            429: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            429: components["responses"]["too-many-jobs"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
@@ -6275,36 +5592,9 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6318,37 +5608,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     getInput: {
@@ -6377,36 +5639,9 @@ export interface operations {
                     "application/json": components["schemas"]["JobRequest"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6420,37 +5655,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     getIteration: {
@@ -6512,36 +5719,9 @@ export interface operations {
                     "application/json": components["schemas"]["IterationEvent"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6556,36 +5736,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["no-export"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
@@ -6635,36 +5788,9 @@ export interface operations {
                     "application/json": components["schemas"]["FitResult"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6678,16 +5804,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
             /**
              * @description - `/problems/no-result`: The job has not ended yet, or it ended without any geometry.
              *     - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead.
@@ -6701,27 +5818,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     getIterationFile: {
@@ -6790,36 +5888,9 @@ export interface operations {
                     "text/csv": string;
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6834,36 +5905,9 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["no-export"];
+            500: components["responses"]["internal"];
             /**
              * @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
@@ -6935,36 +5979,9 @@ export interface operations {
                     "text/csv": string;
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -6978,16 +5995,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
             /**
              * @description - `/problems/no-result`: The job has not ended yet, or it ended without any geometry.
              *     - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead.
@@ -7001,27 +6009,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     getDeviation: {
@@ -7060,36 +6049,9 @@ export interface operations {
                     "application/json": components["schemas"]["Deviation"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -7104,47 +6066,10 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/no-deviation`: Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["no-deviation"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
     getLimit: {
@@ -7172,36 +6097,9 @@ export interface operations {
                     "application/json": components["schemas"]["Limit"];
                 };
             };
-            /** @description - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it. */
-            400: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
-            401: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
-            403: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
             /**
              * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
              *     - `/problems/not-found`: The path is not one of this API.
@@ -7215,47 +6113,10 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description - `/problems/not-acceptable`: The Accept header allows none of the media types that the resource has; detail names them. */
-            406: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/no-limit`: The closed form of the limit is for local fits that adjust not too many points. */
-            409: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
-            500: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
-            503: {
-                headers: {
-                    "X-Request-Id": components["headers"]["X-Request-Id"];
-                    "Retry-After": components["headers"]["Retry-After"];
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["no-limit"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
         };
     };
 }

@@ -121,6 +121,14 @@ export class Job {
     return this.#get("/limit", {}, options);
   }
 
+  /**
+   * Opens the stream of the job for a minute where no token can be sent, as `EventSource`: the query parameter
+   * `ticket` of `/v1/jobs/{id}/events`. An `ApiError` with status 409 if the server asks for no tokens.
+   */
+  ticket({ signal }: Cancellable = {}): Promise<api.Ticket> {
+    return this.#connection.json({ method: "POST", path: `${this.#path}/tickets`, signal });
+  }
+
   /** Stops the job. An `ApiError` with status 409 if it has already ended. */
   async cancel({ signal }: Cancellable = {}): Promise<api.Job> {
     return (this.status = await this.#connection.json({ method: "POST", path: `${this.#path}/cancel`, signal }));

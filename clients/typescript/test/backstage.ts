@@ -8,8 +8,8 @@ export class Stage implements Backstage {
   readonly #servers = new Map<string, Server>();
   readonly #proxies = new Map<string, Proxy>();
 
-  durable = async (basePath = "/"): Promise<string> => {
-    const server = await new Server(undefined, basePath).start();
+  durable = async (basePath = "/", token = ""): Promise<string> => {
+    const server = await new Server(undefined, basePath, token).start();
     this.#servers.set(server.url, server);
     return server.url;
   };

@@ -19,10 +19,12 @@ export class Server {
   readonly #temporary: boolean;
 
   readonly #basePath: string;
+  readonly #token: string;
 
-  /** `data` is where jobs are kept; by default a directory that goes with the server. */
-  constructor(data?: string, basePath = "/") {
+  /** `data` is where jobs are kept; by default a directory that goes with the server. With a token it asks for that. */
+  constructor(data?: string, basePath = "/", token = "") {
     this.#basePath = basePath;
+    this.#token = token;
     this.#temporary = data === undefined;
     this.#data = data ?? mkdtempSync(join(tmpdir(), "piad-typescript-"));
   }
@@ -33,7 +35,8 @@ export class Server {
 
   async start(): Promise<this> {
     const flags = ["--listen", this.#address, "--store", this.#data, "--log-format", "json", "--cors-origin", "*", "--base-path", this.#basePath];
-    const child = spawn(PROGRAM, flags, { stdio: ["ignore", "ignore", "pipe"] });
+    const env = { ...process.env, PIAD_TOKEN: this.#token };
+    const child = spawn(PROGRAM, flags, { env, stdio: ["ignore", "ignore", "pipe"] });
     this.#process = child;
     const log: string[] = [];
     // All lines are read: a full pipe would stop the server.

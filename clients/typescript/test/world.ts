@@ -4,8 +4,8 @@ import type { Client, ClientOptions } from "piad";
 
 /** Servers and proxies, which are processes of the machine: known by their addresses. */
 export interface Backstage {
-  /** Starts a server that keeps its jobs, perhaps with a path that clients see it below. */
-  durable(basePath?: string): Promise<string>;
+  /** Starts a server that keeps its jobs, perhaps with a path that clients see it below, or a token that it asks for. */
+  durable(basePath?: string, token?: string): Promise<string>;
   /** SIGKILL: nothing is said to anybody. */
   kill(server: string): Promise<void>;
   /** Starts a server again, with the same data at the same address. */

@@ -73,11 +73,13 @@ pub(super) async fn get(Extension(description): Extension<Description>) -> Respo
 fn document(base_path: &str) -> serde_json::Result<Value> {
     let api = Api::read()?;
     let (_, methods) = resources().parts();
-    let mut paths = Value::Object(api.paths(&methods));
+    let (paths, responses) = api.paths(&methods);
+    let mut paths = Value::Object(paths);
     let mut components = json!({
         "schemas": schemas(),
         "parameters": api.parameters,
         "headers": api.headers,
+        "responses": responses,
         "links": api.links,
         "securitySchemes": {"token": {
             "type": "http",

@@ -72,20 +72,26 @@ impl Api {
         serde_json::from_str(include_str!("api.json"))
     }
 
-    /// The paths as the specification has them, with what their methods need.
-    pub(super) fn paths(&self, methods: &Methods) -> Map<String, Value> {
-        let mut paths = Map::new();
+    /// The paths as the specification has them, with what their methods need, and the answers that
+    /// they refer to.
+    pub(super) fn paths(&self, methods: &Methods) -> (Map<String, Value>, Map<String, Value>) {
+        let (mut paths, mut shared) = (Map::new(), Map::new());
         for operation in &self.operations {
             let methods = methods.get(operation.path.as_str()).into_iter().flatten();
             let mut needs = methods.filter(|(verb, _)| *verb == operation.verb);
             let needs = needs.next().map_or(Needs::Nothing, |(_, needs)| *needs);
             let resource = paths.entry(&operation.path).or_insert_with(|| json!({}));
-            resource[&operation.verb] = self.operation(operation, needs);
+            resource[&operation.verb] = self.operation(operation, needs, &mut shared);
         }
-        paths
+        (paths, shared)
     }
 
-    fn operation(&self, operation: &Operation, needs: Needs) -> Value {
+    fn operation(
+        &self,
+        operation: &Operation,
+        needs: Needs,
+        shared: &mut Map<String, Value>,
+    ) -> Value {
         let mut object = json!({
             "tags": [operation.tag],
             "summary": operation.summary,
@@ -114,7 +120,14 @@ impl Api {
             problems.entry(status).or_default().push(kind);
         }
         for (status, kinds) in problems {
-            answers.insert(status.to_string(), problem_answer(status, &kinds));
+            let mut answer = problem_answer(status, &kinds);
+            // One problem alone is what many operations answer.
+            if let [kind] = kinds.as_slice() {
+                let slug = kind.entry().slug;
+                shared.insert(slug.to_owned(), answer);
+                answer = reference("responses", slug);
+            }
+            answers.insert(status.to_string(), answer);
         }
         object["responses"] = answers.into_iter().collect();
         object

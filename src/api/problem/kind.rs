@@ -124,7 +124,7 @@ kinds! {
     Unauthenticated {
         "unauthenticated", UNAUTHORIZED, Unauthenticated,
         "The request has no valid token",
-        "This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/ticket in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create."
+        "This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/tickets in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create."
     }
     Forbidden {
         "forbidden", FORBIDDEN, PermissionDenied,

@@ -34,16 +34,20 @@ class Client:
         *,
         timeout: float = 60.0,
         attempts: int = 8,
+        token: Optional[str] = None,
         headers: Optional[Mapping[str, str]] = None,
         transport: Optional[httpx.BaseTransport] = None,
     ):
         """`timeout` is how many seconds the server may be silent, `attempts` how often a request is
         sent, or a stream opened again without an iteration in between, while connections break or
-        the server has no room. Where no server is, this is known within two seconds. `headers` go with every request. `transport` is one of httpx, for
-        proxies, certificates and tests.
+        the server has no room. Where no server is, this is known within two seconds. `token` is one
+        of `piad token create`, for a server that asks for one. `headers` go with every request.
+        `transport` is one of httpx, for proxies, certificates and tests.
         """
         if attempts < 1:
             raise ValueError("there is one attempt at least")
+        if token is not None:
+            headers = {**(headers or {}), "Authorization": f"Bearer {token}"}
         self._transport = Transport(
             base_url, timeout=timeout, attempts=attempts, headers=headers, transport=transport
         )

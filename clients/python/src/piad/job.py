@@ -284,6 +284,15 @@ class Job:
         """The job as it was asked for, as JSON."""
         return self._transport.json("GET", f"{self._path}/input")
 
+    def ticket(self) -> str:
+        """Opens the stream of the job for a minute where no token can be sent, as in a browser's `EventSource`.
+
+        It is the query parameter `ticket` of `/v1/jobs/{id}/events`. An `ApiError` with status 409 if
+        the server asks for no tokens.
+        """
+        ticket: str = self._transport.json("POST", f"{self._path}/tickets")["ticket"]
+        return ticket
+
     def cancel(self) -> Status:
         """Stops the job. An `ApiError` with status 409 if it has already ended."""
         self.status = Status.from_json(self._transport.json("POST", f"{self._path}/cancel"))

@@ -219,6 +219,24 @@ export const jobs: Scenarios = {
     equal((await all(one.iterations())).length, (await all(other.iterations())).length);
   },
 
+  "servers that ask for a token": async ({ client, backstage }) => {
+    const token = `piad_${"0123456789abcdef".repeat(4)}`;
+    const url = await backstage.durable("/", token);
+    equal((await refused(client({}, url).create(POINTS), ApiError)).problem.type, "/problems/unauthenticated");
+    const job = await client({ token }, url).create(POINTS, { wait: 10 });
+    const events = `${url}/v1/jobs/${job.id}/events`;
+    equal((await fetch(events)).status, 401);
+    const { ticket, expires } = await job.ticket();
+    ok(Date.parse(expires) > Date.now());
+    const text = await (await fetch(`${events}?ticket=${ticket}`)).text();
+    ok(text.includes("event: end"));
+  },
+
+  "a server without tokens has no tickets": async ({ client }) => {
+    const job = await client().create(POINTS);
+    equal((await refused(job.ticket(), ApiError)).problem.type, "/problems/no-tickets");
+  },
+
   "a server tells about itself": async ({ client }) => {
     const piad = client();
     ok((await piad.capabilities()).methods.length > 5);
