@@ -27,6 +27,7 @@
 //! - [`command`] — `piad fit`: from a file to files, as a client of a server inside of the process;
 //! - [`telemetry`] — traces of requests and jobs, for a collector;
 //! - [`signals`] — of the operating system; `reload` — files that are read again when they change;
+//!   `log_throttle` — log lines about what happens often;
 //! - [`trim`] — gives memory back that nobody uses any more.
 
 pub mod access;
@@ -37,6 +38,7 @@ pub mod export;
 pub mod fit;
 pub(crate) mod import;
 pub(crate) mod job;
+pub(crate) mod log_throttle;
 pub mod model;
 pub(crate) mod proto;
 pub(crate) mod reload;

@@ -1,6 +1,7 @@
-//! The tokens of a server as a file has them: TOML, without the tokens themselves.
+//! The tokens of a server, and the quotas of its tenants, as a file has them: TOML, without the tokens
+//! themselves.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
@@ -11,6 +12,7 @@ use tempfile::NamedTempFile;
 
 use super::scope::Scope;
 use super::secret::Hash;
+use crate::job::quota::Quota;
 use crate::job::tenant::Tenant;
 
 /// What a file holds.
@@ -20,6 +22,9 @@ pub(crate) struct TokensFile {
     /// The tokens, in the order in which they were made.
     #[serde(default, rename = "token")]
     pub(crate) tokens: Vec<Token>,
+    /// What tenants may have.
+    #[serde(default, rename = "tenant", skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) quotas: BTreeMap<Tenant, Quota>,
 }
 
 /// What is known of a token.

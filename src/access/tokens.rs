@@ -1,4 +1,4 @@
-//! The tokens that a server knows, and what requests may do with them.
+//! The tokens that a server knows, and what requests may do with them. The quotas of tenants come from the same file.
 
 use std::env::{self, VarError};
 use std::path::PathBuf;
@@ -14,6 +14,7 @@ use super::file::{Token, TokensFile};
 use super::scope::Scope;
 use super::secret::Hash;
 use super::ticket::Ticket;
+use crate::job::quota::Quotas;
 use crate::job::tenant::Tenant;
 use crate::reload::{Reload, Seen};
 
@@ -27,6 +28,8 @@ pub(crate) struct Tokens {
     /// That of the variable.
     bootstrap: Option<Token>,
     loaded: Mutex<Loaded>,
+    /// Where what tenants may have is put.
+    quotas: Arc<Quotas>,
 }
 
 #[derive(Debug)]
@@ -41,7 +44,7 @@ impl Tokens {
     /// # Errors
     ///
     /// If the file cannot be read, or the token of the variable can be guessed.
-    pub(crate) fn find(path: Option<PathBuf>) -> Result<Option<Self>, String> {
+    pub(crate) fn find(path: Option<PathBuf>, quotas: Arc<Quotas>) -> Result<Option<Self>, String> {
         let bootstrap = match env::var(BOOTSTRAP) {
             Ok(token) if !token.is_empty() => Some(bootstrap(&token)?),
             Ok(_) | Err(VarError::NotPresent) => None,
@@ -50,11 +53,12 @@ impl Tokens {
         if path.is_none() && bootstrap.is_none() {
             return Ok(None);
         }
-        let loaded = Mutex::new(Loaded::from(path.as_ref())?);
+        let loaded = Mutex::new(Loaded::from(path.as_ref(), &quotas)?);
         Ok(Some(Self {
             path,
             bootstrap,
             loaded,
+            quotas,
         }))
     }
 
@@ -125,11 +129,13 @@ fn bootstrap(text: &str) -> Result<Token, String> {
 }
 
 impl Loaded {
-    fn from(path: Option<&PathBuf>) -> Result<Self, String> {
+    fn from(path: Option<&PathBuf>, quotas: &Quotas) -> Result<Self, String> {
         let seen = Seen::of(path);
         let file = path.map(|path| TokensFile::read(path)).transpose();
         let file = file.map_err(|reason| format!("--tokens {reason}"))?;
-        let tokens = Arc::new(file.unwrap_or_default().tokens);
+        let file = file.unwrap_or_default();
+        quotas.set(file.quotas);
+        let tokens = Arc::new(file.tokens);
         Ok(Self { tokens, seen })
     }
 }
@@ -142,7 +148,7 @@ impl Reload for Tokens {
         if !anyway && self.loaded.lock().seen == seen {
             return Ok(false);
         }
-        let loaded = Loaded::from(self.path.as_ref());
+        let loaded = Loaded::from(self.path.as_ref(), &self.quotas);
         let mut current = self.loaded.lock();
         // What is wrong with a file is told once.
         current.seen = seen;

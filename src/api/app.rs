@@ -7,6 +7,8 @@ use tokio::sync::watch;
 use super::http::measure::Requests;
 use crate::access::tokens::Tokens;
 use crate::config::Config;
+use crate::job::peer::Peer;
+use crate::job::quota::{Exceeded, OpenStream};
 use crate::job::service::Jobs;
 
 /// The state of all handlers.
@@ -35,6 +37,12 @@ impl App {
             requests: Requests::default(),
             tokens,
         }
+    }
+
+    /// Counts a stream for whoever asks for one, if that is within the quota of its tenant.
+    pub(in crate::api) fn open_stream(&self) -> Result<OpenStream, Exceeded> {
+        let tenant = Peer::owner(Peer::current());
+        self.jobs.resources().open_stream(tenant)
     }
 
     /// Completes when the server begins to stop.

@@ -86,10 +86,17 @@ fn second(at: Timestamp) -> Timestamp {
     Timestamp::from_second(at.as_second()).unwrap_or(at)
 }
 
-/// All tokens, a line each.
+/// All tokens and quotas, a line each.
 fn list(path: &Path) -> Result<String, String> {
     let file = TokensFile::read(path)?;
-    let lines: Vec<String> = file.tokens.iter().map(told).collect();
+    let quotas = file.quotas.iter().map(|(tenant, quota)| {
+        let quota = toml::to_string(quota).unwrap_or_default();
+        format!(
+            "quota of {tenant}: {}",
+            quota.trim_end().replace('\n', ", ")
+        )
+    });
+    let lines: Vec<String> = file.tokens.iter().map(told).chain(quotas).collect();
     match lines.is_empty() {
         true => Ok("there are no tokens".to_owned()),
         false => Ok(lines.join("\n")),

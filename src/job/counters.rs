@@ -6,7 +6,9 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
 
+use super::outline::Outline;
 use super::state::State;
+use super::tenant::Tenant;
 
 /// Counters from the start of the server on, and gauges.
 #[derive(Clone, Debug, Default)]
@@ -38,10 +40,22 @@ pub(crate) struct Counters {
     /// Files with certificates or tokens that could not be loaded again.
     pub reloads_failed: Counter,
     denied: Family<DenialLabel, Counter>,
+    tenants: PerTenant,
     ended: Family<EndLabel, Counter>,
     streams: Gauge,
     connections: Gauge,
     running: Gauge,
+}
+
+/// What is counted for each tenant. There are as many as tokens name.
+#[derive(Clone, Debug, Default)]
+struct PerTenant {
+    /// Jobs accepted.
+    jobs: Family<TenantLabel, Counter>,
+    /// Points of these.
+    points: Family<TenantLabel, Counter>,
+    /// Requests beyond the quota.
+    exceeded: Family<TenantLabel, Counter>,
 }
 
 /// Counts a stream, a connection or a running job until it is dropped.
@@ -68,6 +82,11 @@ struct EndLabel {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct TenantLabel {
+    tenant: &'static str,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct DenialLabel {
     reason: &'static str,
 }
@@ -76,6 +95,25 @@ impl Counters {
     /// Counts a request that was turned away.
     pub(crate) fn count_denial(&self, reason: &'static str) {
         self.denied.get_or_create(&DenialLabel { reason }).inc();
+    }
+
+    /// Counts a job that was accepted.
+    pub(crate) fn count_job(&self, outline: &Outline) {
+        self.accepted.inc();
+        let tenant = outline.tenant.name();
+        let label = TenantLabel { tenant };
+        self.tenants.jobs.get_or_create(&label).inc();
+        let points = outline.grid.count() as u64;
+        self.tenants.points.get_or_create(&label).inc_by(points);
+    }
+
+    /// Counts a request that was beyond the quota of its tenant.
+    pub(crate) fn count_exceeded(&self, tenant: Tenant) {
+        let tenant = tenant.name();
+        self.tenants
+            .exceeded
+            .get_or_create(&TenantLabel { tenant })
+            .inc();
     }
 
     /// Counts the end of a job.
@@ -166,6 +204,22 @@ impl Counters {
         }
         let help = "Requests turned away, by reason";
         registry.register("piad_denied", help, self.denied.clone());
+        let PerTenant {
+            jobs,
+            points,
+            exceeded,
+        } = &self.tenants;
+        for (name, help, family) in [
+            ("jobs", "Jobs accepted, by tenant", jobs),
+            ("points", "Points of jobs accepted, by tenant", points),
+            (
+                "quota_exceeded",
+                "Requests beyond a quota, by tenant",
+                exceeded,
+            ),
+        ] {
+            registry.register(format!("piad_tenant_{name}"), help, family.clone());
+        }
         let ended = self.ended.clone();
         registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
     }

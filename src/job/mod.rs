@@ -14,7 +14,7 @@
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`peer`]: for whom work is done; [`tenant`]: to whom jobs belong;
+//! - [`peer`]: for whom work is done; [`tenant`]: to whom jobs belong; [`quota`]: how many;
 //! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
 //! - [`counters`]: the metrics of the server; [`trace`]: the spans of a job.
 //!
@@ -30,6 +30,7 @@ pub(crate) mod frame;
 pub(crate) mod memory;
 pub(crate) mod outline;
 pub(crate) mod peer;
+pub(crate) mod quota;
 pub(crate) mod reader_budget;
 pub(crate) mod recent;
 pub(crate) mod replay;

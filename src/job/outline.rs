@@ -12,6 +12,7 @@ use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 use crate::fit::warning::Warning;
 use crate::job::peer::Peer;
+use crate::job::quota::Amount;
 use crate::job::state::Levels;
 use crate::job::tenant::Tenant;
 use crate::model::stream::StreamSpec;
@@ -80,7 +81,7 @@ impl Outline {
         };
         Self {
             id: Uuid::now_v7(),
-            tenant: peer.and_then(Peer::tenant).unwrap_or(Tenant::DEFAULT),
+            tenant: Peer::owner(peer),
             label,
             created: Timestamp::now(),
             surface: problem.v().is_some(),
@@ -94,6 +95,15 @@ impl Outline {
             warnings: problem.warnings(),
             bases_differ: problem.bases_differ(),
             kernel: KERNEL,
+        }
+    }
+
+    /// What it takes of the quota of its tenant until it has ended, besides bytes.
+    pub(super) fn amount(&self) -> Amount {
+        Amount {
+            jobs: 1,
+            points: self.grid.count() as u64,
+            bytes: 0,
         }
     }
 

@@ -47,6 +47,11 @@ impl Peer {
         }
     }
 
+    /// The tenant to whom belongs what is made for a peer.
+    pub(crate) fn owner(peer: Option<Self>) -> Tenant {
+        peer.and_then(Self::tenant).unwrap_or(Tenant::DEFAULT)
+    }
+
     /// The peer for whom the current task works.
     pub(crate) fn current() -> Option<Self> {
         CURRENT.try_with(|peer| *peer).ok().flatten()

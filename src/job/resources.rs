@@ -1,9 +1,13 @@
 //! What the jobs of a server share: compute pool, memory and counters.
 
+use std::sync::Arc;
+
 use super::counters::Counters;
 use super::memory::Memory;
+use super::quota::{Exceeded, OpenStream, Quotas};
 use super::replay::Replays;
 use super::scheduler::Scheduler;
+use super::tenant::Tenant;
 
 /// What all jobs of a server share.
 #[derive(Debug)]
@@ -16,6 +20,8 @@ pub(crate) struct Resources {
     pub replays: Replays,
     /// Bytes of recent frames that each run keeps at most.
     pub(super) ring_bytes: usize,
+    /// What tenants may have.
+    pub quotas: Arc<Quotas>,
     /// The metrics of the server.
     pub counters: Counters,
     /// What the paths of jobs begin with, in links.
@@ -30,6 +36,7 @@ impl Resources {
             memory: Memory::new(memory),
             replays: Replays::default(),
             ring_bytes,
+            quotas: Arc::default(),
             counters: Counters::default(),
             base_path: String::new(),
         }
@@ -41,5 +48,11 @@ impl Resources {
             base_path: base_path.to_owned(),
             ..self
         }
+    }
+
+    /// Counts a stream of a tenant, if that is within its quota.
+    pub(crate) fn open_stream(&self, tenant: Tenant) -> Result<OpenStream, Exceeded> {
+        let opened = self.quotas.open_stream(tenant);
+        opened.inspect_err(|_| self.counters.count_exceeded(tenant))
     }
 }

@@ -11,13 +11,13 @@ use super::peer::Peer;
 #[derive(Debug)]
 pub(crate) struct Slots {
     all: usize,
-    per_peer: Quota,
+    per_peer: PerPeer,
     taken: Mutex<Taken>,
 }
 
 /// How many slots one peer may have.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Quota {
+pub(crate) enum PerPeer {
     /// So many.
     Fixed(usize),
     /// Half of those that the others leave: so there is one for somebody who comes later, however many
@@ -50,7 +50,7 @@ pub enum NoSlot {
 
 impl Slots {
     /// Nothing is taken yet.
-    pub(crate) fn new(all: usize, per_peer: Quota) -> Arc<Self> {
+    pub(crate) fn new(all: usize, per_peer: PerPeer) -> Arc<Self> {
         Arc::new(Self {
             all,
             per_peer,
@@ -73,8 +73,8 @@ impl Slots {
         if let Some(peer) = peer {
             let its = taken.peers.get(&peer).copied().unwrap_or(0);
             let most = match self.per_peer {
-                Quota::Fixed(most) => most,
-                Quota::Fair => (self.all + its - taken.all).div_ceil(2),
+                PerPeer::Fixed(most) => most,
+                PerPeer::Fair => (self.all + its - taken.all).div_ceil(2),
             };
             if its >= most {
                 return Err(NoSlot::PerPeer(most));
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn a_peer_takes_its_own_slots_only() {
-        let slots = Slots::new(3, Quota::Fixed(2));
+        let slots = Slots::new(3, PerPeer::Fixed(2));
         let peer = |last| Some(Peer::at([192, 0, 2, last].into()));
         let first = slots.take(peer(1)).unwrap();
         let second = slots.take(peer(1)).unwrap();
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_peer_takes_half_of_what_the_others_leave() {
-        let slots = Slots::new(16, Quota::Fair);
+        let slots = Slots::new(16, PerPeer::Fair);
         let take = |last| slots.take(Some(Peer::at([192, 0, 2, last].into())));
         let many = |last| -> Vec<Slot> { std::iter::from_fn(|| take(last).ok()).collect() };
         let taken: Vec<_> = (1..=5).map(many).collect();

@@ -19,11 +19,11 @@ use super::activity::Times;
 use super::connection::{self, Caller};
 use super::limits::{Admission, Connections};
 use super::listener::{Incoming, Listener, Stream};
-use super::log_throttle::LogThrottle;
 use super::proxy;
 use super::tls::Tls;
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
+use crate::log_throttle::LogThrottle;
 
 /// How long to wait when connections cannot be accepted, for example without free file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);

@@ -14,7 +14,7 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 
 use crate::config::Config;
 use crate::job::peer::Peer;
-use crate::job::slots::{NoSlot, Quota, Slot, Slots};
+use crate::job::slots::{NoSlot, PerPeer, Slot, Slots};
 
 /// The most connections beyond the limits that are open at a time.
 const BEYOND: usize = 32;
@@ -106,8 +106,8 @@ impl Connections {
     pub(super) fn new(limits: ConnectionLimits) -> Self {
         let room = (limits.all + BEYOND + ON_THEIR_WAY).min(Semaphore::MAX_PERMITS);
         Self {
-            slots: Slots::new(limits.all, Quota::Fixed(limits.per_peer)),
-            requests: Slots::new(usize::MAX, Quota::Fixed(limits.requests)),
+            slots: Slots::new(limits.all, PerPeer::Fixed(limits.per_peer)),
+            requests: Slots::new(usize::MAX, PerPeer::Fixed(limits.requests)),
             room: Arc::new(Semaphore::new(room)),
             beyond: Mutex::default(),
         }

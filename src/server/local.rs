@@ -23,7 +23,7 @@ pub(crate) struct Local {
 
 /// Starts a server with these settings, of which those of connections have no meaning here.
 pub(crate) async fn start(config: Config) -> io::Result<Local> {
-    let resources = resources(&config)?;
+    let resources = resources(&config, Arc::default())?;
     let closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters).await?;
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));

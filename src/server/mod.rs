@@ -7,7 +7,6 @@
 //! - [`limits`]: how many connections there may be; [`proxy`]: clients behind trusted proxies;
 //! - [`request_body`]: the bodies of its requests; [`response_body`]: those of its answers; [`stream_timeout`]: those of HTTP/2 that the client does not take;
 //! - [`probe`]: asks a server whether it is ready;
-//! - [`log_throttle`]: log lines about events that happen often.
 
 mod accept;
 mod activity;
@@ -16,7 +15,6 @@ pub(crate) mod limits;
 pub mod listen;
 pub mod listener;
 pub(crate) mod local;
-mod log_throttle;
 pub mod probe;
 pub mod proxy;
 mod request_body;
@@ -39,10 +37,11 @@ use crate::api::http::host::Hosts;
 use crate::api::http::router;
 use crate::config::Config;
 use crate::job::counters::Counters;
+use crate::job::quota::Quotas;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Scheduler;
 use crate::job::service::{JobLimits, Jobs};
-use crate::job::slots::Quota;
+use crate::job::slots::PerPeer;
 use crate::job::store::{OpenError, Retention, Store};
 use crate::reload::keep_current;
 use accept::Doors;
@@ -64,11 +63,13 @@ pub async fn serve(
 ) -> io::Result<()> {
     let tls = config.tls_files().map_err(io::Error::other)?;
     let tls = tls.map(Tls::load).transpose()?.map(Arc::new);
-    let tokens = Tokens::find(config.tokens.clone()).map_err(io::Error::other)?;
+    let quotas = Arc::default();
+    let tokens = Tokens::find(config.tokens.clone(), Arc::clone(&quotas));
+    let tokens = tokens.map_err(io::Error::other)?;
     let tokens = tokens.map(Arc::new);
     let is_local = are_local(&listeners)?;
     check_access(&config, is_local, tokens.is_some()).map_err(io::Error::other)?;
-    let resources = resources(&config)?;
+    let resources = resources(&config, quotas)?;
     let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters).await?;
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
@@ -133,10 +134,11 @@ pub async fn serve(
 }
 
 /// What the jobs of a server with these settings share.
-fn resources(config: &Config) -> io::Result<Arc<Resources>> {
+fn resources(config: &Config, quotas: Arc<Quotas>) -> io::Result<Arc<Resources>> {
     let scheduler = Scheduler::new(config.worker_count())?;
     let (memory, ring) = (bytes(config.memory_bytes()), bytes(config.ring.as_u64()));
-    let resources = Resources::new(scheduler, memory, ring);
+    let mut resources = Resources::new(scheduler, memory, ring);
+    resources.quotas = quotas;
     Ok(Arc::new(resources.below(config.base_path.as_str())))
 }
 
@@ -191,7 +193,9 @@ fn limits(config: &Config) -> JobLimits {
     JobLimits {
         recent: bytes(config.recent.as_u64()),
         jobs: config.max_jobs,
-        jobs_of_a_peer: config.max_jobs_per_peer.map_or(Quota::Fair, Quota::Fixed),
+        jobs_of_a_peer: config
+            .max_jobs_per_peer
+            .map_or(PerPeer::Fair, PerPeer::Fixed),
         retention: Retention {
             jobs: config.retain_jobs,
             bytes: config.retain_bytes.as_u64(),

@@ -3,70 +3,19 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use reqwest::{Method, Response};
 use serde_json::{Value, json};
-use tempfile::TempDir;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 use crate::data;
 use crate::program::{PROGRAM, Program};
 use crate::support::{Story, base, eventually};
+use crate::tokens_file::TokensFile;
 
 const ALL: &str = "jobs:read,jobs:write,metrics";
-
-/// A file of tokens.
-struct File {
-    folder: TempDir,
-}
-
-impl File {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        Self { folder }
-    }
-
-    fn path(&self) -> PathBuf {
-        self.folder.path().join("tokens.toml")
-    }
-
-    fn run(&self, verb: &str, arguments: &[&str]) -> Output {
-        let mut command = Command::new(PROGRAM);
-        command.args(["token", verb, "--tokens"]).arg(self.path());
-        command.args(arguments).output().unwrap()
-    }
-
-    /// Makes a token.
-    fn token(&self, tenant: &str, scopes: &str) -> String {
-        let output = self.run("create", &["--tenant", tenant, "--scope", scopes]);
-        assert!(output.status.success(), "{output:?}");
-        String::from_utf8(output.stdout).unwrap().trim().to_owned()
-    }
-
-    /// The id of the token that was made last.
-    fn last_id(&self) -> String {
-        let output = self.run("list", &[]);
-        let list = String::from_utf8(output.stdout).unwrap();
-        let last = list.lines().last().unwrap();
-        last.split_whitespace().next().unwrap().to_owned()
-    }
-
-    fn revoke(&self, id: &str) {
-        let output = self.run("revoke", &[id]);
-        assert!(output.status.success(), "{output:?}");
-    }
-
-    /// A server that asks for these tokens.
-    fn server(&self, arguments: &[&str]) -> Program {
-        let file = self.path();
-        let tokens = ["--tokens", file.to_str().unwrap()];
-        let arguments = [&tokens, arguments].concat();
-        Program::with(self.folder.path(), &arguments)
-    }
-}
 
 async fn ask(server: &Program, method: Method, path: &str, token: Option<&str>) -> Response {
     let url = format!("http://{}{path}", server.address);
@@ -115,7 +64,7 @@ enum Expected {
     Answer,
 }
 
-fn cases(file: &File) -> Vec<Case> {
+fn cases(file: &TokensFile) -> Vec<Case> {
     use Expected::*;
     let case = |name, token, expected| Case {
         name,
@@ -156,7 +105,7 @@ fn needed(operation: &Value) -> Option<String> {
 /// Every route with every kind of token.
 #[tokio::test]
 async fn every_route_asks_for_its_token() {
-    let file = File::new();
+    let file = TokensFile::new();
     let cases = cases(&file);
     let scopes = ["jobs:read", "jobs:write", "metrics"];
     let without = |scope: &str| {
@@ -249,7 +198,7 @@ async fn every_route_asks_for_its_token() {
 /// Every call with every kind of token, as bytes: what is denied is denied before a message is read.
 #[tokio::test]
 async fn every_call_asks_for_its_token() {
-    let file = File::new();
+    let file = TokensFile::new();
     let cases = cases(&file);
     let reader = file.token("a", "jobs:read");
     let writer = file.token("a", "jobs:write");
@@ -303,7 +252,7 @@ async fn every_call_asks_for_its_token() {
 /// Paths, methods and headers that mean something else elsewhere.
 #[tokio::test]
 async fn nothing_gets_around_a_token() {
-    let file = File::new();
+    let file = TokensFile::new();
     let token = file.token("default", ALL);
     let server = file.server(&[]);
     let raw = async |line: &str, headers: &str| {
@@ -379,7 +328,7 @@ async fn nothing_gets_around_a_token() {
 
 #[tokio::test]
 async fn a_tenant_knows_of_its_own_jobs_alone() {
-    let file = File::new();
+    let file = TokensFile::new();
     let (a, b) = (file.token("a", ALL), file.token("b", ALL));
     let server = file.server(&[]);
     let keyed = async |token: &str| {
@@ -465,7 +414,7 @@ async fn a_tenant_knows_of_its_own_jobs_alone() {
 
 #[tokio::test]
 async fn a_ticket_opens_the_stream_of_its_job() {
-    let file = File::new();
+    let file = TokensFile::new();
     let (a, b) = (
         file.token("a", "jobs:read,jobs:write"),
         file.token("b", ALL),
@@ -528,7 +477,7 @@ async fn a_ticket_opens_the_stream_of_its_job() {
 
 #[tokio::test]
 async fn tokens_come_and_go_while_the_server_runs() {
-    let file = File::new();
+    let file = TokensFile::new();
     let first = file.token("default", ALL);
     let server = file.server(&[]);
     let answers = async |token: &str| status(&server, Method::GET, "/v1/jobs", Some(token)).await;
@@ -639,7 +588,7 @@ async fn a_token_of_the_variable_is_good_for_everything() {
 
 #[test]
 fn tokens_are_told_once_and_kept_as_hashes() {
-    let file = File::new();
+    let file = TokensFile::new();
     let output = file.run(
         "create",
         &[

@@ -32,7 +32,12 @@ async fn one_client_does_not_fill_the_queue() {
     let (status, answer) = problem(response).await;
     assert_eq!(status, 429);
     assert_eq!(answer["type"], "/problems/too-many-jobs");
-    assert!(answer["detail"].as_str().unwrap().contains("2 jobs"));
+    assert!(
+        answer["detail"]
+            .as_str()
+            .unwrap()
+            .contains("2 of your jobs")
+    );
     // An edit is a job, too.
     let edit = server.post(&format!("{}/edits", base(&first)));
     let edit = edit.json(&json!({"stop": {"tolerance": 1}}));

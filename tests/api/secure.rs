@@ -27,16 +27,16 @@ use crate::program::{PROGRAM, Program};
 use crate::support::{PATIENCE, eventually};
 
 /// An authority that signs certificates.
-struct Authority(CertifiedIssuer<'static, KeyPair>);
+pub struct Authority(CertifiedIssuer<'static, KeyPair>);
 
 /// A certificate and its key, as PEM.
-struct Signed {
+pub struct Signed {
     certificate: String,
     key: String,
 }
 
 impl Authority {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let mut params = CertificateParams::default();
         params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
         params
@@ -47,7 +47,7 @@ impl Authority {
     }
 
     /// Signs a certificate for this machine.
-    fn sign(&self) -> Signed {
+    pub fn sign(&self) -> Signed {
         let key = KeyPair::generate().unwrap();
         let names = ["localhost".to_owned(), "127.0.0.1".to_owned()];
         let params = CertificateParams::new(names).unwrap();
@@ -64,13 +64,13 @@ impl Authority {
 }
 
 /// A server with TLS and the files that it reads.
-struct Secure {
+pub struct Secure {
     folder: TempDir,
-    server: Program,
+    pub server: Program,
 }
 
 impl Secure {
-    fn start(signed: &Signed, arguments: &[&str]) -> Self {
+    pub fn start(signed: &Signed, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         put(&folder, signed);
         let files = tls_arguments(&folder);
@@ -80,7 +80,7 @@ impl Secure {
         Self { folder, server }
     }
 
-    fn url(&self, path: &str) -> String {
+    pub fn url(&self, path: &str) -> String {
         format!("https://{}{path}", self.server.address)
     }
 
@@ -111,32 +111,37 @@ fn tls_arguments(folder: &TempDir) -> [String; 4] {
     ["--tls-cert".into(), certificate, "--tls-key".into(), key]
 }
 
+/// Trusts authorities, and may have a certificate of its own.
+pub fn trusting(authorities: &[&Authority], own: Option<&Signed>) -> ClientConfig {
+    let mut roots = RootCertStore::empty();
+    for authority in authorities {
+        roots.add(authority.der()).unwrap();
+    }
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = ClientConfig::builder_with_provider(provider);
+    let config = config.with_safe_default_protocol_versions().unwrap();
+    let config = config.with_root_certificates(roots);
+    match own {
+        None => config.with_no_client_auth(),
+        Some(own) => {
+            let chain = CertificateDer::from_pem_slice(own.certificate.as_bytes()).unwrap();
+            let key = PrivateKeyDer::from_pem_slice(own.key.as_bytes()).unwrap();
+            config.with_client_auth_cert(vec![chain], key).unwrap()
+        }
+    }
+}
+
 /// A client that trusts authorities.
 #[derive(Clone)]
-struct Client(legacy::Client<HttpsConnector<HttpConnector>, Full<Bytes>>);
+pub struct Client(legacy::Client<HttpsConnector<HttpConnector>, Full<Bytes>>);
 
 impl Client {
-    fn of(authorities: &[&Authority]) -> Self {
+    pub fn of(authorities: &[&Authority]) -> Self {
         Self::with(authorities, None, true)
     }
 
     fn with(authorities: &[&Authority], own: Option<&Signed>, is_new: bool) -> Self {
-        let mut roots = RootCertStore::empty();
-        for authority in authorities {
-            roots.add(authority.der()).unwrap();
-        }
-        let provider = Arc::new(rustls::crypto::ring::default_provider());
-        let config = ClientConfig::builder_with_provider(provider);
-        let config = config.with_safe_default_protocol_versions().unwrap();
-        let config = config.with_root_certificates(roots);
-        let config = match own {
-            None => config.with_no_client_auth(),
-            Some(own) => {
-                let chain = CertificateDer::from_pem_slice(own.certificate.as_bytes()).unwrap();
-                let key = PrivateKeyDer::from_pem_slice(own.key.as_bytes()).unwrap();
-                config.with_client_auth_cert(vec![chain], key).unwrap()
-            }
-        };
+        let config = trusting(authorities, own);
         let connector = HttpsConnectorBuilder::new().with_tls_config(config);
         let connector = connector.https_only();
         let connector = match is_new {
@@ -161,7 +166,7 @@ impl Client {
         self.0.request(request.body(body.into()).unwrap()).await
     }
 
-    async fn get(&self, url: &str) -> Response<Incoming> {
+    pub async fn get(&self, url: &str) -> Response<Incoming> {
         let answer = self.send(Method::GET, url, "*/*", String::new()).await;
         answer.unwrap()
     }

@@ -2124,7 +2124,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/quota-exceeded" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -3739,17 +3739,6 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/too-many-jobs`: So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After. */
-        "too-many-jobs": {
-            headers: {
-                "X-Request-Id": components["headers"]["X-Request-Id"];
-                "Retry-After": components["headers"]["Retry-After"];
-                [name: string]: unknown;
-            };
-            content: {
-                "application/problem+json": components["schemas"]["Problem"];
-            };
-        };
         /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
         "store-away": {
             headers: {
@@ -3775,6 +3764,17 @@ export interface components {
         "no-tickets": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota. */
+        "quota-exceeded": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                "Retry-After": components["headers"]["Retry-After"];
                 [name: string]: unknown;
             };
             content: {
@@ -4140,10 +4140,10 @@ export type ResponseBodyTooLarge = components['responses']['body-too-large'];
 export type ResponseInvalidFit = components['responses']['invalid-fit'];
 export type ResponseBusy = components['responses']['busy'];
 export type ResponseNoExport = components['responses']['no-export'];
-export type ResponseTooManyJobs = components['responses']['too-many-jobs'];
 export type ResponseStoreAway = components['responses']['store-away'];
 export type ResponseAlreadyEnded = components['responses']['already-ended'];
 export type ResponseNoTickets = components['responses']['no-tickets'];
+export type ResponseQuotaExceeded = components['responses']['quota-exceeded'];
 export type ResponseNoDeviation = components['responses']['no-deviation'];
 export type ResponseNoLimit = components['responses']['no-limit'];
 export type ParameterId = components['parameters']['id'];
@@ -4689,7 +4689,20 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            429: components["responses"]["too-many-jobs"];
+            /**
+             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
@@ -4835,7 +4848,20 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            429: components["responses"]["too-many-jobs"];
+            /**
+             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
@@ -4987,7 +5013,20 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            429: components["responses"]["too-many-jobs"];
+            /**
+             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
@@ -5304,7 +5343,20 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            429: components["responses"]["too-many-jobs"];
+            /**
+             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
@@ -5475,7 +5527,20 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            429: components["responses"]["too-many-jobs"];
+            /**
+             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
@@ -5609,6 +5674,7 @@ export interface operations {
                 };
             };
             406: components["responses"]["not-acceptable"];
+            429: components["responses"]["quota-exceeded"];
             500: components["responses"]["internal"];
             503: components["responses"]["store-away"];
         };

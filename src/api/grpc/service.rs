@@ -21,6 +21,7 @@ use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
 use crate::api::{jobs, levels};
 use crate::config::Config;
+use crate::job::quota::OpenStream;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::job::{Held, Job};
@@ -115,8 +116,15 @@ impl Service {
     }
 
     /// The events of a job from there on.
-    fn events(&self, job: Arc<Job>, options: StreamOptions, start: Start, held: Held) -> Events {
-        let feed = Feed::new(&self.0, job, options, start, held);
+    fn events(
+        &self,
+        job: Arc<Job>,
+        options: StreamOptions,
+        start: Start,
+        held: Held,
+        open: OpenStream,
+    ) -> Events {
+        let feed = Feed::new(&self.0, job, options, start, held, open);
         Box::pin(stream::unfold(Some(feed), next))
     }
 }
@@ -183,6 +191,7 @@ impl FittingService for Service {
     async fn fit(&self, request: Request<pb::FitRequest>) -> Reply<Events> {
         let message = request.into_inner();
         let spec = stream_of::of_call(message.stream).map_err(fields::wrong)?;
+        let open = self.0.open_stream().map_err(Problem::from)?;
         let accepted = self.make(message.input, message.idempotency_key, Some(&spec));
         let Accepted { job, replayed } = accepted.await?;
         let outline = job.outline();
@@ -193,7 +202,13 @@ impl FittingService for Service {
         // A job that was made before has a stream of its own; only that one may cancel it.
         options.cancels &= !replayed;
         let held = job.held().await?;
-        Ok(Response::new(self.events(job, options, Start::First, held)))
+        Ok(Response::new(self.events(
+            job,
+            options,
+            Start::First,
+            held,
+            open,
+        )))
     }
 
     async fn get_job(&self, request: Request<pb::GetJobRequest>) -> Reply<pb::GetJobResponse> {
@@ -317,13 +332,14 @@ impl FittingService for Service {
         let options = StreamOptions::of_reader(&spec, defaults, true, surface);
         let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
         let options = options.map_err(wrong)?;
-        let held = job.held().await?;
         let after = message.resume_after.map(level);
         let start = after.map(|k| resuming::after_iteration(&job, k));
         let start = start
             .transpose()
             .map_err(|detail| Problem::at_field("resume_after", detail))?;
         let start = start.unwrap_or(Start::First);
-        Ok(Response::new(self.events(job, options, start, held)))
+        let open = self.0.open_stream().map_err(Problem::from)?;
+        let held = job.held().await?;
+        Ok(Response::new(self.events(job, options, start, held, open)))
     }
 }

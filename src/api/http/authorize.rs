@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use parking_lot::Mutex;
 use tonic::Status;
 use tracing::info;
 use uuid::Uuid;
@@ -18,6 +20,7 @@ use crate::api::grpc;
 use crate::api::problem::{Kind, Problem};
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
+use crate::log_throttle::LogThrottle;
 
 /// The only resource that takes tickets, and their query parameter.
 const EVENTS: &str = "/v1/jobs/{id}/events";
@@ -44,7 +47,12 @@ pub(super) struct Guard {
     pub(super) tokens: Arc<Tokens>,
     pub(super) methods: Arc<Methods>,
     pub(super) counters: Counters,
+    /// Requests of nobody knows whom.
+    pub(super) strangers: Arc<Mutex<LogThrottle>>,
 }
+
+/// How often the log tells of strangers at most: whoever asks without end must not fill it.
+pub(super) const TELLING: Duration = Duration::from_secs(1);
 
 /// Answers a request for the tenant of its token, or says why not.
 pub(super) async fn authorize(
@@ -105,7 +113,13 @@ impl Guard {
         self.counters.count_denial(reason);
         let peer = Peer::current().map(|it| it.to_string());
         let token = denial.token();
-        info!(reason, %method, route, peer, token, "a request was turned away");
+        let count = match token {
+            Some(_) => Some(1),
+            None => self.strangers.lock().record(Instant::now()),
+        };
+        if let Some(count) = count {
+            info!(reason, %method, route, peer, token, count, "a request was turned away");
+        }
         let problem = problem(denial);
         let challenge = match denial {
             Denial::Missing => "Bearer realm=\"piad\"",

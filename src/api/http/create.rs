@@ -26,6 +26,7 @@ use crate::api::proto;
 use crate::api::resuming::Start;
 use crate::api::stream::feed::Feed;
 use crate::config::Config;
+use crate::job::quota::OpenStream;
 use crate::job::service::creating::Accepted;
 use crate::job::store::IdempotencyKey;
 use crate::model::edit::EditRequest;
@@ -59,7 +60,7 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
     let fields = Fields::of_points(&request, &OF_STREAMS)?;
     let mut posted = Posted::read(&app, request, choice, fields.as_ref()).await?;
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
-        return posted.answer(&app, known).await;
+        return posted.answer(&app, known, None).await;
     }
     let (language, body, room) = posted.take_body();
     let order = order(&app, language, body, fields.map(|(_, fields)| fields)).await?;
@@ -118,7 +119,7 @@ async fn post_edit(
     let mut posted = Posted::read(&app, request, choice, None).await?;
     // Before the parent is looked for, which may have been deleted.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
-        return posted.answer(&app, known).await;
+        return posted.answer(&app, known, None).await;
     }
     let parent = jobs::find(&app, &id).await?;
     let (language, body, room) = posted.take_body();
@@ -227,11 +228,16 @@ impl Posted {
 
     async fn create(self, app: &App, order: Order) -> Result<Response, Problem> {
         let spec = self.query.spec(order.is_surface())?;
-        if let Answer::Events(framing) = self.answer {
-            order.check_stream(&spec, framing)?;
-        }
+        let stream = match self.answer {
+            Answer::Events(framing) => {
+                order.check_stream(&spec, framing)?;
+                // Before the job is made: it is not asked for without its stream.
+                Some(app.open_stream()?)
+            }
+            Answer::Job(_) => None,
+        };
         let accepted = order.make(app, self.key.clone()).await?;
-        self.answer(app, accepted).await
+        self.answer(app, accepted, stream).await
     }
 
     /// The events of an ephemeral edit, which is nowhere else.
@@ -254,7 +260,12 @@ impl Posted {
         ))
     }
 
-    async fn answer(self, app: &App, accepted: Accepted) -> Result<Response, Problem> {
+    async fn answer(
+        self,
+        app: &App,
+        accepted: Accepted,
+        stream: Option<OpenStream>,
+    ) -> Result<Response, Problem> {
         let Accepted { job, replayed } = accepted;
         let mut response = match self.answer {
             Answer::Events(framing) => {
@@ -270,8 +281,9 @@ impl Posted {
                     let problem = job.problem().await?;
                     options::check_range(&spec, defaults, &problem)?;
                 }
+                let stream = stream.map_or_else(|| app.open_stream(), Ok)?;
                 let held = job.held().await?;
-                let feed = Feed::new(app, Arc::clone(&job), options, Start::First, held);
+                let feed = Feed::new(app, Arc::clone(&job), options, Start::First, held, stream);
                 events::stream(framing, feed)
             }
             Answer::Job(language) => {

@@ -60,14 +60,15 @@ pub(super) async fn get(
         let problem = job.problem().await?;
         options::check_range(&spec, defaults, &problem)?;
     }
-    let held = job.held().await?;
     let start = match last_event_id(&job, &headers, query.last_event_id)? {
         None => Start::First,
         // 204 is the only status that keeps an EventSource from reconnecting.
         Some(LastEvent::End) => return Ok(StatusCode::NO_CONTENT.into_response()),
         Some(LastEvent::Iteration(start)) => start,
     };
-    let mut response = stream(framing, Feed::new(&app, job, options, start, held));
+    let open = app.open_stream()?;
+    let held = job.held().await?;
+    let mut response = stream(framing, Feed::new(&app, job, options, start, held, open));
     if let Start::After(k) = start {
         let headers = response.headers_mut();
         headers.insert(RESUMED_AFTER, HeaderValue::from(k));

@@ -8,6 +8,7 @@ use axum::extract::{MatchedPath, Request};
 use axum::http::StatusCode;
 use axum::middleware;
 use axum::{Extension, Router, http};
+use parking_lot::Mutex;
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::classify::ServerErrorsFailureClass;
@@ -28,6 +29,7 @@ use crate::api::grpc;
 use crate::api::openapi::resources::Resources;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
+use crate::log_throttle::LogThrottle;
 use crate::model::short;
 use crate::telemetry;
 use crate::telemetry::request::RequestTrace;
@@ -40,6 +42,7 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
         tokens,
         methods: Arc::clone(&methods),
         counters: app.jobs.resources().counters.clone(),
+        strangers: Arc::new(Mutex::new(LogThrottle::new(authorize::TELLING))),
     });
     let guard = guard.map(|guard| middleware::from_fn_with_state(guard, authorize::authorize));
     let log = TraceLayer::new_for_http().make_span_with(span);

@@ -3,6 +3,7 @@
 use super::{Kind, Problem};
 use crate::api::json::request::places::Places;
 use crate::import;
+use crate::job::quota::Exceeded;
 use crate::job::scheduler::Broken;
 use crate::job::service::refused::Refused;
 use crate::job::state::Failure;
@@ -57,8 +58,19 @@ impl From<Refused> for Problem {
         match refused {
             Refused::Full { .. } => Self::new(Kind::QueueFull, detail).retry_after(5),
             Refused::PeerFull { .. } => Self::new(Kind::TooManyJobs, detail).retry_after(5),
+            Refused::Quota(exceeded) => exceeded.into(),
             Refused::KeyTaken(_) => Self::new(Kind::KeyTaken, detail),
             Refused::Store(error) => error.into(),
+        }
+    }
+}
+
+impl From<Exceeded> for Problem {
+    fn from(exceeded: Exceeded) -> Self {
+        let problem = Self::new(Kind::QuotaExceeded, exceeded.to_string());
+        match exceeded.for_good {
+            true => problem,
+            false => problem.retry_after(5),
         }
     }
 }

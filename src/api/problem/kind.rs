@@ -185,7 +185,12 @@ kinds! {
     TooManyJobs {
         "too-many-jobs", TOO_MANY_REQUESTS, ResourceExhausted,
         "You have as many jobs as one client may have",
-        "So many jobs from one address may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After."
+        "So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After."
+    }
+    QuotaExceeded {
+        "quota-exceeded", TOO_MANY_REQUESTS, ResourceExhausted,
+        "The tenant would have more than its quota",
+        "Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota."
     }
     TooManyConnections {
         "too-many-connections", SERVICE_UNAVAILABLE, Unavailable,

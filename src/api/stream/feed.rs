@@ -21,6 +21,7 @@ use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
+use crate::job::quota::OpenStream;
 use crate::job::service::ephemeral::Ephemeral;
 use crate::job::state::Status;
 use crate::job::store::StoreError;
@@ -90,7 +91,7 @@ pub(crate) struct Feed {
     /// When the next heartbeat is due if there is no other event.
     quiet_until: Instant,
     stopping: watch::Receiver<bool>,
-    _open: Open,
+    _open: (Open, OpenStream),
     /// Held so that the feed can end properly even if the job is deleted.
     held: Held,
     /// Ephemeral edits: the level of the parent that they start from.
@@ -107,9 +108,10 @@ impl Feed {
         options: StreamOptions,
         start: Start,
         held: Held,
+        stream: OpenStream,
     ) -> Self {
         let cursor = Cursor::new(Arc::clone(&job), 0);
-        Self::reading(app, job, cursor, options, start, held)
+        Self::reading(app, job, cursor, options, start, held, stream)
     }
 
     /// The events of an ephemeral edit, which ends with them.
@@ -119,11 +121,13 @@ impl Feed {
         before: Arc<Frame>,
         options: StreamOptions,
     ) -> Self {
-        let Ephemeral { job, run, .. } = edit;
+        let Ephemeral {
+            job, run, stream, ..
+        } = edit;
         let cursor = Cursor::attached(Arc::clone(&job), run);
         let held = Some(edit.system);
         let (every, selects) = (options.every, !options.milestones.is_empty());
-        let mut feed = Self::reading(app, job, cursor, options, Start::First, held);
+        let mut feed = Self::reading(app, job, cursor, options, Start::First, held, stream);
         // Iteration 0 is the level of the parent: who leaves out iterations does not need it.
         if every > 1 && !selects {
             feed.cursor.seek(every);
@@ -142,6 +146,7 @@ impl Feed {
         options: StreamOptions,
         start: Start,
         held: Held,
+        stream: OpenStream,
     ) -> Self {
         if options.latest {
             cursor.only_latest(options.every);
@@ -173,7 +178,7 @@ impl Feed {
             heartbeat: app.config.heartbeat,
             quiet_until: Instant::now(),
             stopping: app.stopping.clone(),
-            _open: open,
+            _open: (open, stream),
             held,
             before: None,
             room: None,

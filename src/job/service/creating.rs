@@ -13,7 +13,7 @@ use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
 use crate::job::run::SharedSystem;
 use crate::job::state::Status;
-use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, StoreError};
+use crate::job::store::{IdempotencyEntry, IdempotencyKey, Insertion, Record, StoreError};
 use crate::telemetry::request::RequestTrace;
 
 /// The job for a request that was accepted.
@@ -77,7 +77,10 @@ impl Jobs {
         // In memory before it is in the store, so that whoever finds it there finds this one.
         let job = self.bring_to_life(record.clone(), peer, false);
         job.trace.begin(job.outline(), request);
-        let inserted = self.store.insert(record, Arc::clone(&problem), key.clone());
+        let quota = self.resources.quotas.of(record.outline.tenant);
+        let inserted = self
+            .store
+            .insert(record, Arc::clone(&problem), key.clone(), quota);
         let inserted = job.trace.store("insert", inserted);
         // The answer waits for the disk, the fit does not. A job that has to wait for memory drops its
         // points and reads them from the store again.
@@ -90,18 +93,26 @@ impl Jobs {
             }
             None => Some(slot),
         };
-        let existing = inserted.await.inspect_err(|_| {
+        let inserted = inserted.await.inspect_err(|_| {
             self.abandon(&job);
             self.follow_abandoned(&job);
         })?;
-        if let Some(entry) = existing {
-            self.abandon(&job);
-            return self.job_of(entry, key.as_ref()).await;
+        match inserted {
+            Insertion::New => {}
+            Insertion::Known(entry) => {
+                self.abandon(&job);
+                return self.job_of(entry, key.as_ref()).await;
+            }
+            Insertion::Refused(exceeded) => {
+                self.abandon(&job);
+                self.resources.counters.count_exceeded(job.outline().tenant);
+                return Err(exceeded.into());
+            }
         }
         if let Some(slot) = waiting {
             self.start_driving(Arc::clone(&job), None, slot);
         }
-        self.resources.counters.accepted.inc();
+        self.resources.counters.count_job(job.outline());
         info!(job = %job.id(), points = job.outline().grid.count(), "job accepted");
         Ok(Some(Accepted {
             job,

@@ -11,6 +11,7 @@ use crate::job::Job;
 use crate::job::memory::Permit;
 use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
+use crate::job::quota::OpenStream;
 use crate::job::run::SharedSystem;
 use crate::job::run::attached::Attached;
 use crate::job::scheduler::WorkLane;
@@ -26,6 +27,8 @@ pub(crate) struct Ephemeral {
     pub run: Attached,
     /// Held by nobody else once the run has ended.
     pub system: Arc<SharedSystem>,
+    /// It counts as a stream of its tenant.
+    pub stream: OpenStream,
     /// The memory that all this takes; `None` if it was replaced before it began.
     pub room: Option<Permit>,
 }
@@ -65,6 +68,7 @@ impl Jobs {
         let peer = Peer::current();
         let outline = Outline::new(label, &problem, peer);
         let slot = self.slots.take(peer)?;
+        let stream = self.resources.open_stream(outline.tenant)?;
         let trace = Arc::new(JobTrace::default());
         trace.begin(&outline, RequestTrace::current().as_ref());
         let queue = trace.queue();
@@ -98,6 +102,7 @@ impl Jobs {
             job,
             run: attached,
             system,
+            stream,
             room,
         })
     }

@@ -29,7 +29,7 @@ use super::peer::Peer;
 use super::recent::Recent;
 use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
-use super::slots::{Quota, Slots};
+use super::slots::{PerPeer, Slots};
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
 use crate::fit::admission::Admission;
 use sessions::Sessions;
@@ -60,7 +60,7 @@ pub(crate) struct JobLimits {
     /// Jobs that have not ended.
     pub jobs: usize,
     /// Those of them that one peer has made.
-    pub jobs_of_a_peer: Quota,
+    pub jobs_of_a_peer: PerPeer,
     /// What is kept of jobs that have ended.
     pub retention: Retention,
 }

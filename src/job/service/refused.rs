@@ -3,6 +3,7 @@
 use thiserror::Error;
 use uuid::Uuid;
 
+use crate::job::quota::Exceeded;
 use crate::job::slots::NoSlot;
 use crate::job::store::StoreError;
 
@@ -13,8 +14,11 @@ pub enum Refused {
     #[error("{limit} jobs are unfinished, the limit of this server")]
     Full { limit: usize },
     /// The peer has as many unfinished jobs as one may have.
-    #[error("{limit} jobs from your address are unfinished, as many as one address may have now")]
+    #[error("{limit} of your jobs are unfinished, as many as one client may have now")]
     PeerFull { limit: usize },
+    /// The tenant has as much as it may have.
+    #[error(transparent)]
+    Quota(#[from] Exceeded),
     /// The idempotency key was used for another request.
     #[error("the key was used for another request, which made job {0}")]
     KeyTaken(Uuid),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{IdempotencyKey, Record, Selection, Store, StoreError};
 use crate::fit::problem::Problem;
+use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 
@@ -90,7 +91,8 @@ impl Store {
             status: Status::QUEUED,
             ..job.record
         };
-        self.insert(queued, job.problem, job.key).await?;
+        let quota = Quota::default();
+        self.insert(queued, job.problem, job.key, quota).await?;
         if status.state.is_final() {
             self.finish(id, status, job.result).await?;
         }

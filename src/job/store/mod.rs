@@ -29,6 +29,7 @@ use uuid::Uuid;
 use super::counters::Counters;
 use super::outline::Outline;
 use super::peer::Peer;
+use super::quota::{Exceeded, Quota};
 use super::result::LastGeometry;
 use super::scheduler::Broken;
 use super::state::{State, Status};
@@ -108,6 +109,17 @@ impl IdempotencyEntry {
     pub(crate) fn has_expired(&self) -> bool {
         is_older(self.created, KEY_LIFETIME)
     }
+}
+
+/// What has become of a job that was to be kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Insertion {
+    /// It is kept.
+    New,
+    /// There is an entry for the same key.
+    Known(IdempotencyEntry),
+    /// Its tenant would have too much.
+    Refused(Exceeded),
 }
 
 /// Which jobs to list.
@@ -216,16 +228,18 @@ impl Store {
         }
     }
 
-    /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
+    /// Keeps a new job, unless there is an entry for the same key, or its tenant would have more than its
+    /// quota then. No two insertions together exceed a quota.
     pub(crate) fn insert(
         &self,
         record: Record,
         problem: Arc<Problem>,
         key: Option<IdempotencyKey>,
-    ) -> Acknowledgement<Option<IdempotencyEntry>> {
+        quota: Quota,
+    ) -> Acknowledgement<Insertion> {
         match self {
-            Self::Embedded(it) => it.insert(record, problem, key),
-            Self::Shared(it) => it.insert(record, problem, key),
+            Self::Embedded(it) => it.insert(record, problem, key, quota),
+            Self::Shared(it) => it.insert(record, problem, key, quota),
         }
     }
 

@@ -8,11 +8,12 @@ use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
 use super::embedded::Embedded;
-use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Record, Retention, Selection, Store};
+use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Insertion, Record, Retention, Selection, Store};
 use crate::fit::bases::Bases;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
+use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
@@ -20,6 +21,7 @@ use crate::job::tenant::Tenant;
 
 mod kinds;
 mod obeying;
+mod quotas;
 mod replicas;
 
 /// Runs each case against a store in a file, one in memory, and one in a database.
@@ -69,13 +71,25 @@ for_each_store!(
     the_first_jobs_to_end_are_the_first_to_be_forgotten,
     jobs_are_forgotten_for_their_bytes_and_their_age,
     many_jobs_are_forgotten_in_several_goes,
+    no_more_jobs_are_kept_than_a_quota_allows,
+    what_jobs_take_is_given_back,
 );
+
+use quotas::{no_more_jobs_are_kept_than_a_quota_allows, what_jobs_take_is_given_back};
 
 /// Keeps everything.
 const FOR_EVER: Retention = Retention {
     jobs: usize::MAX,
     bytes: u64::MAX,
     age: Duration::MAX,
+};
+
+/// Limits nothing.
+const NONE: Quota = Quota {
+    jobs: None,
+    points: None,
+    bytes: None,
+    streams: None,
 };
 
 /// Lists everything.
@@ -94,14 +108,18 @@ async fn insert(store: &Store) -> Record {
 }
 
 async fn insert_record(store: &Store, record: &Record) {
-    let inserted = store.insert(record.clone(), Arc::new(problem()), None);
-    assert_eq!(inserted.await.unwrap(), None);
+    let inserted = store.insert(record.clone(), Arc::new(problem()), None, NONE);
+    assert_eq!(inserted.await.unwrap(), Insertion::New);
 }
 
 /// Inserts a job with a key; gives the id of the job that was made for the key before.
 async fn insert_with_key(store: &Store, record: &Record, name: &str) -> Option<Uuid> {
-    let inserted = store.insert(record.clone(), Arc::new(problem()), Some(key(name)));
-    inserted.await.unwrap().map(|entry| entry.id)
+    let (problem, key) = (Arc::new(problem()), Some(key(name)));
+    let inserted = store.insert(record.clone(), problem, key, NONE);
+    match inserted.await.unwrap() {
+        Insertion::Known(entry) => Some(entry.id),
+        _ => None,
+    }
 }
 
 fn key(name: &str) -> IdempotencyKey {
@@ -160,10 +178,10 @@ async fn every_kind_of_problem_is_kept_to_the_bit(store: &Store) {
     let jobs = problems.map(|problem| (kinds::record(&problem), problem));
     let jobs: Vec<(Record, Arc<Problem>)> = jobs.collect();
     let insert = |(record, problem): &(Record, Arc<Problem>)| {
-        store.insert(record.clone(), Arc::clone(problem), None)
+        store.insert(record.clone(), Arc::clone(problem), None, NONE)
     };
     for inserted in futures_util::future::join_all(jobs.iter().map(insert)).await {
-        assert_eq!(inserted.unwrap(), None);
+        assert_eq!(inserted.unwrap(), Insertion::New);
     }
     for (record, problem) in jobs {
         let id = record.outline.id;
@@ -199,7 +217,7 @@ async fn chosen_knots_are_kept(store: &Store) {
 async fn writes_take_effect_in_the_order_of_their_calls(store: &Store) {
     let record = queued();
     let id = record.outline.id;
-    let inserted = store.insert(record, Arc::new(problem()), None);
+    let inserted = store.insert(record, Arc::new(problem()), None, NONE);
     let started = store.start(id, Status::running(), false);
     let end = converged(0);
     let finished = store.finish(id, end.clone(), None);
@@ -210,7 +228,7 @@ async fn writes_take_effect_in_the_order_of_their_calls(store: &Store) {
     assert_eq!(store.get(id).await.unwrap().unwrap().status, end);
     // Lists come after the writes that were called before them, whether anybody waits for these or not.
     let other = queued();
-    let not_awaited = store.insert(other.clone(), Arc::new(problem()), None);
+    let not_awaited = store.insert(other.clone(), Arc::new(problem()), None, NONE);
     assert_eq!(ids(store).await, [id, other.outline.id]);
     not_awaited.await.unwrap();
 }

@@ -5,7 +5,7 @@
 //!   wrong with it; [`error`]: errors and panics of the database;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
 //!   and back; [`transaction`]: what changes do to the tables; [`ended`]: which jobs that have ended to
-//!   forget; [`recovery`]: after a crash;
+//!   forget; [`usage`]: what tenants have; [`recovery`]: after a crash;
 //! - [`salvage`]: what can be read of a damaged file, with an [`overlay`] above it.
 
 mod change;
@@ -19,6 +19,7 @@ mod recovery;
 pub(crate) mod salvage;
 pub(super) mod tables;
 mod transaction;
+mod usage;
 mod writer;
 
 use std::collections::HashSet;
@@ -28,11 +29,12 @@ use std::sync::Arc;
 use uuid::Uuid;
 
 use super::{
-    Acknowledgement, IdempotencyEntry, IdempotencyKey, OpenError, Record, Retention, Selection,
-    StoreError,
+    Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, OpenError, Record, Retention,
+    Selection, StoreError,
 };
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
+use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use database::JobDatabase;
@@ -69,16 +71,17 @@ impl Embedded {
         Ok(Self { database, writer })
     }
 
-    /// Keeps a new job, unless there is an entry for the same key: then gives that entry.
+    /// See [`super::Store::insert`].
     pub(crate) fn insert(
         &self,
         record: Record,
         problem: Arc<Problem>,
         key: Option<IdempotencyKey>,
-    ) -> Acknowledgement<Option<IdempotencyEntry>> {
+        quota: Quota,
+    ) -> Acknowledgement<Insertion> {
         let points = problem.grid().count();
         self.writer.write(points, move |transaction| {
-            transaction.insert(&record, &problem, key.as_ref())
+            transaction.insert(&record, &problem, key.as_ref(), &quota)
         })
     }
 

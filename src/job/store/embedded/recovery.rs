@@ -11,7 +11,8 @@ use crate::job::store::StoreError;
 
 impl Transaction<'_> {
     /// Puts jobs that were running when the process ended back into the queue, or fails those that have
-    /// been in too many crashes; and counts the jobs that have ended. This reads every header.
+    /// been in too many crashes; and counts the jobs that have ended, and what tenants have. This reads
+    /// every header.
     pub(super) fn recover(&mut self) -> Result<(), StoreError> {
         let mut running = Vec::new();
         for item in self.headers.iter()? {
@@ -20,7 +21,10 @@ impl Transaction<'_> {
             let header = tables::header_in(id, bytes.value())?;
             if header.record.status.state == State::Running {
                 running.push((id, header));
-            } else if let Some(at) = header.record.status.finished {
+                continue;
+            }
+            self.usage.add(&header);
+            if let Some(at) = header.record.status.finished {
                 let bytes = header.bytes;
                 self.changes.push(EndedChange::Add { at, id, bytes });
             }
@@ -31,6 +35,7 @@ impl Transaction<'_> {
             header.record.recover(any_on_probation);
             let crashes = header.record.crashes;
             warn!(job = %id, crashes, "a job was running when the process ended");
+            self.usage.add(&header);
             self.put(id, &header)?;
         }
         Ok(())

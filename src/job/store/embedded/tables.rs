@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 use super::envelope::{self, Kind};
+use crate::job::quota::Amount;
 use crate::job::store::{IdempotencyEntry, Record, StoreError, record};
 
 /// The version of what is described here. Files of other versions are refused.
@@ -53,6 +54,20 @@ pub(in crate::job::store) struct Header {
     pub(in crate::job::store) bytes: u64,
     /// The name of the idempotency key of the request that made the job.
     pub(in crate::job::store) key: Option<String>,
+}
+
+impl Header {
+    /// What the job takes of the quota of its tenant.
+    pub(super) fn amount(&self) -> Amount {
+        let of_job = Amount {
+            bytes: self.bytes,
+            ..Amount::default()
+        };
+        match self.record.status.state.is_final() {
+            true => of_job,
+            false => of_job + self.record.outline.amount(),
+        }
+    }
 }
 
 /// The header of this job.

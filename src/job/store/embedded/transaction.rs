@@ -9,11 +9,15 @@ use uuid::Uuid;
 use super::ended::Ended;
 use super::envelope::{self, Kind, envelope};
 use super::tables::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
+use super::usage::Usage;
 use crate::fit::problem::Problem;
+use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use crate::job::store::record;
-use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Retention, StoreError};
+use crate::job::store::{
+    IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, StoreError,
+};
 
 /// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
 /// frees some, which can be used two commits later. Without them no job could be deleted to make room where
@@ -29,6 +33,8 @@ pub(super) struct Transaction<'a> {
     slack: Table<'a, u64, &'static [u8]>,
     /// The jobs that had ended before the transaction.
     ended: &'a Ended,
+    /// What tenants have, with the changes of the transaction.
+    pub(super) usage: Usage,
     /// To be done to [`Ended`] once the transaction is committed.
     pub(super) changes: Vec<EndedChange>,
 }
@@ -43,6 +49,7 @@ impl<'a> Transaction<'a> {
     pub(super) fn open(
         transaction: &'a WriteTransaction,
         ended: &'a Ended,
+        usage: Usage,
     ) -> Result<Self, StoreError> {
         Ok(Self {
             headers: transaction.open_table(HEADERS.table)?,
@@ -51,6 +58,7 @@ impl<'a> Transaction<'a> {
             keys: transaction.open_table(KEYS)?,
             slack: transaction.open_table(SLACK)?,
             ended,
+            usage,
             changes: Vec::new(),
         })
     }
@@ -68,20 +76,31 @@ impl<'a> Transaction<'a> {
         Ok(())
     }
 
-    /// Writes a new job, unless there is an entry for the same key.
+    /// Writes a new job, unless there is an entry for the same key, or it is beyond the quota of its tenant.
     pub(super) fn insert(
         &mut self,
         record: &Record,
         problem: &Problem,
         key: Option<&IdempotencyKey>,
-    ) -> Result<Option<IdempotencyEntry>, StoreError> {
-        let id = record.outline.id;
+        quota: &Quota,
+    ) -> Result<Insertion, StoreError> {
+        let (id, tenant) = (record.outline.id, record.outline.tenant);
+        if let Some(key) = key
+            && let Some(entry) = self.entry(&key.name)?
+            && !entry.has_expired()
+        {
+            return Ok(Insertion::Known(entry));
+        }
+        let input = record::input(problem)?;
+        let header = Header {
+            record: record.clone(),
+            bytes: input.len() as u64,
+            key: key.map(|key| key.name.clone()),
+        };
+        if let Err(exceeded) = quota.admit(tenant, self.usage.of(tenant), header.amount()) {
+            return Ok(Insertion::Refused(exceeded));
+        }
         if let Some(key) = key {
-            if let Some(entry) = self.entry(&key.name)?
-                && !entry.has_expired()
-            {
-                return Ok(Some(entry));
-            }
             let entry = record::write(&IdempotencyEntry {
                 id,
                 digest: key.digest,
@@ -89,15 +108,10 @@ impl<'a> Transaction<'a> {
             })?;
             keep(&mut self.keys, key.name.as_str(), Kind::Key, id, &entry)?;
         }
-        let input = record::input(problem)?;
         keep(&mut self.inputs, id.as_u128(), Kind::Input, id, &input)?;
-        let header = Header {
-            record: record.clone(),
-            bytes: input.len() as u64,
-            key: key.map(|key| key.name.clone()),
-        };
+        self.usage.add(&header);
         self.put(id, &header)?;
-        Ok(None)
+        Ok(Insertion::New)
     }
 
     /// Changes the record of a job. A job that is gone stays gone.
@@ -125,12 +139,14 @@ impl<'a> Transaction<'a> {
         let Some(mut header) = self.header(id)? else {
             return Ok(());
         };
+        self.usage.remove(&header);
         header.record.status = status.clone();
         if let Some(result) = result {
             let bytes = record::geometry(result)?;
             header.bytes += bytes.len() as u64;
             keep(&mut self.results, id.as_u128(), Kind::Result, id, &bytes)?;
         }
+        self.usage.add(&header);
         self.put(id, &header)
     }
 
@@ -139,6 +155,7 @@ impl<'a> Transaction<'a> {
         let Some(header) = self.header(id)? else {
             return Ok(false);
         };
+        self.usage.remove(&header);
         self.headers.remove(id.as_u128())?;
         self.inputs.remove(id.as_u128())?;
         self.results.remove(id.as_u128())?;

@@ -14,6 +14,7 @@ use super::database::JobDatabase;
 use super::ended::Ended;
 use super::error::{catch_panic, not_open};
 use super::transaction::{EndedChange, Transaction};
+use super::usage::Usage;
 use crate::job::counters::Counters;
 use crate::job::store::{Acknowledgement, StoreError};
 
@@ -41,6 +42,7 @@ impl Writer {
             database,
             counters,
             ended: Ended::default(),
+            usage: Usage::default(),
             full_until: None,
         };
         writer.transact(|transaction| transaction.recover())?;
@@ -98,6 +100,7 @@ struct WriterThread {
     database: Arc<JobDatabase>,
     counters: Counters,
     ended: Ended,
+    usage: Usage,
     /// The end of the pause after the disk was full.
     full_until: Option<Instant>,
 }
@@ -180,14 +183,16 @@ impl WriterThread {
             let redb = self.database.redb();
             let redb = redb.as_ref().ok_or_else(not_open)?;
             let write = redb.begin_write()?;
-            let mut transaction = Transaction::open(&write, &self.ended)?;
+            let mut transaction = Transaction::open(&write, &self.ended, self.usage.clone())?;
             work(&mut transaction)?;
             let changes = std::mem::take(&mut transaction.changes);
+            let usage = std::mem::take(&mut transaction.usage);
             drop(transaction);
             write.commit()?;
-            Ok(changes)
+            Ok((changes, usage))
         };
-        let changes = catch_panic(transact).and_then(|done| done)?;
+        let (changes, usage) = catch_panic(transact).and_then(|done| done)?;
+        self.usage = usage;
         for change in changes {
             match change {
                 EndedChange::Add { at, id, bytes } => self.ended.add(at, id, bytes),

@@ -37,6 +37,31 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// A statement with its arguments.
 pub(super) type Statement<'q> = Query<'q, Postgres, PgArguments>;
 
+/// What is done on a connection, perhaps more than once.
+pub(super) trait Work: Sync {
+    type Done: Send;
+
+    /// Does it.
+    fn run(
+        &self,
+        connection: &mut PgConnection,
+    ) -> impl Future<Output = Result<Self::Done, sqlx::Error>> + Send;
+}
+
+/// A statement, with what is written behind its row.
+struct Plain<'a, F> {
+    statement: F,
+    value: Option<&'a Value<'a>>,
+}
+
+impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Plain<'_, F> {
+    type Done = Vec<PgRow>;
+
+    async fn run(&self, connection: &mut PgConnection) -> Result<Vec<PgRow>, sqlx::Error> {
+        execute(connection, (self.statement)(), self.value).await
+    }
+}
+
 /// The connections of a replica.
 pub(super) struct Connections {
     pool: Pool<Connector>,
@@ -102,33 +127,43 @@ impl Connections {
         (status.size, status.size.saturating_sub(status.available))
     }
 
-    /// Runs a statement that moves so many bytes, and gives its rows. See [`Self::run_with`].
+    /// Runs a statement that moves so many bytes, and gives its rows. See [`Self::work`].
     pub(super) async fn run<'q>(
         &self,
         bytes: usize,
-        statement: impl Fn() -> Statement<'q>,
+        statement: impl Fn() -> Statement<'q> + Sync,
     ) -> Result<Vec<PgRow>, StoreError> {
         self.run_with(bytes, statement, None).await
     }
 
     /// Runs a statement; if it gives rows and there are more pieces of a value to be written, all in one
-    /// transaction. What fails as the database cannot be reached is done again on another connection for a
-    /// while, so it must do no harm a second time: the first may have succeeded without an answer.
+    /// transaction. See [`Self::work`].
     pub(super) async fn run_with<'q>(
         &self,
         bytes: usize,
-        statement: impl Fn() -> Statement<'q>,
+        statement: impl Fn() -> Statement<'q> + Sync,
         value: Option<&Value<'_>>,
     ) -> Result<Vec<PgRow>, StoreError> {
+        self.work(bytes, &Plain { statement, value }).await
+    }
+
+    /// Does work that moves so many bytes. What fails as the database cannot be reached is done again on
+    /// another connection for a while, so it must do no harm a second time: the first may have succeeded
+    /// without an answer.
+    pub(super) async fn work<W: Work>(
+        &self,
+        bytes: usize,
+        work: &W,
+    ) -> Result<W::Done, StoreError> {
         let limit = RUN + Duration::from_secs_f64(bytes as f64 / RATE as f64);
         let (begin, mut pause) = (Instant::now(), PAUSE);
         loop {
             // Boxed: what waits for a statement is a part of each request that may need one.
-            let once = Box::pin(self.once(limit, statement(), value));
+            let once = Box::pin(self.once(limit, work));
             let error = match once.await {
-                Ok(rows) => {
+                Ok(done) => {
                     self.reached();
-                    return Ok(rows);
+                    return Ok(done);
                 }
                 Err(error) => error,
             };
@@ -145,22 +180,17 @@ impl Connections {
         }
     }
 
-    async fn once(
-        &self,
-        limit: Duration,
-        statement: Statement<'_>,
-        value: Option<&Value<'_>>,
-    ) -> Result<Vec<PgRow>, StoreError> {
+    async fn once<W: Work>(&self, limit: Duration, work: &W) -> Result<W::Done, StoreError> {
         let mut lease = match self.pool.get().await {
             Ok(connection) => Lease(Some(connection)),
             Err(PoolError::Backend(error)) => return Err(of_database(error)),
             Err(error) => return Err(StoreError::Away(error.to_string())),
         };
         let Some(connection) = lease.0.as_deref_mut() else {
-            return Ok(Vec::new());
+            return Err(StoreError::Failed("the connection is gone".to_owned()));
         };
         self.counters.store_statements.inc();
-        let outcome = match timeout(limit, execute(connection, statement, value)).await {
+        let outcome = match timeout(limit, work.run(connection)).await {
             Ok(outcome) => outcome.map_err(of_database),
             Err(_) => Err(StoreError::Away(format!("no answer within {limit:?}"))),
         };
@@ -184,7 +214,8 @@ impl Connections {
     }
 }
 
-async fn execute(
+/// See [`Connections::run_with`].
+pub(super) async fn execute(
     connection: &mut PgConnection,
     statement: Statement<'_>,
     value: Option<&Value<'_>>,

@@ -32,11 +32,12 @@ use tokio::sync::mpsc;
 use uuid::Uuid;
 
 use super::{
-    Acknowledgement, IdempotencyEntry, IdempotencyKey, Record, Retention, Selection, StoreError,
-    record,
+    Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Selection,
+    StoreError, record,
 };
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
+use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use connection::Connections;
@@ -102,10 +103,11 @@ impl Shared {
         record: Record,
         problem: Arc<Problem>,
         key: Option<IdempotencyKey>,
-    ) -> Acknowledgement<Option<IdempotencyEntry>> {
+        quota: Quota,
+    ) -> Acknowledgement<Insertion> {
         self.change(record.outline.id, async move |store| {
             let input = blocking(move || record::input(&problem)).await?;
-            store.write_job(&record, &input, key.as_ref()).await
+            store.write_job(&record, &input, key.as_ref(), &quota).await
         })
     }
 

@@ -6,20 +6,22 @@
 
 use std::time::Instant;
 
-use sqlx::Row;
 use sqlx::postgres::PgRow;
+use sqlx::{Connection, PgConnection, Row};
 use tracing::warn;
 use uuid::Uuid;
 
-use super::connection::of_database;
+use super::connection::{Statement, Work, execute, of_database};
 use super::hints::Hint;
 use super::pieces::{Table, Value};
 use super::reads::record_of;
 use super::{Claim, Shared};
+use crate::job::outline::Outline;
+use crate::job::quota::{Amount, Exceeded, Quota};
 use crate::job::state::{State, Status};
 use crate::job::store::{
-    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Retention,
-    StoreError, record,
+    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, Insertion, KEY_LIFETIME, Record,
+    Retention, StoreError, record,
 };
 
 /// A new job, and its key if it is free. The first claim of a job that runs at once has epoch 1.
@@ -32,8 +34,8 @@ WITH key AS (
     WHERE keys.created < now() - make_interval(secs => $11)
     RETURNING 1
 ), job AS (
-    INSERT INTO jobs (id, outline, state, status, crashes, input_bytes, epoch, owner, lease_until, tenant)
-    SELECT $1, $2, $3, $4, $5, $6, 1, $12, now() + make_interval(secs => $13), $14
+    INSERT INTO jobs (id, outline, state, status, crashes, input_bytes, epoch, owner, lease_until, tenant, points)
+    SELECT $1, $2, $3, $4, $5, $6, 1, $12, now() + make_interval(secs => $13), $14, $15
     WHERE $8 IS NULL OR EXISTS (SELECT FROM key)
     ON CONFLICT (id) DO NOTHING
     RETURNING id
@@ -41,6 +43,16 @@ WITH key AS (
     INSERT INTO inputs SELECT id, 0, $7 FROM job
 )
 SELECT id FROM job";
+
+/// Who inserts a job of a tenant with a quota waits for who does so already.
+const LOCK: &str = "SELECT pg_advisory_xact_lock(hashtext('piad quota'), hashtext($1))";
+
+/// What the jobs of a tenant take, without this one, which may be there already.
+const AMOUNT: &str = "
+SELECT count(*) FILTER (WHERE finished IS NULL) AS jobs,
+    coalesce(sum(points) FILTER (WHERE finished IS NULL), 0)::bigint AS points,
+    coalesce(sum(input_bytes + result_bytes), 0)::bigint AS bytes
+FROM jobs WHERE tenant = $1 AND id <> $2";
 
 /// A claim of a job that waits, or news of one that this replica has claimed. In the queue of the replica that
 /// has accepted it it still waits.
@@ -106,16 +118,17 @@ const FORGET_KEYS: &str = "DELETE FROM keys WHERE created < now() - make_interva
 const CENTURY: f64 = 3.2e9;
 
 impl Shared {
-    /// Writes a new job, unless there is an entry for the same key.
+    /// Writes a new job, unless there is an entry for the same key, or it is beyond the quota of its tenant.
     pub(super) async fn write_job(
         &self,
         record: &Record,
         input: &[u8],
         key: Option<&IdempotencyKey>,
-    ) -> Result<Option<IdempotencyEntry>, StoreError> {
-        let (id, created) = (record.outline.id, record.outline.created);
-        let tenant = record.outline.tenant;
-        let outline = record::write(&record.outline)?;
+        quota: &Quota,
+    ) -> Result<Insertion, StoreError> {
+        let outline = &record.outline;
+        let (id, created, tenant) = (outline.id, outline.created, outline.tenant);
+        let written = record::write(outline)?;
         let status = record::write(&record.status)?;
         let entry = key.map(|key| IdempotencyEntry {
             id,
@@ -133,7 +146,7 @@ impl Shared {
         let insert = || {
             sqlx::query(INSERT)
                 .bind(id)
-                .bind(&outline)
+                .bind(&written)
                 .bind(record.status.state.name())
                 .bind(&status)
                 .bind(record.crashes as i32)
@@ -146,12 +159,22 @@ impl Shared {
                 .bind(self.replica)
                 .bind(runs.then_some(self.lease.as_secs_f64()))
                 .bind(tenant.name())
+                .bind(outline.grid.count() as i64)
+        };
+        let new = Amount {
+            bytes: input.len() as u64,
+            ..outline.amount()
         };
         let (connections, begin) = (&self.connections, Instant::now());
-        let inserted = connections
-            .run_with(input.len(), insert, Some(&value))
-            .await?;
-        if inserted.is_empty()
+        let work = Within {
+            outline,
+            quota,
+            new,
+            insert,
+            value: &value,
+        };
+        let inserted = connections.work(input.len(), &work).await?;
+        if inserted.as_ref().map_or(true, Vec::is_empty)
             && let Some(name) = name
         {
             let entry = self.read_entry(name).await?;
@@ -159,15 +182,18 @@ impl Shared {
             if let Some(entry) = entry
                 && entry.id != id
             {
-                return Ok(Some(entry));
+                return Ok(Insertion::Known(entry));
             }
+        }
+        if let Err(exceeded) = inserted {
+            return Ok(Insertion::Refused(exceeded));
         }
         if runs {
             self.claim(id, 1, begin);
         } else {
             self.tell(Hint::Queued);
         }
-        Ok(None)
+        Ok(Insertion::New)
     }
 
     /// Claims a job that waits, or tells of one that was claimed; false if it is claimed by another replica.
@@ -327,5 +353,52 @@ impl Shared {
     /// The epoch of this replica's claim of a job.
     fn epoch(&self, id: Uuid) -> Option<i64> {
         self.claims.lock().get(&id).map(|claim| claim.epoch)
+    }
+}
+
+/// The insertion of a job within the quota of its tenant.
+struct Within<'a, F> {
+    outline: &'a Outline,
+    quota: &'a Quota,
+    /// What the job takes.
+    new: Amount,
+    insert: F,
+    value: &'a Value<'a>,
+}
+
+impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Within<'_, F> {
+    type Done = Result<Vec<PgRow>, Exceeded>;
+
+    async fn run(&self, connection: &mut PgConnection) -> Result<Self::Done, sqlx::Error> {
+        if !self.quota.limits_jobs() {
+            let rows = execute(connection, (self.insert)(), Some(self.value));
+            return Ok(Ok(rows.await?));
+        }
+        let mut transaction = connection.begin().await?;
+        let has = self.has(&mut transaction).await?;
+        if let Err(exceeded) = self.quota.admit(self.outline.tenant, has, self.new) {
+            transaction.rollback().await?;
+            return Ok(Err(exceeded));
+        }
+        let rows = execute(&mut transaction, (self.insert)(), Some(self.value)).await?;
+        transaction.commit().await?;
+        Ok(Ok(rows))
+    }
+}
+
+impl<F> Within<'_, F> {
+    /// What the tenant has, once nobody else inserts a job for it.
+    async fn has(&self, transaction: &mut PgConnection) -> Result<Amount, sqlx::Error> {
+        let tenant = self.outline.tenant.name();
+        let lock = sqlx::query(LOCK).bind(tenant);
+        lock.execute(&mut *transaction).await?;
+        let amount = sqlx::query(AMOUNT).bind(tenant).bind(self.outline.id);
+        let row = amount.fetch_one(transaction).await?;
+        let number = |name| row.try_get(name).map(|it: i64| it as u64);
+        Ok(Amount {
+            jobs: number("jobs")?,
+            points: number("points")?,
+            bytes: number("bytes")?,
+        })
     }
 }

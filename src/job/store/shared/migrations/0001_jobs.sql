@@ -18,6 +18,7 @@ CREATE TABLE jobs (
     -- Another replica waits for its end: it has accepted the job, or has readers of it.
     followed boolean NOT NULL DEFAULT false,
     finished timestamptz,
+    points bigint NOT NULL,
     input_bytes bigint NOT NULL,
     result_bytes bigint NOT NULL DEFAULT 0
 -- Room for a new version of a row beside the old one: a lease is renewed without touching an index.

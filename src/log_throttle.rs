@@ -4,14 +4,14 @@ use std::time::{Duration, Instant};
 
 /// Limits a message to one in every `pause`.
 #[derive(Debug)]
-pub(super) struct LogThrottle {
+pub(crate) struct LogThrottle {
     pause: Duration,
     last_emitted: Option<Instant>,
     suppressed: u64,
 }
 
 impl LogThrottle {
-    pub(super) fn new(pause: Duration) -> Self {
+    pub(crate) fn new(pause: Duration) -> Self {
         Self {
             pause,
             last_emitted: None,
@@ -20,7 +20,7 @@ impl LogThrottle {
     }
 
     /// Notes an event. Returns how many there were since the last message if one is due now.
-    pub(super) fn record(&mut self, now: Instant) -> Option<u64> {
+    pub(crate) fn record(&mut self, now: Instant) -> Option<u64> {
         self.suppressed += 1;
         let recent = |emitted: Instant| now.saturating_duration_since(emitted) < self.pause;
         if self.last_emitted.is_some_and(recent) {
