@@ -16,6 +16,7 @@ import ssl
 import statistics
 import subprocess
 import tempfile
+import threading
 import time
 
 AT_ONCE = 100
@@ -108,6 +109,8 @@ def main() -> None:
         server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         assert server.stderr is not None
         port = next(int(found[1]) for line in server.stderr if (found := re.search(r"listening on https://[^ ]+:(\d+)", line)))
+        # A log that nobody reads would stop the server in the end.
+        threading.Thread(target=server.stderr.read, daemon=True).start()
         try:
             asyncio.run(measure(server, port, trusted, arguments))
         finally:

@@ -12,15 +12,16 @@ import re
 import statistics
 import subprocess
 import tempfile
+import threading
 import time
 
 SMALL = 100
 WARM = 50
 
 
-def curve(points: int) -> bytes:
+def curve(points: int, **stop: float) -> bytes:
     data = [[math.cos(0.06 * i), math.sin(0.06 * i), 0.01 * i] for i in range(points)]
-    return json.dumps({"curve": {"points": data}, "stop": {"relative_tolerance": 1e-6}}).encode()
+    return json.dumps({"curve": {"points": data}, "stop": stop}).encode()
 
 
 def token(program: str, file: str, tenant: str) -> str:
@@ -47,7 +48,7 @@ class Client:
 
 
 def times(client: Client, rounds: int) -> list[float]:
-    body, seconds = curve(SMALL), []
+    body, seconds = curve(SMALL, relative_tolerance=1e-6), []
     for round_ in range(rounds + WARM):
         begin = time.perf_counter()
         status = client.post("/v1/fit", body)
@@ -71,6 +72,8 @@ def main() -> None:
         server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         assert server.stderr is not None
         address = next(found[1] for line in server.stderr if (found := re.search(r"listening on http://(\S+)", line)))
+        # A log that nobody reads would stop the server in the end.
+        threading.Thread(target=server.stderr.read, daemon=True).start()
         try:
             measure(Client(address, tokens[0]), Client(address, tokens[1]), arguments)
         finally:
@@ -80,7 +83,8 @@ def main() -> None:
 
 def measure(large: Client, small: Client, arguments: argparse.Namespace) -> None:
     rows = {"alone": times(small, arguments.rounds)}
-    body = curve(arguments.points)
+    # Each runs for seconds: the queue is as long at the end.
+    body = curve(arguments.points, tolerance=0, max_iterations=10_000)
     for _ in range(arguments.jobs):
         assert large.post("/v1/jobs", body) == 201
     before = large.queued()

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::data;
 use crate::messages as pb;
 use crate::rpc::connect;
-use crate::support::{Server, base};
+use crate::support::{Server, base, client};
 
 async fn start() -> Server {
     Server::with(|config| config.base_path = "/tools/fits".parse().unwrap()).await
@@ -71,10 +71,7 @@ async fn resources_are_there_without_it() {
 #[tokio::test]
 async fn the_page_is_below_it() {
     let server = start().await;
-    let client = reqwest::Client::builder()
-        .redirect(Policy::none())
-        .build()
-        .unwrap();
+    let client = client().redirect(Policy::none()).build().unwrap();
     let get = async |path: &str| {
         let url = format!("{}{path}", server.url);
         client

@@ -9,7 +9,7 @@ use futures_util::StreamExt;
 use serde_json::{Value, json};
 use tokio::sync::watch;
 
-use crate::support::Server;
+use crate::support::{Server, client};
 
 /// Jobs of a millisecond to a tenth of a second. Each ends `converged`.
 fn mix() -> Vec<Value> {
@@ -135,8 +135,7 @@ async fn follow(client: &reqwest::Client, address: &Address, path: &str) -> (Vec
 /// address any more; gives the paths of its jobs.
 pub async fn work(worker: usize, expected: Arc<Vec<Expected>>, address: Address) -> Vec<String> {
     // Each request has a connection of its own, which may lead to another server.
-    let client = reqwest::Client::builder().pool_max_idle_per_host(0);
-    let client = client.build().unwrap();
+    let client = client().pool_max_idle_per_host(0).build().unwrap();
     let mut paths = Vec::new();
     for turn in 0.. {
         if address.has_changed().is_err() {

@@ -11,7 +11,7 @@ use tokio::time::{Duration, sleep, timeout};
 
 use crate::data;
 use crate::program::Program;
-use crate::support::{PATIENCE, Server, base, events, problem};
+use crate::support::{PATIENCE, Server, base, client, events, problem};
 
 #[tokio::test]
 async fn one_client_does_not_fill_the_queue() {
@@ -55,8 +55,8 @@ async fn one_client_does_not_fill_the_queue() {
 
 /// A client at 127.0.0.2.
 fn another() -> Client {
-    let client = Client::builder().local_address(Some([127, 0, 0, 2].into()));
-    client.read_timeout(PATIENCE).build().unwrap()
+    let client = client().local_address(Some([127, 0, 0, 2].into()));
+    client.build().unwrap()
 }
 
 /// However many jobs one client has, running and waiting for memory, a small job of another one runs.

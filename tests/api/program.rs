@@ -92,7 +92,7 @@ impl Program {
             child,
             log: lines,
             address,
-            client: Client::builder().read_timeout(PATIENCE).build().unwrap(),
+            client: support::client().build().unwrap(),
         })
     }
 
@@ -207,6 +207,9 @@ impl Drop for Program {
         // If a test has failed the process is still there.
         let _ = self.child.kill();
         let _ = self.child.wait();
+        if !std::thread::panicking() {
+            support::assert_no_token(&self.log());
+        }
     }
 }
 

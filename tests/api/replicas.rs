@@ -15,7 +15,7 @@ use crate::cluster::Cluster;
 use crate::data;
 use crate::load::{all_jobs, random, undisturbed, work};
 use crate::program::Program;
-use crate::support::{PATIENCE, Story, events, eventually};
+use crate::support::{PATIENCE, Story, client, events, eventually};
 use crate::wires::{Target, Wire};
 
 /// How many times something happens; `PIAD_TEST_ROUNDS` sets another number.
@@ -58,8 +58,7 @@ impl Replicas {
         let all = replicas.iter().map(|it| it.program.address.clone());
         let (addresses, servers) = watch::channel(all.collect());
         let front = Wire::to(Target::Servers(servers)).await;
-        let client = reqwest::Client::builder().pool_max_idle_per_host(0);
-        let client = client.read_timeout(PATIENCE).build().unwrap();
+        let client = client().pool_max_idle_per_host(0).build().unwrap();
         Self {
             cluster,
             replicas,

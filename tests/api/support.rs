@@ -6,7 +6,8 @@ use std::time::Duration;
 use eventsource_stream::Eventsource;
 use futures_util::{Stream, StreamExt};
 use piad::config::{Config, Storage};
-use reqwest::{Client, RequestBuilder, Response};
+use reqwest::header::{AUTHORIZATION, HeaderValue};
+use reqwest::{Client, ClientBuilder, RequestBuilder, Response};
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -21,6 +22,27 @@ pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A limit that no test reaches.
 pub const NEVER: Duration = Duration::from_secs(3600);
+
+/// The token of the variable, with which all servers ask for it. All tests but those that speak for themselves,
+/// byte by byte or over gRPC, pass with it, too: `make tokens`.
+pub fn token() -> Option<String> {
+    std::env::var("PIAD_TOKEN").ok().filter(|it| !it.is_empty())
+}
+
+/// No server tells its token.
+pub fn assert_no_token(text: &str) {
+    let tells = token().is_some_and(|token| text.contains(&token));
+    assert!(!tells, "a token: {text}");
+}
+
+/// A client that has the token of servers, if they ask for one.
+pub fn client() -> ClientBuilder {
+    let header = |token| HeaderValue::from_str(&format!("Bearer {token}")).unwrap();
+    let token = token().map(header);
+    let headers = token.map(|token| (AUTHORIZATION, token)).into_iter();
+    let client = Client::builder().read_timeout(PATIENCE);
+    client.default_headers(headers.collect())
+}
 
 /// Asks until the answer is yes.
 pub async fn eventually(what: &str, mut is_so: impl AsyncFnMut() -> bool) {
@@ -66,7 +88,7 @@ impl Server {
         let served = tokio::spawn(piad::server::serve(vec![listener.into()], config, async {
             let _ = stopped.await;
         }));
-        let client = Client::builder().read_timeout(PATIENCE).build().unwrap();
+        let client = client().build().unwrap();
         Self {
             url,
             client,
@@ -167,6 +189,7 @@ impl Server {
 /// What `/metrics` tells: values by names with their labels, which are in order of their names.
 pub async fn metrics(response: Response) -> HashMap<String, f64> {
     let text = response.text().await.unwrap();
+    assert_no_token(&text);
     assert!(text.ends_with("# EOF\n"));
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     let pair = |line: &str| {
@@ -312,5 +335,6 @@ pub async fn problem(response: Response) -> (u16, Value) {
     assert!(problem["type"].as_str().unwrap().starts_with("/problems/"));
     assert!(!problem["title"].as_str().unwrap().is_empty());
     assert!(!problem["detail"].as_str().unwrap().is_empty());
+    assert_no_token(&problem.to_string());
     (status, problem)
 }

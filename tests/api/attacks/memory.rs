@@ -2,7 +2,6 @@
 
 use bytes::Bytes;
 use futures_util::future::join_all;
-use reqwest::Client;
 use serde_json::{Value, json};
 use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
@@ -10,7 +9,7 @@ use tokio::net::TcpStream;
 use super::{MIB, alone, iterations, post, spiral};
 use crate::bodies::Http2;
 use crate::program::Program;
-use crate::support::{base, eventually};
+use crate::support::{base, client, eventually};
 
 /// What a server takes besides: the program, its stacks and the cache of the store, and what the
 /// allocator holds back.
@@ -187,7 +186,7 @@ async fn small_bodies_over_http2_are_counted() {
     .await;
     check(&program, 64 * MIB);
     // Another client is served.
-    let other = Client::builder().local_address(Some([127, 0, 0, 2].into()));
+    let other = client().local_address(Some([127, 0, 0, 2].into()));
     let job = json!({"curve": {"points": spiral(12)}});
     let url = format!("http://{}/v1/jobs", program.address);
     let request = other.build().unwrap().post(url).json(&job);

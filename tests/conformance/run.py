@@ -1,0 +1,258 @@
+"""All clients do the same things with the same server, and get the same numbers.
+
+    run.py PROGRAM [CLIENT …]       # PROGRAM is target/debug/piad; of all clients those that are named
+
+A client is a program, `CLIENT SCENARIO URL TOKEN`: it reads a request from its input, does what README.md says for the
+scenario through its library alone, and prints what it got as JSON. What it must print is asked of the server here,
+over plain HTTP. The table that comes out stands in docs/CLIENTS.md.
+"""
+
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from typing import Any
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.normpath(os.path.join(HERE, "..", ".."))
+TOKEN = "piad_" + "0123456789abcdef" * 4
+PATIENCE = 120
+
+Json = dict[str, Any]
+
+
+def node() -> str:
+    """Node of the tests of the TypeScript client, where that has been installed."""
+    own = os.path.join(ROOT, "target/node/node_modules/node/bin/node")
+    return own if os.path.exists(own) else "node"
+
+
+CLIENTS: dict[str, list[str]] = {
+    "Python": [sys.executable, os.path.join(HERE, "python.py")],
+    "TypeScript": [node(), os.path.join(ROOT, "clients/typescript/build/conformance.js")],
+    "C#": ["mono", os.path.join(ROOT, "target/csharp/conformance.exe")],
+    "C++": [os.path.join(ROOT, "target/cpp/conformance")],
+    "gRPC": [sys.executable, os.path.join(HERE, "plain_grpc.py")],
+}
+
+
+class Server:
+    """A server that can be killed and started again with the same data at the same address."""
+
+    def __init__(self, program: str, store: str) -> None:
+        self.program, self.store, self.address = program, store, "127.0.0.1:0"
+        self.start()
+
+    def start(self) -> None:
+        command = [self.program, "--listen", self.address, "--store", self.store, "--log-format", "json", "--max-iterations", "1000000000"]
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, "PIAD_TOKEN": TOKEN})
+        assert self.process.stderr is not None
+        for line in self.process.stderr:
+            if found := re.search(r"listening on http://([^\s\"]+)", line):
+                self.address = found[1]
+                # A log that nobody reads would stop the server in the end.
+                threading.Thread(target=self.process.stderr.read, daemon=True).start()
+                return
+        raise SystemExit(f"{self.program} has not started")
+
+    @property
+    def url(self) -> str:
+        return f"http://{self.address}"
+
+    def kill(self) -> None:
+        """SIGKILL: nothing is said to anybody."""
+        self.process.kill()
+        self.process.wait()
+
+    def ask(self, path: str, body: Json | None = None) -> Json:
+        content = None if body is None else json.dumps(body).encode()
+        headers = {"Content-Type": "application/json", "Prefer": "wait=60", "Authorization": f"Bearer {TOKEN}"}
+        request = urllib.request.Request(self.url + path, content, headers)
+        try:
+            with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+                return json.load(answer)
+        except urllib.error.HTTPError as refusal:
+            return json.load(refusal)
+
+
+def wave(count: int) -> list[list[float]]:
+    angles = [2 * math.pi * i / count for i in range(count)]
+    return [[(2 + 0.3 * math.sin(5 * a)) * math.cos(a), (2 + 0.3 * math.sin(5 * a)) * math.sin(a)] for a in angles]
+
+
+def curve(count: int, **stop: float) -> Json:
+    return {"curve": {"points": wave(count)}, "stop": stop}
+
+
+def flat(value: Any) -> list[float]:
+    return [number for part in value for number in flat(part)] if isinstance(value, list) else [value]
+
+
+def result(server: Server, job: Json) -> Json:
+    """What a client says of the result of a job."""
+    found = server.ask(f"/v1/jobs/{job['id']}/result")
+    knots = found.get("knots")
+    return {
+        "state": found["state"],
+        "iteration": found["iteration"],
+        "error": found["error"]["max"],
+        "control_points": flat(found["control_points"]),
+        "knots": knots["u"] if isinstance(knots, dict) else knots,
+    }
+
+
+def levels(server: Server, job: Json) -> Json:
+    """What a client says of the stream of a job."""
+    last = server.ask(f"/v1/jobs/{job['id']}")
+    path = f"/v1/jobs/{job['id']}/iterations"
+    points = [flat(server.ask(f"{path}/{k}")["control_points"]) for k in (0, last["iteration"])]
+    numbers = list(range(last["iteration"] + 1))
+    return {"numbers": numbers, "first": points[0], "last": points[1], "state": last["state"]}
+
+
+class Run:
+    """A client in a scenario."""
+
+    def __init__(self, client: str, scenario: str, server: Server, request: Json) -> None:
+        command = [*CLIENTS[client], scenario, server.url, TOKEN]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.process.stdin.write(json.dumps(request))
+        self.process.stdin.close()
+
+    def line(self) -> str:
+        assert self.process.stdout is not None
+        return self.process.stdout.readline().strip()
+
+    def answer(self) -> Json:
+        timer = threading.Timer(PATIENCE, self.process.kill)
+        timer.start()
+        said = self.line()
+        assert self.process.wait() == 0, f"it has ended with {self.process.returncode}: {said}"
+        timer.cancel()
+        return json.loads(said)
+
+
+def compare(found: Json, expected: Json) -> None:
+    """Numbers agree to the bit: nothing is computed on their way."""
+    for name, value in expected.items():
+        assert name in found, f"{name} is missing: {list(found)}"
+        assert found[name] == value, f"{name}: {str(found[name])[:200]} instead of {str(value)[:200]}"
+
+
+def fit(server: Server, client: str) -> None:
+    rows = [[[x, y, x * y / 4] for y in range(4)] for x in range(5)]
+    surface = {"surface": {"points": rows}, "stop": {"max_iterations": 7}}
+    for request in (curve(30, relative_tolerance=1e-9), surface):
+        expected = result(server, server.ask("/v1/jobs", request))
+        compare(Run(client, "fit", server, request).answer(), expected)
+
+
+def watch(server: Server, client: str) -> None:
+    request = curve(40, relative_tolerance=1e-9)
+    expected = levels(server, server.ask("/v1/jobs", request))
+    compare(Run(client, "watch", server, request).answer(), expected)
+
+
+def resume(server: Server, client: str) -> None:
+    request = curve(5000, tolerance=0, max_iterations=300)
+    expected = levels(server, server.ask("/v1/jobs", request))
+    run = Run(client, "resume", server, request)
+    assert run.line() == "ready"
+    server.kill()
+    time.sleep(0.5)
+    server.start()
+    compare(run.answer(), expected)
+
+
+def cancel(server: Server, client: str) -> None:
+    request = curve(100, tolerance=0, max_iterations=1_000_000_000)
+    expected = {"state": "cancelled", "again": "cancelled"}
+    compare(Run(client, "cancel", server, request).answer(), expected)
+
+
+def edit(server: Server, client: str) -> None:
+    job, change = curve(30, relative_tolerance=1e-9), {"points": [{"index": 3, "point": [1.5, 1.25]}]}
+    parent = server.ask("/v1/jobs", job)
+    expected = result(server, server.ask(f"/v1/jobs/{parent['id']}/edits", change))
+    found = Run(client, "edit", server, {"job": job, "edit": change}).answer()
+    assert server.ask(f"/v1/jobs/{found['parent']}")["state"] == "converged"
+    compare(found, {**expected, "is_parent": True})
+
+
+def errors(server: Server, client: str) -> None:
+    request: Json = {"curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0]]}}
+    problem = server.ask("/v1/jobs", request)
+    expected: Json = {
+        "status": problem["status"],
+        "type": problem["type"],
+        "pointers": [error["pointer"] for error in problem["errors"]],
+        "detail": problem["detail"],
+    }
+    assert expected["pointers"] == ["/curve/points/2"]
+    if client == "gRPC":
+        # Its errors have places of the message: the coordinates of all points are in one list.
+        expected = {"type": problem["type"], "fields": ["input.curve.points[4]"]}
+    compare(Run(client, "errors", server, request).answer(), expected)
+
+
+def tokens(server: Server, client: str) -> None:
+    request = curve(20, relative_tolerance=1e-6)
+    expected = {"without": "/problems/unauthenticated", "with": "converged"}
+    compare(Run(client, "tokens", server, request).answer(), expected)
+
+
+def large(server: Server, client: str) -> None:
+    request = curve(20_000, tolerance=0, max_iterations=20)
+    job = server.ask("/v1/jobs", request)
+    last = levels(server, job)["last"]
+    found = Run(client, "large", server, request).answer()
+    compare(found, {"numbers": list(range(21)), "count": len(last)})
+    # Summed up in whatever order.
+    assert math.isclose(found["sum"], math.fsum(last), abs_tol=1e-8), found["sum"]
+
+
+def slow(server: Server, client: str) -> None:
+    request = curve(2000, tolerance=0, max_iterations=150)
+    compare(Run(client, "slow", server, request).answer(), {"numbers": list(range(151)), "state": "exhausted"})
+
+
+SCENARIOS: list[Callable[[Server, str], None]] = [fit, watch, resume, cancel, edit, errors, tokens, large, slow]
+
+
+def outcome(scenario: Callable[[Server, str], None], server: Server, client: str) -> str:
+    try:
+        scenario(server, client)
+    except (AssertionError, OSError, ValueError, KeyError) as error:
+        print(f"{client}, {scenario.__name__}: {type(error).__name__}: {error}", file=sys.stderr)
+        return "no"
+    return "yes"
+
+
+def main(program: str, *names: str) -> int:
+    clients = list(names) or list(CLIENTS)
+    titles = [scenario.__name__ for scenario in SCENARIOS]
+    print(f"| | {' | '.join(titles)} |\n|---|{'---|' * len(titles)}")
+    failed = False
+    with tempfile.TemporaryDirectory() as store:
+        server = Server(program, store)
+        try:
+            for client in clients:
+                row = [outcome(scenario, server, client) for scenario in SCENARIOS]
+                failed |= "no" in row
+                print(f"| {client} | {' | '.join(row)} |", flush=True)
+        finally:
+            server.kill()
+    return int(failed)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(*sys.argv[1:]))
