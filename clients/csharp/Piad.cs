@@ -270,7 +270,8 @@ namespace Piad
             return new FitIteration(level, shape, null);
         }
 
-        /// <summary>Stops the job. An ApiException of type /problems/already-ended if it has ended.</summary>
+        /// <summary>Stops the job, or finds it cancelled. An ApiException of type /problems/already-ended if it has ended
+        /// in another way.</summary>
         public async Task<PiadJob> CancelAsync(CancellationToken cancellation = default(CancellationToken))
         {
             Json = await connection.JsonAsync(new Call("POST", Path + "/cancel"), cancellation).ConfigureAwait(false);
@@ -2083,3 +2084,108 @@ namespace Piad
         }
     }
 }
+
+// The adapters could not be run in their hosts where this file is developed: they are compiled against stubs of the
+// signatures, and what they pass to these is tested.
+
+#if PIAD_RHINO
+namespace Piad
+{
+    /// <summary>Fits as geometry of Rhino, in the units of their points. Coordinates that are missing are 0.</summary>
+    public static class RhinoAdapter
+    {
+        /// <summary>The curve; polynomials of the Ball bases have no knots and are refused.</summary>
+        public static Rhino.Geometry.NurbsCurve ToRhino(this FittedCurve curve)
+        {
+            HostGeometry.NeedKnots(curve.Knots, curve.Basis);
+            double[][] points = curve.ControlPoints;
+            var result = new Rhino.Geometry.NurbsCurve(3, curve.Weights != null, curve.Degree + 1, points.Length);
+            // Knot vectors of Rhino leave out the first and the last knot.
+            for (int i = 0; i < result.Knots.Count; i++) result.Knots[i] = curve.Knots[i + 1];
+            for (int i = 0; i < points.Length; i++)
+            {
+                result.Points.SetPoint(i, Point(points[i]), curve.Weights == null ? 1 : curve.Weights[i]);
+            }
+            return result;
+        }
+
+        /// <summary>The surface, likewise.</summary>
+        public static Rhino.Geometry.NurbsSurface ToRhino(this FittedSurface surface)
+        {
+            HostGeometry.NeedKnots(surface.KnotsU, surface.BasisU);
+            HostGeometry.NeedKnots(surface.KnotsV, surface.BasisV);
+            double[][][] rows = surface.ControlPoints;
+            Rhino.Geometry.NurbsSurface result = Rhino.Geometry.NurbsSurface.Create(
+                3, surface.Weights != null, surface.DegreeU + 1, surface.DegreeV + 1, rows.Length, rows[0].Length);
+            for (int i = 0; i < result.KnotsU.Count; i++) result.KnotsU[i] = surface.KnotsU[i + 1];
+            for (int i = 0; i < result.KnotsV.Count; i++) result.KnotsV[i] = surface.KnotsV[i + 1];
+            for (int i = 0; i < rows.Length; i++)
+            {
+                for (int j = 0; j < rows[i].Length; j++)
+                {
+                    result.Points.SetPoint(i, j, Point(rows[i][j]), surface.Weights == null ? 1 : surface.Weights[i][j]);
+                }
+            }
+            return result;
+        }
+
+        private static Rhino.Geometry.Point3d Point(double[] point)
+        {
+            return new Rhino.Geometry.Point3d(HostGeometry.At(point, 0), HostGeometry.At(point, 1), HostGeometry.At(point, 2));
+        }
+    }
+}
+#endif
+
+#if PIAD_REVIT
+namespace Piad
+{
+    /// <summary>Fits as geometry of Revit, which counts in feet: `scale` is how many of them a unit of the points has,
+    /// such as 1 / 304.8 for millimetres.</summary>
+    public static class RevitAdapter
+    {
+        /// <summary>The curve; polynomials of the Ball bases have no knots and are refused.</summary>
+        public static Autodesk.Revit.DB.Curve ToRevit(this FittedCurve curve, double scale = 1)
+        {
+            HostGeometry.NeedKnots(curve.Knots, curve.Basis);
+            List<Autodesk.Revit.DB.XYZ> points = curve.ControlPoints.Select(point => Point(point, scale)).ToList();
+            double[] weights = curve.Weights ?? Enumerable.Repeat(1.0, points.Count).ToArray();
+            return Autodesk.Revit.DB.NurbSpline.CreateCurve(curve.Degree, curve.Knots, points, weights);
+        }
+
+        /// <summary>The surface as the geometry of a face for BRepBuilder.AddFace.</summary>
+        public static Autodesk.Revit.DB.BRepBuilderSurfaceGeometry ToRevit(this FittedSurface surface, double scale = 1)
+        {
+            HostGeometry.NeedKnots(surface.KnotsU, surface.BasisU);
+            HostGeometry.NeedKnots(surface.KnotsV, surface.BasisV);
+            List<Autodesk.Revit.DB.XYZ> points = surface.ControlPoints.SelectMany(row => row).Select(point => Point(point, scale)).ToList();
+            double[] weights = surface.Weights == null ? Enumerable.Repeat(1.0, points.Count).ToArray() : surface.Weights.SelectMany(row => row).ToArray();
+            return Autodesk.Revit.DB.BRepBuilderSurfaceGeometry.CreateNURBSSurface(
+                surface.DegreeU, surface.DegreeV, surface.KnotsU, surface.KnotsV, points, weights, false, null);
+        }
+
+        private static Autodesk.Revit.DB.XYZ Point(double[] point, double scale)
+        {
+            return new Autodesk.Revit.DB.XYZ(scale * HostGeometry.At(point, 0), scale * HostGeometry.At(point, 1), scale * HostGeometry.At(point, 2));
+        }
+    }
+}
+#endif
+
+#if PIAD_RHINO || PIAD_REVIT
+namespace Piad
+{
+    internal static class HostGeometry
+    {
+        internal static double At(double[] point, int index)
+        {
+            return index < point.Length ? point[index] : 0;
+        }
+
+        internal static void NeedKnots(double[] knots, string basis)
+        {
+            if (knots == null) throw new NotSupportedException("a host has no curves and surfaces of the basis " + basis + ": fit with bspline or bernstein");
+        }
+    }
+}
+#endif
