@@ -1240,7 +1240,9 @@ namespace Piad
         {
             while (End == null)
             {
-                if (disposed) throw new ObjectDisposedException("FitStream");
+                // What has been read ahead comes without waiting for the server.
+                cancellation.ThrowIfCancellationRequested();
+                CheckOpen();
                 PiadException failure;
                 try
                 {
@@ -1258,6 +1260,7 @@ namespace Piad
                     Close();
                     throw;
                 }
+                CheckOpen();
                 if (next == null && JobId != null) throw failure;
                 await backoff.WaitAsync(failure, retry, cancellation).ConfigureAwait(false);
             }
@@ -1321,8 +1324,14 @@ namespace Piad
         // An iteration, or null where the event was another one.
         private async Task<FitIteration> ReadAsync(CancellationToken cancellation)
         {
-            if (events == null) events = new EventReader(await connection.SendAsync(Call(), "text/event-stream", cancellation).ConfigureAwait(false), connection);
-            ServerEvent item = await events.NextAsync(cancellation).ConfigureAwait(false);
+            EventReader open = events;
+            if (open == null)
+            {
+                open = new EventReader(await connection.SendAsync(Call(), "text/event-stream", cancellation).ConfigureAwait(false), connection);
+                events = open;
+                CheckOpen();
+            }
+            ServerEvent item = await open.NextAsync(cancellation).ConfigureAwait(false);
             if (item == null) throw new ConnectionLostException("the stream ended before the job");
             if (item.Retry != null) retry = item.Retry.Value;
             switch (item.Name)
@@ -1371,6 +1380,14 @@ namespace Piad
         {
             Call call = JobId == null || next == null ? first : next(JobId);
             return lastId == null ? call : call.With("Last-Event-ID", lastId);
+        }
+
+        // Disposed perhaps by another thread, while the server was waited for.
+        private void CheckOpen()
+        {
+            if (!disposed) return;
+            Close();
+            throw new ObjectDisposedException("FitStream");
         }
 
         private void Close()
@@ -1763,7 +1780,7 @@ namespace Piad
         {
             Failures += 1;
             var refused = failure as ApiException;
-            double asked = refused == null || refused.RetryAfter == null ? 0 : refused.RetryAfter.Value.TotalSeconds;
+            double? asked = refused == null || refused.RetryAfter == null ? (double?)null : refused.RetryAfter.Value.TotalSeconds;
             int most = connection.HasAnswered ? connection.Attempts : Math.Min(connection.Attempts, FirstContact);
             bool may = failure is ConnectionLostException || (refused != null && refused.IsTemporary);
             if (!may || Failures >= most || asked > MostPatient) System.Runtime.ExceptionServices.ExceptionDispatchInfo.Capture(failure).Throw();
@@ -1772,12 +1789,13 @@ namespace Piad
 
         // What the server asks for; else twice as long each time. By chance up to half more, so that clients of a
         // server that comes back do not come all at once.
-        private double Delay(double asked, double atLeast)
+        private double Delay(double? asked, double atLeast)
         {
-            double doubled = Math.Min(Math.Max(atLeast, First) * Math.Pow(2, Failures - 1), Longest);
+            double least = Math.Max(atLeast, First);
+            double wait = asked == null ? Math.Min(least * Math.Pow(2, Failures - 1), Longest) : Math.Max(asked.Value, least);
             double chance;
             lock (random) chance = random.NextDouble();
-            return (asked > 0 ? Math.Max(asked, atLeast) : doubled) * (1 + chance / 2);
+            return wait * (1 + chance / 2);
         }
     }
 
@@ -1940,7 +1958,7 @@ namespace Piad
 
         internal static string Text(JToken value) { return IsText(value) ? value.GetValue<string>() : null; }
 
-        internal static double Double(JToken value) { return IsNumber(value) ? double.Parse(value.ToJsonString(), CultureInfo.InvariantCulture) : double.NaN; }
+        internal static double Double(JToken value) { return IsNumber(value) ? value.GetValue<double>() : double.NaN; }
 
         private static bool Contains(JObject value, string name) { return value.ContainsKey(name); }
 
@@ -2007,8 +2025,9 @@ namespace Piad
 
             public override void WriteValue(double value)
             {
-                if (double.IsNaN(value) || double.IsInfinity(value)) throw new ArgumentException(Path + " is " + value.ToString(CultureInfo.InvariantCulture) + ": numbers must be finite");
                 WriteRawValue(Digits(value));
+                // The path is that of the last value.
+                if (double.IsNaN(value) || double.IsInfinity(value)) throw new ArgumentException(Path + " is " + value.ToString(CultureInfo.InvariantCulture) + ": numbers must be finite");
             }
         }
 #endif

@@ -4,6 +4,7 @@ using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
 using System.Diagnostics;
+using System.IO;
 using System.Linq;
 using System.Threading.Tasks;
 using Grasshopper.Kernel;
@@ -105,6 +106,30 @@ public static class HostTests
         Solve(component, data);
         Check.Equal("failed", (await LastAsync(outputs)).Out[3], "state");
         Check.That(component.Messages.Single().StartsWith("Error: 422"), component.Messages.Single());
+    }
+
+    public static async Task TheProgramOfTheReadmeRuns(Server server)
+    {
+        string folder = Path.Combine(Path.GetTempPath(), "piad-csharp-" + Guid.NewGuid());
+        Directory.CreateDirectory(folder);
+        try
+        {
+            string program = Path.Combine(AppDomain.CurrentDomain.BaseDirectory, "readme.exe");
+            var information = new ProcessStartInfo("mono", program) { UseShellExecute = false, RedirectStandardOutput = true, WorkingDirectory = folder };
+            information.EnvironmentVariables["PIAD_URL"] = server.Url;
+            using (Process process = Process.Start(information))
+            {
+                string output = await process.StandardOutput.ReadToEndAsync();
+                process.WaitForExit();
+                Check.Equal(0, process.ExitCode, "exit code");
+                Check.Equal(2, output.Split(new[] { "converged" }, StringSplitOptions.None).Length - 1, "fits that converge in\n" + output);
+                Check.That(File.ReadAllText(Path.Combine(folder, "ring.step")).StartsWith("ISO-10303-21;"), "it writes a file");
+            }
+        }
+        finally
+        {
+            Directory.Delete(folder, true);
+        }
     }
 
     private static async Task<Data> LastAsync(ConcurrentQueue<Data> outputs)
