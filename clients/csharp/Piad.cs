@@ -40,6 +40,8 @@ using Newtonsoft.Json.Linq;
 
 namespace Piad
 {
+    using Internal;
+
     // ---------------------------------------------------------------------------------------------- client
 
     /// <summary>How a server is reached.</summary>
@@ -170,34 +172,34 @@ namespace Piad
         public JObject Json { get; private set; }
 
         /// <summary>The id.</summary>
-        public string Id { get { return Piad.Json.Text(Json, "id"); } }
+        public string Id { get { return Internal.Json.Text(Json, "id"); } }
 
         /// <summary>The client's name for it, or null.</summary>
-        public string Name { get { return Piad.Json.Text(Json, "name"); } }
+        public string Name { get { return Internal.Json.Text(Json, "name"); } }
 
         /// <summary>queued, running, converged, exhausted, stalled, failed or cancelled.</summary>
-        public string State { get { return Piad.Json.Text(Json, "state"); } }
+        public string State { get { return Internal.Json.Text(Json, "state"); } }
 
         /// <summary>Whether the job goes no further.</summary>
         public bool Ended { get { return State != "queued" && State != "running"; } }
 
         /// <summary>Why the job ended as it did, such as "minimum"; null where the state says it.</summary>
-        public string Reason { get { return Piad.Json.Text(Json, "reason"); } }
+        public string Reason { get { return Internal.Json.Text(Json, "reason"); } }
 
         /// <summary>The reason in words, with what is left.</summary>
-        public string Detail { get { return Piad.Json.Text(Json, "detail"); } }
+        public string Detail { get { return Internal.Json.Text(Json, "detail"); } }
 
         /// <summary>The last iteration so far; null before the first.</summary>
-        public long? Iteration { get { return Piad.Json.Integer(Json, "iteration"); } }
+        public long? Iteration { get { return Internal.Json.Integer(Json, "iteration"); } }
 
         /// <summary>The distances at that iteration, or null.</summary>
         public FitError Error { get { return FitError.Of(Json); } }
 
         /// <summary>From 0 to 1.</summary>
-        public double Progress { get { return Piad.Json.Number(Json, "progress") ?? 0; } }
+        public double Progress { get { return Internal.Json.Number(Json, "progress") ?? 0; } }
 
         /// <summary>The id of the job of which this is an edit, or null.</summary>
-        public string Parent { get { return Piad.Json.Text(Piad.Json.Object(Json, "parent"), "id"); } }
+        public string Parent { get { return Internal.Json.Text(Internal.Json.Object(Json, "parent"), "id"); } }
 
         private string Path { get { return "/v1/jobs/" + Id; } }
 
@@ -233,7 +235,7 @@ namespace Piad
         {
             options = options ?? new WatchOptions();
             if (options.CancelOnDisconnect) throw new ArgumentException("only the stream that is made with a job can cancel it");
-            var call = new Call("GET", Path + "/events" + options.Query(Piad.Json.Object(Json, "stream"), true));
+            var call = new Call("GET", Path + "/events" + options.Query(Internal.Json.Object(Json, "stream"), true));
             return new FitStream(connection, call, _ => call, options);
         }
 
@@ -295,7 +297,7 @@ namespace Piad
         /// or is disposed, and it cannot go on when its connection breaks.</summary>
         public FitStream EditStream(EditRequest request, WatchOptions options = null)
         {
-            JObject defaults = Piad.Json.Object(Json, "stream");
+            JObject defaults = Internal.Json.Object(Json, "stream");
             return PostStream(connection, Path + "/edits/stream", request.ToJson(), options ?? new WatchOptions(), defaults);
         }
 
@@ -330,13 +332,13 @@ namespace Piad
         /// parameter `ticket` of /v1/jobs/{id}/events. An ApiException with status 409 if the server asks for no tokens.</summary>
         public async Task<string> TicketAsync(CancellationToken cancellation = default(CancellationToken))
         {
-            return Piad.Json.Text(await connection.JsonAsync(new Call("POST", Path + "/tickets"), cancellation).ConfigureAwait(false), "ticket");
+            return Internal.Json.Text(await connection.JsonAsync(new Call("POST", Path + "/tickets"), cancellation).ConfigureAwait(false), "ticket");
         }
 
         internal static async Task<PiadJob> PostAsync(
             Connection connection, string path, JObject body, string key, TimeSpan wait, CancellationToken cancellation)
         {
-            var call = new Call("POST", path) { Body = Piad.Json.Write(body) };
+            var call = new Call("POST", path) { Body = Internal.Json.Write(body) };
             call.Headers["Idempotency-Key"] = key ?? Guid.NewGuid().ToString();
             int seconds = (int)Math.Min(wait.TotalSeconds, connection.Timeout.TotalSeconds / 2);
             if (seconds >= 1) call.Headers["Prefer"] = "wait=" + seconds;
@@ -345,11 +347,11 @@ namespace Piad
 
         internal static FitStream PostStream(Connection connection, string path, JObject body, WatchOptions options, JObject parent)
         {
-            JObject defaults = Piad.Json.Object(body, "stream") ?? parent;
+            JObject defaults = Internal.Json.Object(body, "stream") ?? parent;
             string query = options.Query(defaults, true);
-            var first = new Call("POST", path + query + options.Disconnect(query)) { Body = Piad.Json.Write(body) };
+            var first = new Call("POST", path + query + options.Disconnect(query)) { Body = Internal.Json.Write(body) };
             // There is nothing to find by a key, and nothing to go on with.
-            if (Piad.Json.Flag(body, "ephemeral")) return new FitStream(connection, first, null, options);
+            if (Internal.Json.Flag(body, "ephemeral")) return new FitStream(connection, first, null, options);
             first.Headers["Idempotency-Key"] = Guid.NewGuid().ToString();
             return new FitStream(connection, first, id => new Call("GET", "/v1/jobs/" + id + "/events" + query), options);
         }
@@ -896,10 +898,10 @@ namespace Piad
         internal JobEnd(JObject json)
         {
             Json = json;
-            State = Piad.Json.Text(json, "state");
-            Reason = Piad.Json.Text(json, "reason");
-            Detail = Piad.Json.Text(json, "detail") ?? Piad.Json.Text(Piad.Json.Object(json, "problem"), "detail");
-            Iterations = Piad.Json.Integer(json, "iterations") ?? 0;
+            State = Internal.Json.Text(json, "state");
+            Reason = Internal.Json.Text(json, "reason");
+            Detail = Internal.Json.Text(json, "detail") ?? Internal.Json.Text(Internal.Json.Object(json, "problem"), "detail");
+            Iterations = Internal.Json.Integer(json, "iterations") ?? 0;
             Error = FitError.Of(json);
         }
 
@@ -928,10 +930,10 @@ namespace Piad
         internal Deviation(JObject json)
         {
             Json = json;
-            Iteration = Piad.Json.Integer(json, "iteration") ?? 0;
-            Max = Piad.Json.Number(json, "max") ?? double.NaN;
-            Rms = Piad.Json.Number(json, "rms") ?? double.NaN;
-            At = Piad.Json.Index(json, "at");
+            Iteration = Internal.Json.Integer(json, "iteration") ?? 0;
+            Max = Internal.Json.Number(json, "max") ?? double.NaN;
+            Rms = Internal.Json.Number(json, "rms") ?? double.NaN;
+            At = Internal.Json.Index(json, "at");
         }
 
         /// <summary>All of it, with percentiles and the distance of each point (`list`).</summary>
@@ -952,7 +954,7 @@ namespace Piad
         /// <summary>A distance that so many per cent of the data do not exceed: 50, 90, 95 or 99.</summary>
         public double Percentile(int percent)
         {
-            double? value = Piad.Json.Number(Piad.Json.Object(Json, "percentiles"), percent.ToString(CultureInfo.InvariantCulture));
+            double? value = Internal.Json.Number(Internal.Json.Object(Json, "percentiles"), percent.ToString(CultureInfo.InvariantCulture));
             if (value == null) throw new ArgumentException("percentiles are 50, 90, 95 and 99");
             return value.Value;
         }
@@ -979,7 +981,10 @@ namespace Piad
         /// <summary>What is in it.</summary>
         public byte[] Bytes { get; private set; }
     }
+}
 
+namespace Piad.Internal
+{
     // What stays from iteration to iteration, and the knots, which may change. One entry for a curve, two for a surface.
     internal sealed class Shape
     {
@@ -1182,6 +1187,11 @@ namespace Piad
             return rows;
         }
     }
+}
+
+namespace Piad
+{
+    using Internal;
 
     // ----------------------------------------------------------------------------------------------- streams
 
@@ -1204,6 +1214,7 @@ namespace Piad
         private readonly Call first;
         private readonly Func<string, Call> next;
         private readonly Backoff backoff;
+        private readonly CancellationTokenSource disposing = new CancellationTokenSource();
         private EventReader events;
         private FitIteration before;
         private TimeSpan retry = defaultRetry;
@@ -1238,34 +1249,19 @@ namespace Piad
         /// <summary>The next iteration, or null after the last one.</summary>
         public async Task<FitIteration> NextAsync(CancellationToken cancellation = default(CancellationToken))
         {
-            while (End == null)
+            if (disposed) throw new ObjectDisposedException("FitStream");
+            using (CancellationTokenSource either = CancellationTokenSource.CreateLinkedTokenSource(cancellation, disposing.Token))
             {
-                // What has been read ahead comes without waiting for the server.
-                cancellation.ThrowIfCancellationRequested();
-                CheckOpen();
-                PiadException failure;
                 try
                 {
-                    FitIteration iteration = await ReadAsync(cancellation).ConfigureAwait(false);
-                    if (iteration != null) return iteration;
-                    continue;
+                    return await NextUnlessAsync(either.Token).ConfigureAwait(false);
                 }
-                catch (PiadException error)
+                catch (OperationCanceledException)
                 {
-                    failure = error;
-                    Close();
+                    cancellation.ThrowIfCancellationRequested();
+                    throw new ObjectDisposedException("FitStream");
                 }
-                catch
-                {
-                    Close();
-                    throw;
-                }
-                CheckOpen();
-                if (next == null && JobId != null) throw failure;
-                await backoff.WaitAsync(failure, retry, cancellation).ConfigureAwait(false);
             }
-            Close();
-            return null;
         }
 
         /// <summary>Calls back for each iteration that is left, on a thread of the pool, and disposes the stream.</summary>
@@ -1289,10 +1285,13 @@ namespace Piad
             }
         }
 
-        /// <summary>Closes the connection.</summary>
+        /// <summary>Closes the connection, perhaps while another thread waits for an iteration, which then gets an
+        /// ObjectDisposedException.</summary>
         public void Dispose()
         {
             disposed = true;
+            // What waits goes on on a thread of the pool, not on this one.
+            disposing.CancelAfter(TimeSpan.Zero);
             Close();
         }
 
@@ -1321,6 +1320,36 @@ namespace Piad
             };
         }
 
+        private async Task<FitIteration> NextUnlessAsync(CancellationToken cancellation)
+        {
+            while (End == null)
+            {
+                PiadException failure;
+                try
+                {
+                    // What has been read ahead comes without waiting for the server.
+                    cancellation.ThrowIfCancellationRequested();
+                    FitIteration iteration = await ReadAsync(cancellation).ConfigureAwait(false);
+                    if (iteration != null) return iteration;
+                    continue;
+                }
+                catch (PiadException error)
+                {
+                    failure = error;
+                    Close();
+                }
+                catch
+                {
+                    Close();
+                    throw;
+                }
+                if (next == null && JobId != null) throw failure;
+                await backoff.WaitAsync(failure, retry, cancellation).ConfigureAwait(false);
+            }
+            Close();
+            return null;
+        }
+
         // An iteration, or null where the event was another one.
         private async Task<FitIteration> ReadAsync(CancellationToken cancellation)
         {
@@ -1329,7 +1358,6 @@ namespace Piad
             {
                 open = new EventReader(await connection.SendAsync(Call(), "text/event-stream", cancellation).ConfigureAwait(false), connection);
                 events = open;
-                CheckOpen();
             }
             ServerEvent item = await open.NextAsync(cancellation).ConfigureAwait(false);
             if (item == null) throw new ConnectionLostException("the stream ended before the job");
@@ -1382,21 +1410,16 @@ namespace Piad
             return lastId == null ? call : call.With("Last-Event-ID", lastId);
         }
 
-        // Disposed perhaps by another thread, while the server was waited for.
-        private void CheckOpen()
-        {
-            if (!disposed) return;
-            Close();
-            throw new ObjectDisposedException("FitStream");
-        }
-
         private void Close()
         {
             EventReader open = Interlocked.Exchange(ref events, null);
             if (open != null) open.Dispose();
         }
     }
+}
 
+namespace Piad.Internal
+{
     internal sealed class ServerEvent
     {
         internal string Name = "message";
@@ -1814,6 +1837,11 @@ namespace Piad
             return text.ToString();
         }
     }
+}
+
+namespace Piad
+{
+    using Internal;
 
     // -------------------------------------------------------------------------------------------- exceptions
 
@@ -1930,7 +1958,10 @@ namespace Piad
             return wait < TimeSpan.Zero ? TimeSpan.Zero : wait;
         }
     }
+}
 
+namespace Piad.Internal
+{
     // ------------------------------------------------------------------------------------------------- JSON
 
     // All that differs between the two libraries, and reading that forgives what is missing.
@@ -2110,6 +2141,8 @@ namespace Piad
 #if PIAD_RHINO
 namespace Piad
 {
+    using Internal;
+
     /// <summary>Fits as geometry of Rhino, in the units of their points. Coordinates that are missing are 0.</summary>
     public static class RhinoAdapter
     {
@@ -2159,6 +2192,8 @@ namespace Piad
 #if PIAD_REVIT
 namespace Piad
 {
+    using Internal;
+
     /// <summary>Fits as geometry of Revit, which counts in feet: `scale` is how many of them a unit of the points has,
     /// such as 1 / 304.8 for millimetres.</summary>
     public static class RevitAdapter
@@ -2192,7 +2227,7 @@ namespace Piad
 #endif
 
 #if PIAD_RHINO || PIAD_REVIT
-namespace Piad
+namespace Piad.Internal
 {
     internal static class HostGeometry
     {

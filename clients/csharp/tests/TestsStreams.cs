@@ -156,7 +156,7 @@ public static class StreamTests
         {
             PiadJob job = await client.CreateAsync(new CurveRequest(Tests.Zigzag));
             await job.WaitAsync();
-            EditRequest frame = new EditRequest { Ephemeral = true, Session = "s", Tolerance = 0, MaxIterations = 1000000000 }.Move(1, new[] { 1.0, 2.5 });
+            EditRequest frame = new EditRequest { Ephemeral = true, Session = "s", Tolerance = 0, MaxIterations = 1000000000 }.Move(1, new[] { 1.0, 2.3 });
             using (FitStream before = job.EditStream(frame))
             {
                 await before.NextAsync();
@@ -216,6 +216,21 @@ public static class StreamTests
                 await Task.Delay(20);
             });
             Check.Same(Enumerable.Range(0, (int)end.Iterations + 1).Select(k => (long)k), numbers, "numbers");
+        }
+    }
+
+    public static async Task IterationsDoNotStayInMemory(Server server)
+    {
+        using (var client = new PiadClient(server.Url))
+        {
+            long before = GC.GetTotalMemory(true), most = 0, sent = 0;
+            await client.CreateStream(new CurveRequest(Tests.Wave(10000)) { Tolerance = 0, MaxIterations = 100 }).ForEachAsync(iteration =>
+            {
+                most = Math.Max(most, GC.GetTotalMemory(true) - before);
+                sent += iteration.Curve.ControlPoints.Length * 32;
+            });
+            // The collector of Mono keeps some that nobody has any more.
+            Check.That(sent > 30000000 && most < 16000000, most + " bytes are held of a stream of " + sent);
         }
     }
 
@@ -389,11 +404,13 @@ public static class BreakTests
         Directory.CreateDirectory(folder);
         try
         {
+            var relay = new Relay();
             using (var own = new Server(Path.Combine(folder, "jobs")))
-            using (var client = new PiadClient(own.Url))
+            using (var client = new PiadClient(own.Url, new PiadOptions { HttpMessageHandler = relay }))
             {
                 bool ended = false;
-                await CheckCompleteAsync(client, new CurveRequest(Tests.Wave(400)) { Tolerance = 1e-12 }, async iteration =>
+                // More than what is on its way when the server ends.
+                await CheckCompleteAsync(client, new CurveRequest(Tests.Wave(10000)) { Tolerance = 1e-12 }, async iteration =>
                 {
                     if (iteration.Number < 5 || ended) return;
                     ended = true;
@@ -401,6 +418,7 @@ public static class BreakTests
                     own.Start();
                 });
                 Check.That(ended, "the server was ended");
+                Check.That(relay.LastIds.Any(id => id != null && int.Parse(id) >= 5), "the stream was opened again: " + string.Join(", ", relay.LastIds));
             }
         }
         finally
