@@ -1,4 +1,4 @@
-.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp conformance browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -20,7 +20,7 @@ INSTALL := $(RETRY) sh -c 'apt-get update && apt-get install -y --no-install-rec
 
 # Everything that a change must pass; installs what that needs.
 test:
-	@tests/steps tools lint library api programs files interop contract deploy python typescript browser page
+	@tests/steps tools lint library api programs files interop contract deploy python typescript csharp conformance browser page
 
 # What to run while working: a few minutes after a small change.
 check:
@@ -99,6 +99,16 @@ python: $(VENV)/installed
 # The TypeScript client against real servers, in Node and in Chromium. Its types are those of the description.
 typescript: chromium node $(TYPESCRIPT)/node_modules/.package-lock.json
 	cd $(TYPESCRIPT) && $(WITH_NODE) PIAD_PROGRAM=$(CURDIR)/target/debug/piad npm test --silent
+
+# The C# client against real servers, under Mono, which it installs from Debian where it is missing.
+csharp:
+	PIAD_PROGRAM=$(CURDIR)/target/debug/piad clients/csharp/run
+
+# All clients in the same scenarios, with the numbers of the server to the bit.
+conformance: $(VENV)/installed node $(TYPESCRIPT)/node_modules/.package-lock.json
+	clients/csharp/run build
+	cd $(TYPESCRIPT) && $(WITH_NODE) npm run --silent pretest
+	$(PYTHON) tests/conformance/run.py target/debug/piad
 
 $(TYPESCRIPT)/node_modules/.package-lock.json: $(TYPESCRIPT)/package-lock.json | node
 	cd $(TYPESCRIPT) && $(WITH_NODE) $(RETRY) npm ci --silent

@@ -81,21 +81,10 @@ public static class Conformance
             await stream.NextAsync();
             PiadJob job = await client.JobAsync(stream.JobId);
             await job.CancelAsync();
-            return new JObject { { "again", await AgainAsync(job) }, { "state", (await job.RefreshAsync()).State } };
-        }
-    }
-
-    // Null where the server is content with a job that is cancelled already.
-    private static async Task<string> AgainAsync(PiadJob job)
-    {
-        try
-        {
+            string state = job.State;
+            // Again, which changes nothing.
             await job.CancelAsync();
-            return null;
-        }
-        catch (ApiException error)
-        {
-            return error.Type;
+            return new JObject { { "state", state }, { "again", job.State } };
         }
     }
 
