@@ -23,8 +23,8 @@ pub const PATIENCE: Duration = Duration::from_secs(120);
 /// A limit that no test reaches.
 pub const NEVER: Duration = Duration::from_secs(3600);
 
-/// The token of the variable, with which all servers ask for it. All tests but those that speak for themselves,
-/// byte by byte or over gRPC, pass with it, too: `make tokens`.
+/// The token of the variable, for which all servers ask then. Tests that speak for themselves, byte by byte or
+/// over gRPC, do not send it.
 pub fn token() -> Option<String> {
     std::env::var("PIAD_TOKEN").ok().filter(|it| !it.is_empty())
 }
