@@ -84,7 +84,8 @@ fn cases(file: &TokensFile) -> Vec<Case> {
         format!("{before}expires = \"2020-01-01T00:00:00Z\"\n{rest}"),
     )
     .unwrap();
-    let similar = format!("{}A", &right[..right.len() - 1]);
+    let other = if right.ends_with('A') { 'B' } else { 'A' };
+    let similar = format!("{}{other}", &right[..right.len() - 1]);
     vec![
         case("none", None, Unauthenticated),
         case("similar", Some(similar), Unauthenticated),
