@@ -1,4 +1,4 @@
-"""What connections cost that do nothing: idle ones with TLS, and event streams on which nothing happens.
+"""What connections cost: idle ones with TLS, and event streams whose next iteration is far ahead.
 
     idle.py PROGRAM [--idle N] [--streams N]      # PROGRAM is target/release/piad; needs openssl
 

@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
+use crate::random::Random;
 use crate::support::{Server, base};
 
 /// How many surfaces are generated.
@@ -18,37 +19,6 @@ const ROUNDS: u64 = 1000;
 /// A row of C depends on others if it is nearer to their span than this, and does not if it is further away
 /// than the second number; what is between is left out.
 const DEPENDENT: [f64; 2] = [1e-7, 1e-5];
-
-/// Numbers that look random (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Between 0 and 1.
-    fn part(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// From `low` to `high`, both included.
-    fn from(&mut self, low: usize, high: usize) -> usize {
-        low + self.next() as usize % (high + 1 - low)
-    }
-
-    fn chance(&mut self, part: f64) -> bool {
-        self.part() < part
-    }
-
-    fn vector(&mut self) -> Vec<f64> {
-        (0..3).map(|_| 4.0 * self.part() - 2.0).collect()
-    }
-}
 
 /// A generated job, and what the dense solution needs of it.
 struct Case {

@@ -85,6 +85,7 @@ mod process;
 mod program;
 mod proxies;
 mod quotas;
+mod random;
 mod rates;
 mod rational;
 mod readme;

@@ -3,32 +3,17 @@
 import json
 import pathlib
 import sys
-import tempfile
 import time
 from typing import Any
 
 import grpc
 from google.rpc import error_details_pb2
 from grpc_status import rpc_status
-from grpc_tools import protoc
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
+from messages import generate  # noqa: E402
+
 Json = dict[str, Any]
-
-
-def generate():
-    """Python from the contract."""
-    out = tempfile.mkdtemp()
-    include = pathlib.Path(protoc.__file__).parent / "_proto"
-    arguments = ["protoc", f"-I{ROOT / 'proto'}", f"-I{include}", f"--python_out={out}", f"--grpc_python_out={out}"]
-    assert protoc.main([*arguments, "piad/v1/fitting.proto"]) == 0
-    sys.path.insert(0, out)
-    # A package of its own: the Python client, which may be installed, is also called piad.
-    for package in ("piad", "piad/v1"):
-        (pathlib.Path(out) / package / "__init__.py").touch()
-    from piad.v1 import fitting_pb2, fitting_pb2_grpc
-
-    return fitting_pb2, fitting_pb2_grpc
 
 
 pb, pb_grpc = generate()

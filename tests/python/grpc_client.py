@@ -18,7 +18,6 @@ import pathlib
 import re
 import subprocess
 import sys
-import tempfile
 import time
 import urllib.request
 
@@ -27,24 +26,9 @@ from google.rpc import error_details_pb2
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from grpc_reflection.v1alpha.proto_reflection_descriptor_database import ProtoReflectionDescriptorDatabase
 from grpc_status import rpc_status
-from grpc_tools import protoc
+from messages import generate
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-
-
-def generate():
-    """Python from the contract, and nothing else of piad."""
-    out = tempfile.mkdtemp()
-    arguments = ["protoc", f"-I{ROOT / 'proto'}", f"--python_out={out}", f"--grpc_python_out={out}"]
-    include = pathlib.Path(protoc.__file__).parent / "_proto"
-    assert protoc.main([*arguments, f"-I{include}", "piad/v1/fitting.proto"]) == 0
-    sys.path.insert(0, out)
-    # A package of its own: the Python client, which may be installed, is also called piad.
-    for package in ("piad", "piad/v1"):
-        (pathlib.Path(out) / package / "__init__.py").touch()
-    from piad.v1 import fitting_pb2, fitting_pb2_grpc
-
-    return fitting_pb2, fitting_pb2_grpc
 
 
 pb, pb_grpc = generate()

@@ -6,18 +6,18 @@
 
 use std::time::Instant;
 
+use sqlx::Row;
 use sqlx::postgres::PgRow;
-use sqlx::{Connection, PgConnection, Row};
 use tracing::warn;
 use uuid::Uuid;
 
-use super::connection::{Statement, Work, execute, of_database};
+use super::connection::of_database;
 use super::hints::Hint;
 use super::pieces::{Table, Value};
 use super::reads::record_of;
+use super::within::Within;
 use super::{Claim, Shared};
-use crate::job::outline::Outline;
-use crate::job::quota::{Amount, Exceeded, Quota};
+use crate::job::quota::{Amount, Quota};
 use crate::job::state::{State, Status};
 use crate::job::store::{
     FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, Insertion, KEY_LIFETIME, Record,
@@ -43,16 +43,6 @@ WITH key AS (
     INSERT INTO inputs SELECT id, 0, $7 FROM job
 )
 SELECT id FROM job";
-
-/// Who inserts a job of a tenant with a quota waits for who does so already.
-const LOCK: &str = "SELECT pg_advisory_xact_lock(hashtext('piad quota'), hashtext($1))";
-
-/// What the jobs of a tenant take, without this one, which may be there already.
-const AMOUNT: &str = "
-SELECT count(*) FILTER (WHERE finished IS NULL) AS jobs,
-    coalesce(sum(points) FILTER (WHERE finished IS NULL), 0)::bigint AS points,
-    coalesce(sum(input_bytes + result_bytes), 0)::bigint AS bytes
-FROM jobs WHERE tenant = $1 AND id <> $2";
 
 /// A claim of a job that waits, or news of one that this replica has claimed. In the queue of the replica that
 /// has accepted it it still waits.
@@ -353,52 +343,5 @@ impl Shared {
     /// The epoch of this replica's claim of a job.
     fn epoch(&self, id: Uuid) -> Option<i64> {
         self.claims.lock().get(&id).map(|claim| claim.epoch)
-    }
-}
-
-/// The insertion of a job within the quota of its tenant.
-struct Within<'a, F> {
-    outline: &'a Outline,
-    quota: &'a Quota,
-    /// What the job takes.
-    new: Amount,
-    insert: F,
-    value: &'a Value<'a>,
-}
-
-impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Within<'_, F> {
-    type Done = Result<Vec<PgRow>, Exceeded>;
-
-    async fn run(&self, connection: &mut PgConnection) -> Result<Self::Done, sqlx::Error> {
-        if !self.quota.limits_jobs() {
-            let rows = execute(connection, (self.insert)(), Some(self.value));
-            return Ok(Ok(rows.await?));
-        }
-        let mut transaction = connection.begin().await?;
-        let has = self.has(&mut transaction).await?;
-        if let Err(exceeded) = self.quota.admit(self.outline.tenant, has, self.new) {
-            transaction.rollback().await?;
-            return Ok(Err(exceeded));
-        }
-        let rows = execute(&mut transaction, (self.insert)(), Some(self.value)).await?;
-        transaction.commit().await?;
-        Ok(Ok(rows))
-    }
-}
-
-impl<F> Within<'_, F> {
-    /// What the tenant has, once nobody else inserts a job for it.
-    async fn has(&self, transaction: &mut PgConnection) -> Result<Amount, sqlx::Error> {
-        let tenant = self.outline.tenant.name();
-        let lock = sqlx::query(LOCK).bind(tenant);
-        lock.execute(&mut *transaction).await?;
-        let amount = sqlx::query(AMOUNT).bind(tenant).bind(self.outline.id);
-        let row = amount.fetch_one(transaction).await?;
-        let number = |name| row.try_get(name).map(|it: i64| it as u64);
-        Ok(Amount {
-            jobs: number("jobs")?,
-            points: number("points")?,
-            bytes: number("bytes")?,
-        })
     }
 }

@@ -70,6 +70,18 @@ pub(super) async fn no_more_jobs_are_kept_than_a_quota_allows(store: &Store) {
     assert!(matches!(known, Insertion::Known(entry) if entry.id == record.outline.id));
 }
 
+#[tokio::test]
+async fn replicas_share_a_quota() {
+    let schema = replicas::Schema::new().await;
+    let stores = [schema.open().await, schema.open().await].map(Store::Shared);
+    let quota = Quota {
+        jobs: Some(11),
+        ..NONE
+    };
+    let (here, there) = tokio::join!(crowd(&stores[0], quota), crowd(&stores[1], quota));
+    assert_eq!(here.len() + there.len(), 11);
+}
+
 pub(super) async fn what_jobs_take_is_given_back(store: &Store) {
     let one = |quota| async move {
         let record = queued_of(cad());
