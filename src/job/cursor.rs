@@ -74,6 +74,10 @@ impl Cursor {
 
     /// The next frame to read will be `index`.
     pub(crate) fn seek(&mut self, index: usize) {
+        // Where frames are left out, another run may need fewer steps: that of the job, most often.
+        if index > self.next && self.run.is_some() {
+            self.run = self.job.attach_to_live(index, self.peer);
+        }
         self.next = index;
     }
 

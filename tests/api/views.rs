@@ -4,7 +4,9 @@ use futures_util::StreamExt;
 use serde_json::json;
 
 use crate::data;
-use crate::support::{Server, Story, assert_query_refused, events, levels, problem, thinned};
+use crate::support::{
+    Server, Story, assert_query_refused, base, events, eventually, levels, problem, thinned,
+};
 
 #[tokio::test]
 async fn views_show_errors_or_samples() {
@@ -27,6 +29,35 @@ async fn views_show_errors_or_samples() {
     }
     let path = format!("{base}/result?view=errors");
     assert_eq!(&server.json(&path).await, errors.last().unwrap());
+}
+
+/// Streams that leave out iterations wait for the run of the job, and compute nothing themselves meanwhile.
+#[tokio::test]
+async fn streams_that_leave_out_iterations_share_the_run_of_the_job() {
+    const STREAMS: usize = 10;
+    let server = Server::start().await;
+    let job = server.create(&data::endless_job()).await;
+    let path = base(&job);
+    let reached = async || server.json(path).await["iteration"].as_f64().unwrap_or(0.0);
+    let comes_to = async |level: f64| {
+        eventually("the job goes on", async || reached().await > level).await;
+    };
+    // Iteration 0 has to be computed again.
+    comes_to(10_000.0).await;
+    let mut streams = Vec::new();
+    for _ in 0..STREAMS {
+        let stream = server.get(&format!("{path}/events?every=1000000000"));
+        let mut stream = events(stream.send().await.unwrap());
+        for name in ["job", "iteration"] {
+            assert_eq!(stream.next().await.unwrap().name, name);
+        }
+        streams.push(stream);
+    }
+    comes_to(reached().await + 10_000.0).await;
+    let computed = server.metrics().await["piad_iterations_total"];
+    let again = computed - reached().await;
+    assert!(again < 100.0 * STREAMS as f64, "{again} levels again");
+    server.delete(path).send().await.unwrap();
 }
 
 #[tokio::test]

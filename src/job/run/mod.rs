@@ -190,13 +190,13 @@ impl Run {
 
     /// Takes a step; takes several at once if nobody reads the levels between.
     fn advance(&self, iteration: &mut Iteration) {
-        let state = self.state.lock();
-        let wanted = state.wanted.unwrap_or(0);
-        let left = wanted.saturating_sub(iteration.level().iteration);
-        let unseen = state.readers.is_empty() && !self.keeps_unread();
-        drop(state);
-        let most = LEVELS.min(Checkpoints::at_once(iteration.level().iteration));
-        let count = if unseen { left.clamp(1, most) } else { 1 };
+        let level = iteration.level().iteration;
+        let next = match self.keeps_unread() {
+            true => level + 1,
+            false => self.state.lock().next_seen(),
+        };
+        let most = LEVELS.min(Checkpoints::at_once(level));
+        let count = next.saturating_sub(level).clamp(1, most);
         iteration.steps(count, &mut |_| {
             self.resources.counters.iterations.inc();
         });

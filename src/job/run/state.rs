@@ -117,8 +117,18 @@ impl RunState {
 
     /// The first level that a reader wants of a run that computes again.
     pub(super) fn first_wanted(&self) -> Option<usize> {
-        let levels = self.readers.values().map(|reader| reader.next);
-        levels.min().filter(|_| !self.to_the_end)
+        self.first_read().filter(|_| !self.to_the_end)
+    }
+
+    /// The next level that is wanted for itself, not on the way to another one.
+    pub(super) fn next_seen(&self) -> usize {
+        let wanted = self.wanted.unwrap_or(0);
+        self.first_read().map_or(wanted, |read| read.min(wanted))
+    }
+
+    /// The first level that a reader wants.
+    fn first_read(&self) -> Option<usize> {
+        self.readers.values().map(|reader| reader.next).min()
     }
 
     pub(super) fn is_read(&self, level: usize) -> bool {
