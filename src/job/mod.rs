@@ -255,9 +255,13 @@ impl Job {
 
     /// Takes over what another replica has made of the job.
     fn follow(&self, theirs: Status) {
+        let reached = |status: &Status| status.levels.map(|levels| levels.last.iteration);
         self.status.send_if_modified(|mine| {
-            let begins = mine.state == State::Queued && theirs.state == State::Running;
-            let is_news = theirs.state.is_final() || begins;
+            let is_news = match theirs.state {
+                State::Queued => false,
+                State::Running => mine.state == State::Queued || reached(&theirs) > reached(mine),
+                _ => true,
+            };
             let is_news = is_news && !mine.state.is_final();
             if is_news {
                 *mine = theirs;

@@ -203,7 +203,15 @@ async fn a_job_is_read_and_ended_at_any_replica() {
         }
     }
     assert_eq!(seen, ["8", "9", "10", "11", "12"]);
-    assert_eq!(reader.program.json(path).await["state"], "running");
+    // How far it has come is told wherever it is asked for, as of the last renewal of its lease.
+    eventually(
+        "a replica tells how far the job of another one is",
+        async || {
+            let job = reader.program.json(path).await;
+            job["state"] == "running" && job["iteration"].as_u64() > Some(0)
+        },
+    )
+    .await;
     let cancelled = reader
         .program
         .post(&format!("{path}/cancel"))
@@ -231,6 +239,12 @@ async fn a_job_is_read_and_ended_at_any_replica() {
     }
 }
 
+/// A job that takes a second or so.
+fn slow_job() -> Value {
+    json!({"curve": {"points": data::wave(4000)}, "method": {"kind": "weighted", "omega": 1e-6},
+        "stop": {"tolerance": 0, "max_iterations": 10_000}})
+}
+
 /// A replica that is paused while it runs a job, for longer than its lease: another one takes the job over
 /// and ends it, and what the first one writes when it comes back is refused.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -239,12 +253,10 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     let [paused, other] = &all.replicas[..] else {
         panic!("two replicas");
     };
-    let job = json!({"curve": {"points": data::wave(4000)}, "method": {"kind": "weighted", "omega": 1e-6},
-        "stop": {"tolerance": 0, "max_iterations": 10_000}});
     let job = paused
         .program
         .post("/v1/jobs")
-        .json(&job)
+        .json(&slow_job())
         .send()
         .await
         .unwrap();
@@ -326,6 +338,29 @@ async fn a_job_whose_acknowledgement_was_lost_has_an_end_for_its_readers() {
     assert_eq!(cancelled.status(), 200);
     let story = timeout(PATIENCE, Story::read(stream)).await;
     assert_eq!(story.expect("an end").end["state"], "cancelled");
+}
+
+/// A job whose end is stored while the answer is lost: others know the end, and its own replica looks for it.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_end_whose_acknowledgement_was_lost_is_the_end_everywhere() {
+    let all = Replicas::start(2).await;
+    let [owner, other] = &all.replicas[..] else {
+        panic!("two replicas");
+    };
+    let post = owner.program.post("/v1/jobs").json(&slow_job());
+    let job: Value = post.send().await.unwrap().json().await.unwrap();
+    assert_eq!(job["state"], "running");
+    owner.wire.mute_next();
+    let path = job["links"]["self"].as_str().unwrap();
+    eventually("another replica knows its end", async || {
+        other.program.json(path).await["state"] == "exhausted"
+    })
+    .await;
+    assert_eq!(owner.program.json(path).await["state"], "exhausted");
+    let list = owner.program.json("/v1/jobs").await;
+    assert_eq!(list["jobs"][0]["state"], "exhausted");
+    let result = owner.program.json(&format!("{path}/result")).await;
+    assert_eq!(result["iteration"], 10_000);
 }
 
 /// Replicas are replaced one at a time: some work with the schema of the next version already.

@@ -245,6 +245,9 @@ impl Jobs {
             // In a store of one process, what has not ended is live, or has ended just now.
             let is_complete = record.status.state.is_final() || self.store.shared().is_some();
             let live = self.live(record.outline.id);
+            if let Some(job) = &live {
+                job.follow(record.status.clone());
+            }
             let job = match is_complete {
                 true => Some(live.unwrap_or_else(|| self.job(record, None, true))),
                 false => self.find(record.outline.id).await?,

@@ -80,6 +80,12 @@ impl Jobs {
         }
     }
 
+    /// The status of a job that this replica runs, with the level that it has reached.
+    fn running_here(&self, id: Uuid) -> Option<Status> {
+        let job = self.live(id).filter(|job| !job.is_elsewhere())?;
+        Some(job.status()).filter(|status| status.state == State::Running)
+    }
+
     /// The jobs that others run and that are read here.
     fn followed(&self) -> Vec<Arc<Job>> {
         let live = self.live.lock();
@@ -184,7 +190,7 @@ async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     loop {
         sleep(shared.heartbeat()).await;
         let Some(jobs) = jobs.upgrade() else { return };
-        match shared.renew().await {
+        match shared.renew(|id| jobs.running_here(id)).await {
             Ok(ended) => ended.into_iter().for_each(|id| jobs.end_here(id)),
             Err(error) => debug!(%error, "leases could not be renewed"),
         }

@@ -35,6 +35,8 @@ impl Record {
                 state: State::Failed,
                 finished: Some(Timestamp::now()),
                 failure: Some(Failure::Crashes),
+                // Nobody computes them again.
+                levels: None,
                 ..self.status.clone()
             },
             _ => Status::QUEUED,

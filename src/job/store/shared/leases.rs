@@ -16,8 +16,8 @@ use crate::job::state::{State, Status};
 use crate::job::store::{Record, StoreError, record};
 
 const RENEW: &str = "
-UPDATE jobs SET lease_until = now() + make_interval(secs => $3)
-FROM unnest($1::uuid[], $2::bigint[]) AS mine (id, epoch)
+UPDATE jobs SET lease_until = now() + make_interval(secs => $3), status = coalesce(mine.status, jobs.status)
+FROM unnest($1::uuid[], $2::bigint[], $4::bytea[]) AS mine (id, epoch, status)
 WHERE jobs.id = mine.id AND jobs.epoch = mine.epoch AND jobs.state = 'running'
 RETURNING jobs.id, jobs.cancel";
 
@@ -57,9 +57,12 @@ impl Shared {
         self.lease / 3
     }
 
-    /// Renews the leases of all jobs that this replica runs; gives those that a client of another replica
-    /// wants to end.
-    pub(crate) async fn renew(&self) -> Result<Vec<Uuid>, StoreError> {
+    /// Renews the leases of all jobs that this replica runs, and tells how far they have come; gives those that
+    /// a client of another replica wants to end.
+    pub(crate) async fn renew(
+        &self,
+        running: impl Fn(Uuid) -> Option<Status>,
+    ) -> Result<Vec<Uuid>, StoreError> {
         let (ids, epochs): (Vec<Uuid>, Vec<i64>) = {
             let claims = self.claims.lock();
             let held = claims.iter().filter(|(_, claim)| !claim.lost);
@@ -68,11 +71,14 @@ impl Shared {
         if ids.is_empty() {
             return Ok(Vec::new());
         }
+        let written = |&id: &Uuid| running(id).map(|status| record::write(&status)).transpose();
+        let statuses: Vec<Option<Vec<u8>>> = ids.iter().map(written).collect::<Result<_, _>>()?;
         let renew = || {
             sqlx::query(RENEW)
                 .bind(&ids)
                 .bind(&epochs)
                 .bind(self.lease.as_secs_f64())
+                .bind(&statuses)
         };
         let begin = Instant::now();
         let rows = self.connections.run(0, renew).await?;

@@ -78,14 +78,16 @@ struct Claim {
     renewed: Instant,
     /// Another replica has claimed the job since.
     lost: bool,
+    /// Its end is being written, or has been, and the answer is not there yet.
+    ends: bool,
 }
 
 impl Shared {
-    /// Whether no other replica can have claimed a job that this one runs.
+    /// Whether this replica runs a job, and no other one can know anything else of it.
     pub(crate) fn surely_runs(&self, id: Uuid) -> bool {
         let claims = self.claims.lock();
-        let claim = claims.get(&id);
-        claim.is_some_and(|claim| !claim.lost && claim.renewed.elapsed() < self.lease)
+        let holds = |it: &Claim| !it.lost && !it.ends && it.renewed.elapsed() < self.lease;
+        claims.get(&id).is_some_and(holds)
     }
 
     /// Whether the database could not be reached the last time.

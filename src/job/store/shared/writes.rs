@@ -238,6 +238,9 @@ impl Shared {
         status: &Status,
         result: Option<&[u8]>,
     ) -> Result<bool, StoreError> {
+        if let Some(claim) = self.claims.lock().get_mut(&id) {
+            claim.ends = true;
+        }
         let (state, epoch) = (status.state.name(), self.epoch(id));
         let finished = status.finished.map(|at| at.as_duration().as_secs_f64());
         let status = record::write(status)?;
@@ -336,6 +339,7 @@ impl Shared {
             epoch,
             renewed,
             lost: false,
+            ends: false,
         };
         self.claims.lock().insert(id, claim);
     }

@@ -10,9 +10,11 @@ use tokio::time::sleep;
 use uuid::Uuid;
 
 use super::{control_points, converged, insert_record};
+use crate::fit::iteration::Iteration;
+use crate::fit::system::System;
 use crate::job::counters::Counters;
 use crate::job::samples::{problem, queued};
-use crate::job::state::{Failure, State, Status};
+use crate::job::state::{Failure, Levels, State, Status};
 use crate::job::store::crash_recovery::MOST_CRASHES;
 use crate::job::store::shared::hints::Hint;
 use crate::job::store::shared::{Settings, Shared};
@@ -139,7 +141,7 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     let replica = one.shared().unwrap();
     schema.run_out().await;
     // Nobody has looked meanwhile: they are still its own.
-    assert!(replica.renew().await.unwrap().is_empty());
+    assert!(replica.renew(silent).await.unwrap().is_empty());
     other.shared().unwrap().recover().await.unwrap();
     for id in [kept, lost, deleted] {
         assert_eq!(state(&other, id).await, State::Running);
@@ -151,13 +153,46 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     schema.run(&take).await;
     other.shared().unwrap().cancel(kept).await.unwrap();
     assert!(other.remove(deleted).await.unwrap());
-    let mut ended = replica.renew().await.unwrap();
+    let mut ended = replica.renew(silent).await.unwrap();
     ended.sort_unstable();
     assert_eq!(ended, [kept, deleted]);
     // Told once.
-    assert_eq!(replica.renew().await.unwrap(), [kept]);
+    assert_eq!(replica.renew(silent).await.unwrap(), [kept]);
     assert!(!one.finish(lost, converged(0), None).await.unwrap());
     assert!(one.finish(kept, converged(0), None).await.unwrap());
+}
+
+/// A replica that tells of none of its jobs how far it has come.
+fn silent(_: Uuid) -> Option<Status> {
+    None
+}
+
+#[tokio::test]
+async fn how_far_a_job_has_come_is_told_with_its_lease() {
+    let (_schema, one, other) = two().await;
+    let (told, ended) = (running(&one).await, running(&one).await);
+    let mut iteration = Iteration::start(System::new(problem().into()).into());
+    let first = iteration.level();
+    iteration.steps(7, &mut |_| {});
+    let levels = Levels {
+        first,
+        last: iteration.level(),
+        forecast: iteration.system().forecast(),
+    };
+    let status = |_| {
+        Some(Status {
+            levels: Some(levels),
+            ..Status::running()
+        })
+    };
+    assert!(one.finish(ended, converged(0), None).await.unwrap());
+    one.shared().unwrap().renew(status).await.unwrap();
+    let levels_of = async |id| other.get(id).await.unwrap().unwrap().status.levels;
+    assert_eq!(levels_of(told).await, Some(levels));
+    assert_eq!(levels_of(ended).await, None);
+    // Without news the last ones stay.
+    one.shared().unwrap().renew(silent).await.unwrap();
+    assert_eq!(levels_of(told).await, Some(levels));
 }
 
 #[tokio::test]
@@ -174,7 +209,7 @@ async fn a_job_that_its_replica_does_not_know_of_goes_back() {
     replica.release_unknown().await.unwrap();
     assert_eq!(state(&one, unknown).await, State::Running);
     schema.run_out().await;
-    replica.renew().await.unwrap();
+    replica.renew(silent).await.unwrap();
     // Others take it for one that runs.
     other.shared().unwrap().recover().await.unwrap();
     assert_eq!(state(&one, unknown).await, State::Running);
