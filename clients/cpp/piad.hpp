@@ -1,0 +1,1736 @@
+// A client of piad, the service that fits curves and surfaces to data points and streams every iteration.
+//
+// One header for C++17 on libcurl (7.66 or later) and nlohmann-json (3.9 or later). README.md beside it
+// tells how to use it, docs/JOBS.md and docs/STREAMS.md of the project what requests and streams can have.
+//
+//     piad::Client client("http://127.0.0.1:8080");
+//     piad::Result result = client.fit({{"curve", {{"points", {{0, 0}, {1, 2}, {3, 1}, {4, 3}}}}}});
+//
+// A Client may be used by several threads at once. A Job belongs to one thread at a time; copies are independent.
+
+#ifndef PIAD_PIAD_HPP
+#define PIAD_PIAD_HPP
+
+#include <curl/curl.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+static_assert(LIBCURL_VERSION_NUM >= 0x074200, "piad needs libcurl 7.66 or later");
+
+namespace piad {
+
+using Json = nlohmann::json;
+
+// ---------------------------------------------------------------------------------------------- Errors
+//
+// What the caller gets wrong before anything is sent, such as an URL that is none or a coordinate that is not
+// finite, is a std::invalid_argument. All that can happen afterwards is a piad::Error.
+
+// The base of all exceptions that this client throws after it was called correctly.
+struct Error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+// The server could not be reached or the connection broke, more often than is tried.
+struct ConnectionLost : Error {
+    explicit ConnectionLost(const std::string& what, bool is_permanent = false) : Error(what), permanent(is_permanent) {}
+
+    bool permanent;  // Trying again cannot help: the certificate is wrong, for example.
+};
+
+// The server answered something that is not of this API.
+struct ProtocolError : Error {
+    using Error::Error;
+};
+
+// A stop token ended the call.
+struct Stopped : Error {
+    Stopped() : Error("stopped by its stop token") {}
+};
+
+// One thing that is wrong with a request. Only the location that applies is set.
+struct FieldError {
+    std::string detail;
+    std::string pointer;    // JSON pointer into the body (RFC 6901)
+    std::string parameter;  // query parameter
+    std::string header;
+    std::uint64_t line = 0;  // line of a file of points, counted from 1
+};
+
+// A problem object (RFC 9457), as servers answer it and failed jobs carry it.
+struct Problem {
+    std::string type = "about:blank";  // such as "/problems/invalid-fit"; "about:blank" of other servers
+    std::string title;
+    int status = 0;  // HTTP status
+    std::string detail;
+    std::vector<FieldError> errors;
+    std::vector<std::string> pointers;  // those of `errors`
+    std::string request_id;             // by which the log of the server knows the request
+};
+
+// The server refused a request.
+struct ApiError : Error, Problem {
+    explicit ApiError(const Problem& problem, std::optional<double> seconds = {})
+        : Error(std::to_string(problem.status) + " " + problem.title + ": " + problem.detail),
+          Problem(problem),
+          retry_after(seconds) {}
+
+    std::optional<double> retry_after;  // seconds after which the server asked to be tried again
+};
+
+// A job ended without a result.
+struct JobFailed : Error {
+    JobFailed(std::string job, std::string job_state, std::optional<Problem> why)
+        : Error("the job " + job + " is " + job_state + (why ? ": " + why->detail : "")),
+          id(std::move(job)),
+          state(std::move(job_state)),
+          problem(std::move(why)) {}
+
+    std::string id;
+    std::string state;  // "failed" or "cancelled"
+    std::optional<Problem> problem;
+};
+
+// --------------------------------------------------------------------------------------- Cancellation
+
+namespace detail {
+
+struct StopState {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::atomic<bool> stopped{false};
+};
+
+}  // namespace detail
+
+// Tells a call that it shall end, which it does with `Stopped` within about 50 ms, also in the middle of a
+// transfer or while it waits before another attempt. A default-constructed token never stops anything.
+class StopToken {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    StopToken() = default;
+
+    // A token that also stops by itself after this time.
+    StopToken after(std::chrono::milliseconds time) const {
+        StopToken token(*this);
+        token.deadline_ = (std::min)(deadline_, Clock::now() + time);
+        return token;
+    }
+
+    bool stopped() const { return (state_ && state_->stopped) || (has_deadline() && Clock::now() >= deadline_); }
+
+    // Whether it can ever stop anything.
+    bool possible() const { return state_ || has_deadline(); }
+
+    // Throws `Stopped` if it has stopped.
+    void throw_if_stopped() const {
+        if (stopped()) throw Stopped();
+    }
+
+    // Waits so long; throws `Stopped` as soon as it stops.
+    void sleep(std::chrono::milliseconds time) const {
+        const auto end = (std::min)(deadline_, Clock::now() + time);
+        if (state_) {
+            std::unique_lock<std::mutex> lock(state_->mutex);
+            state_->changed.wait_until(lock, end, [this] { return state_->stopped.load(); });
+        } else {
+            std::this_thread::sleep_until(end);
+        }
+        throw_if_stopped();
+    }
+
+private:
+    friend class StopSource;
+
+    bool has_deadline() const { return deadline_ != (Clock::time_point::max)(); }
+
+    std::shared_ptr<detail::StopState> state_;
+    Clock::time_point deadline_ = (Clock::time_point::max)();
+};
+
+// Stops the calls that have its token, from any thread, but not from a signal handler.
+class StopSource {
+public:
+    StopToken token() const {
+        StopToken token;
+        token.state_ = state_;
+        return token;
+    }
+
+    void stop() const {
+        {
+            const std::lock_guard<std::mutex> lock(state_->mutex);
+            state_->stopped = true;
+        }
+        state_->changed.notify_all();
+    }
+
+    bool stopped() const { return state_->stopped; }
+
+private:
+    std::shared_ptr<detail::StopState> state_ = std::make_shared<detail::StopState>();
+};
+
+// ------------------------------------------------------------------------------------------------ Data
+
+// The index of a data point or control point: {i}, or {row, column} of a surface.
+using Index = std::vector<std::size_t>;
+
+// Distances from the data points at their parameters, in data units; infinite where a weight is not positive.
+struct Distances {
+    double max = 0;
+    double rms = 0;
+    double sum = 0;
+    Index at;                           // the data point with the largest distance
+    std::optional<double> fixed_max;    // local fits: the largest one of the points that are not adjusted
+    std::optional<double> homogeneous;  // homogeneous fits: the largest one in homogeneous coordinates
+    std::optional<double> gradient;     // least squares: zero at the minimum
+    std::optional<double> transformed;  // extended fits: how far a control point moves in the next iteration
+};
+
+// One direction of a fit: that of a curve, or u or v of a surface.
+struct Direction {
+    std::string basis;  // "bspline", "bernstein", "said_ball" or "wang_ball"
+    int degree = 0;
+    bool closed = false;             // the first control points are repeated at the end
+    std::vector<double> knots;       // control points + degree + 1, as CAD kernels store them; empty for Ball bases
+    std::vector<double> parameters;  // of the data points
+};
+
+// A control point of a homogeneous fit whose weight no CAD kernel takes.
+struct BadWeight {
+    Index control_point;
+    double weight = 0;
+};
+
+// A curve (one direction) or surface (two), with complete control points as CAD kernels store them.
+struct Geometry {
+    std::vector<Direction> directions;
+    std::vector<double> control_points;  // row after row: shape[0] × … numbers; NaN where there is none
+    std::vector<std::size_t> shape;      // {n, dimension}, or {rows, columns, dimension} of a surface
+    std::vector<double> weights;         // one for each control point; empty if the fit has none
+    std::optional<BadWeight> bad_weight;
+
+    bool is_surface() const { return directions.size() == 2; }
+    std::size_t dimension() const { return shape.empty() ? 0 : shape.back(); }
+    int degree(std::size_t direction = 0) const { return directions.at(direction).degree; }
+    const std::vector<double>& knots(std::size_t direction = 0) const { return directions.at(direction).knots; }
+};
+
+// Points at equal steps of the parameters, computed by the server.
+struct Samples {
+    std::vector<double> points;
+    std::vector<std::size_t> shape;               // as that of control points
+    std::vector<std::vector<double>> parameters;  // one list for each direction
+};
+
+// An iteration of a fit. What its stream was not asked for is empty.
+struct Iteration : Geometry {
+    std::uint64_t number = 0;
+    Distances error;
+    std::optional<double> rate;              // the factor by which the step reduced the largest distance
+    std::uint64_t moved = 0;                 // how many control points the step moved
+    std::optional<std::uint64_t> predicted;  // about how many iterations the fit takes in all
+    std::optional<double> milestone;         // the smallest milestone that this iteration is the first to reach
+    Samples samples;                         // with view "samples"
+};
+
+// The last iteration of a fit that has ended. It is within its tolerance if `state` is "converged".
+struct Result : Geometry {
+    std::string id;
+    std::string name;
+    std::string state;
+    std::uint64_t iteration = 0;
+    Distances error;
+};
+
+// How a job ended.
+struct End {
+    std::string id;
+    std::string state;   // "converged", "exhausted", "stalled", "failed" or "cancelled"
+    std::string reason;  // why, where the state does not say it, such as "minimum"
+    std::string detail;  // the reason in words, with what is left
+    std::uint64_t iterations = 0;
+    std::optional<Distances> error;
+    std::optional<double> elapsed;  // seconds
+    std::optional<Problem> problem;
+};
+
+// What is doubtful about a fit that is computed even so.
+struct Warning {
+    std::string code;
+    std::string pointer;
+    std::string detail;
+};
+
+// The job that an edit started from.
+struct Parent {
+    std::string id;
+    std::uint64_t iteration = 0;
+};
+
+// A job as it stood when the server was asked.
+struct JobStatus {
+    std::string id;
+    std::string name;
+    std::string kind;   // "curve" or "surface"
+    std::string state;  // "queued", "running", or one of `End`
+    std::string reason;
+    std::string detail;
+    std::vector<Warning> warnings;
+    std::optional<std::uint64_t> iteration;
+    std::optional<Distances> error;
+    double progress = 0;  // from 0 to 1
+    std::optional<Parent> parent;
+    std::optional<Problem> problem;  // why it failed
+    Json json;                       // all that the server said
+
+    bool ended() const { return state != "queued" && state != "running"; }
+};
+
+// Distances of the data from the nearest points of the curve or surface.
+struct Deviation {
+    std::uint64_t iteration = 0;
+    double max = 0;
+    double rms = 0;
+    Index at;
+    std::map<int, double> percentiles;  // of 50, 90, 95 and 99 per cent
+    std::vector<double> distances;      // of each data point, if they were asked for; NaN of a missing one
+};
+
+// A file of a result or an iteration, such as STEP.
+struct File {
+    std::string name;  // as the server suggests it, such as "wing.step"
+    std::string media_type;
+    std::string content;
+};
+
+// --------------------------------------------------------------------------------------------- Options
+
+// How a server is reached.
+struct ClientOptions {
+    // Of a server that asks for one: a token of `piad token create`.
+    std::string token;
+    // How often a request is sent, or a stream opened again without an iteration in between, while connections
+    // break or the server has no room. A server that has never answered is tried three times.
+    int attempts = 8;
+    // How long the server may be silent; streams, 60 seconds at least.
+    std::chrono::milliseconds timeout{60000};
+    // How long making a connection may take.
+    std::chrono::milliseconds connect_timeout{5000};
+    // Lines such as "X-Team: wings" that go with every request.
+    std::vector<std::string> headers;
+    // Called for each transfer after its options were set: proxies, certificates, a Unix domain socket.
+    std::function<void(CURL*)> configure;
+};
+
+// Of requests for a new job.
+struct CreateOptions {
+    // By which the server recognises a request that is sent again. Random if empty; a program that may itself
+    // start again gives its own.
+    std::string idempotency_key;
+    // How long the server may wait for the end of the job before it answers.
+    std::chrono::seconds wait{0};
+    StopToken stop;
+};
+
+// What a stream shows: see docs/STREAMS.md. What is not given is as the job says.
+struct WatchOptions {
+    std::string view;                    // "control_points", "samples" or "errors"
+    std::string samples;                 // "200", or "40x40" of a surface
+    std::uint64_t every = 0;             // only multiples of this number, and the last
+    std::vector<double> milestones;      // decreasing distances: only the first iteration within each, and the last
+    std::string pace;                    // "latest": a slow reader skips to the newest iteration
+    std::string encoding;                // "base64" where that is allowed, otherwise "json"
+    std::string digits;                  // "auto": as many digits as the error deserves
+    bool changed = false;                // send only control points that moved; iterations are complete even so
+    std::optional<std::uint64_t> after;  // begin after this iteration
+    StopToken stop;
+    // Called with the `job` event of each connection, which has the predicted number of iterations, for example.
+    // If it says "resumed": "restarted", the server was replaced and all iterations come again.
+    std::function<void(const Json&)> on_job;
+
+    // Streams of new jobs and edits only:
+    std::string on_disconnect;  // "cancel": the job ends with the connection that made it
+    std::string idempotency_key;
+    // The iteration that an edit starts from: its knots are then not sent again, and with `changed` the first
+    // event of an ephemeral edit is relative to it.
+    const Iteration* from = nullptr;
+};
+
+// Which jobs are listed.
+struct ListOptions {
+    std::string state;        // only those in this state
+    std::size_t limit = 100;  // the newest so many
+    StopToken stop;
+};
+
+// Of files.
+struct FileOptions {
+    std::optional<std::uint64_t> iteration;  // instead of the result
+    std::string samples;                     // of gltf, stl, dxf, svg and csv
+    std::string units;                       // "mm", "m" or "in": what step and iges declare
+    std::string dots;                        // "on" or "off": whether svg shows the data points
+    StopToken stop;
+};
+
+using Query = std::vector<std::pair<std::string, std::string>>;
+
+namespace detail {
+
+// ------------------------------------------------------------------------------------- Numbers and JSON
+
+inline double number(const Json& value, double otherwise = std::numeric_limits<double>::quiet_NaN()) {
+    return value.is_null() ? otherwise : value.get<double>();
+}
+
+// The value of a field, or nothing if it is absent or null.
+template <class T>
+std::optional<T> field(const Json& object, const char* name) {
+    const auto found = object.find(name);
+    if (found == object.end() || found->is_null()) return std::nullopt;
+    return found->get<T>();
+}
+
+inline std::string text(const Json& object, const char* name) { return field<std::string>(object, name).value_or(""); }
+
+// Calls `read`, which takes an answer apart; what it does not find there is a ProtocolError.
+template <class Read>
+auto reading(const Read& read) {
+    try {
+        return read();
+    } catch (const Json::exception& error) {
+        throw ProtocolError(std::string("the server answered something unexpected: ") + error.what());
+    }
+}
+
+inline Json parse(const std::string& text) {
+    return reading([&] {
+        Json value = Json::parse(text);
+        if (!value.is_object()) throw ProtocolError("the server did not answer a JSON object");
+        return value;
+    });
+}
+
+// The JSON pointer of the first number that JSON does not have; empty if all are finite.
+inline std::string not_finite(const Json& value, const std::string& pointer) {
+    if (value.is_number_float() && !std::isfinite(value.get<double>())) return pointer.empty() ? "/" : pointer;
+    if (!value.is_structured()) return "";
+    for (auto item = value.begin(); item != value.end(); ++item) {
+        // Most values are numbers of points: a pointer is made only where it is needed.
+        if (!item->is_structured() && !(item->is_number_float() && !std::isfinite(item->get<double>()))) continue;
+        const auto key = value.is_object() ? item.key() : std::to_string(std::distance(value.begin(), item));
+        auto found = not_finite(*item, pointer + "/" + key);
+        if (!found.empty()) return found;
+    }
+    return "";
+}
+
+inline std::string encoded(const Json& body) {
+    const auto pointer = not_finite(body, "");
+    if (!pointer.empty()) throw std::invalid_argument("the number at " + pointer + " is not finite");
+    try {
+        return body.dump();
+    } catch (const Json::exception& error) {
+        throw std::invalid_argument(std::string("the request cannot be written as JSON: ") + error.what());
+    }
+}
+
+constexpr std::array<std::int8_t, 256> base64_digits() {
+    std::array<std::int8_t, 256> digits{};
+    for (auto& digit : digits) digit = -1;
+    const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (int i = 0; i < 64; ++i) digits[static_cast<unsigned char>(alphabet[i])] = static_cast<std::int8_t>(i);
+    return digits;
+}
+
+inline constexpr std::array<std::int8_t, 256> base64_table = base64_digits();
+
+// Reads little-endian floating-point numbers from base64 (standard alphabet, padded).
+class Base64 {
+public:
+    template <class Float, class Bits>
+    static void read(const std::string& text, std::vector<double>& out) {
+        static_assert(sizeof(Float) == sizeof(Bits), "the bits of a number");
+        std::size_t length = text.size();
+        if (length % 4 != 0) throw ProtocolError("base64 of the server is not padded");
+        while (length > 0 && text.size() - length < 2 && text[length - 1] == '=') --length;
+        out.clear();
+        out.reserve(length * 3 / 4 / sizeof(Float));
+        Bits bits = 0;
+        unsigned filled = 0;        // bits of the number so far
+        std::uint32_t pending = 0;  // bits of a byte that is not complete
+        unsigned pending_bits = 0;
+        for (std::size_t i = 0; i < length; ++i) {
+            const int digit = base64_table[static_cast<unsigned char>(text[i])];
+            if (digit < 0) throw ProtocolError("base64 of the server has a character that is none of base64");
+            pending = (pending << 6 | static_cast<std::uint32_t>(digit)) & 0xffff;
+            pending_bits += 6;
+            if (pending_bits < 8) continue;
+            pending_bits -= 8;
+            bits |= static_cast<Bits>(pending >> pending_bits & 0xff) << filled;
+            filled += 8;
+            if (filled < 8 * sizeof(Bits)) continue;
+            Float value;
+            std::memcpy(&value, &bits, sizeof value);
+            out.push_back(static_cast<double>(value));
+            bits = 0;
+            filled = 0;
+        }
+        if (filled != 0) throw ProtocolError("base64 of the server ends within a number");
+    }
+};
+
+inline void flatten(const Json& value, std::vector<double>& out) {
+    if (!value.is_array()) return out.push_back(number(value));
+    for (const auto& part : value) flatten(part, out);
+}
+
+// Numbers as nested lists or as base64, of 32 bits if `single`. Null is an empty list.
+inline void read_numbers(const Json& value, bool single, std::vector<double>& out) {
+    out.clear();
+    if (value.is_null()) return;
+    if (!value.is_string()) return flatten(value, out);
+    const auto& text = value.get_ref<const std::string&>();
+    single ? Base64::read<float, std::uint32_t>(text, out) : Base64::read<double, std::uint64_t>(text, out);
+}
+
+inline std::vector<double> numbers(const Json& value, bool single = false) {
+    std::vector<double> out;
+    read_numbers(value, single, out);
+    return out;
+}
+
+inline bool is_single(const Json& event) { return text(event, "encoding") == "base64_f32"; }
+
+// An array of points with its shape, which JSON has by its nesting and base64 beside it.
+inline void read_points(const Json& event, const char* name, std::vector<double>& out, std::vector<std::size_t>& shape) {
+    const Json& value = event.at(name);
+    read_numbers(value, is_single(event), out);
+    shape.clear();
+    if (value.is_string()) {
+        shape = event.at("shape").get<std::vector<std::size_t>>();
+    } else {
+        for (const Json* part = &value; part->is_array(); part = &part->front()) {
+            shape.push_back(part->size());
+            if (part->empty()) break;
+        }
+    }
+    std::size_t count = 1;
+    for (const std::size_t length : shape) count *= length;
+    if (count != out.size()) throw ProtocolError(std::string("the numbers of ") + name + " are not as many as their shape says");
+}
+
+inline Index read_index(const Json& value) {
+    if (value.is_array()) return value.get<Index>();
+    return {value.get<std::size_t>()};
+}
+
+inline Distances read_distances(const Json& value) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    Distances distances;
+    distances.max = number(value.at("max"), infinite);
+    distances.rms = number(value.at("rms"), infinite);
+    distances.sum = number(value.at("sum"), infinite);
+    distances.at = read_index(value.at("at"));
+    distances.fixed_max = field<double>(value, "fixed_max");
+    distances.homogeneous = field<double>(value, "homogeneous");
+    distances.gradient = field<double>(value, "gradient");
+    distances.transformed = field<double>(value, "transformed");
+    return distances;
+}
+
+inline std::optional<Distances> read_error(const Json& value) {
+    const auto found = value.find("error");
+    if (found == value.end() || found->is_null()) return std::nullopt;
+    return read_distances(*found);
+}
+
+inline Problem read_problem(const Json& value) {
+    Problem problem;
+    problem.type = field<std::string>(value, "type").value_or("about:blank");
+    problem.title = text(value, "title");
+    problem.status = field<int>(value, "status").value_or(0);
+    problem.detail = text(value, "detail");
+    problem.request_id = text(value, "request_id");
+    for (const auto& error : value.value("errors", Json::array())) {
+        FieldError one{text(error, "detail"), text(error, "pointer"), text(error, "parameter"), text(error, "header"), 0};
+        one.line = field<std::uint64_t>(error, "line").value_or(0);
+        if (!one.pointer.empty()) problem.pointers.push_back(one.pointer);
+        problem.errors.push_back(std::move(one));
+    }
+    return problem;
+}
+
+inline std::optional<Problem> read_problem_of(const Json& job) {
+    const auto found = job.find("problem");
+    if (found == job.end() || found->is_null()) return std::nullopt;
+    return read_problem(*found);
+}
+
+inline std::optional<BadWeight> read_bad_weight(const Json& value) {
+    const auto found = value.find("bad_weight");
+    if (found == value.end() || found->is_null()) return std::nullopt;
+    return BadWeight{read_index(found->at("control_point")), number(found->at("weight"))};
+}
+
+inline JobStatus read_status(Json value) {
+    return reading([&] {
+        JobStatus status;
+        status.id = value.at("id").get<std::string>();
+        status.name = text(value, "name");
+        status.kind = value.at("kind").get<std::string>();
+        status.state = value.at("state").get<std::string>();
+        status.reason = text(value, "reason");
+        status.detail = text(value, "detail");
+        for (const auto& one : value.value("warnings", Json::array())) {
+            status.warnings.push_back({text(one, "code"), text(one, "pointer"), text(one, "detail")});
+        }
+        status.iteration = field<std::uint64_t>(value, "iteration");
+        status.error = read_error(value);
+        status.progress = value.at("progress").get<double>();
+        if (const auto parent = field<Json>(value, "parent")) {
+            status.parent = Parent{parent->at("id").get<std::string>(), parent->at("iteration").get<std::uint64_t>()};
+        }
+        status.problem = read_problem_of(value);
+        status.json = std::move(value);
+        return status;
+    });
+}
+
+inline End read_end(const Json& value, const std::string& id) {
+    return reading([&] {
+        End end;
+        end.id = id;
+        end.state = value.at("state").get<std::string>();
+        end.reason = text(value, "reason");
+        end.detail = text(value, "detail");
+        end.iterations = value.at("iterations").get<std::uint64_t>();
+        end.error = read_error(value);
+        end.elapsed = field<double>(value, "elapsed");
+        end.problem = read_problem_of(value);
+        return end;
+    });
+}
+
+// The names of the directions of a surface; a curve has one without a name.
+inline std::vector<const char*> direction_names(const Json& value) {
+    if (value.at("kind") == "curve") return {nullptr};
+    return {"u", "v"};
+}
+
+inline const Json& part(const Json& value, const char* name, const char* direction) {
+    return direction == nullptr ? value.at(name) : value.at(name).at(direction);
+}
+
+inline std::vector<Direction> read_directions(const Json& value) {
+    std::vector<Direction> directions;
+    for (const char* name : direction_names(value)) {
+        Direction one;
+        one.basis = part(value, "basis", name).get<std::string>();
+        one.degree = part(value, "degree", name).get<int>();
+        one.closed = part(value, "closed", name).get<bool>();
+        // A knot may be new to these, or lie where 32 bits cannot tell it from the next: they always have 64.
+        one.knots = numbers(part(value, "knots", name));
+        one.parameters = numbers(part(value, "parameters", name));
+        directions.push_back(std::move(one));
+    }
+    return directions;
+}
+
+// Fixed weights of all control points. Those of surfaces are products; a direction may have none.
+inline std::vector<double> read_fixed_weights(const Json& value, const std::vector<std::size_t>& counts) {
+    const auto names = direction_names(value);
+    std::vector<double> product{1.0};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        auto factors = numbers(part(value, "weights", names[i]));
+        if (factors.empty()) factors.assign(counts.at(i), 1.0);
+        std::vector<double> next;
+        next.reserve(product.size() * factors.size());
+        for (const double left : product) {
+            for (const double right : factors) next.push_back(left * right);
+        }
+        product = std::move(next);
+    }
+    return product;
+}
+
+inline Result read_result(const Json& value) {
+    return reading([&] {
+        Result result;
+        result.id = text(value, "id");
+        result.name = text(value, "name");
+        result.state = value.at("state").get<std::string>();
+        result.iteration = value.at("iteration").get<std::uint64_t>();
+        result.error = read_distances(value.at("error"));
+        result.directions = read_directions(value);
+        result.bad_weight = read_bad_weight(value);
+        read_points(value, "control_points", result.control_points, result.shape);
+        const auto rational = text(value, "rational");
+        if (rational == "fixed") result.weights = read_fixed_weights(value, result.shape);
+        if (rational == "homogeneous") read_numbers(value.at("weights"), is_single(value), result.weights);
+        return result;
+    });
+}
+
+// Makes iterations of the events of a stream. There is one object for all, whose memory is used again.
+class IterationReader {
+public:
+    IterationReader() = default;
+    explicit IterationReader(const Iteration* from) {
+        if (from != nullptr) current_ = *from;
+    }
+
+    void job(const Json& event) {
+        // An event without description belongs to an edit, which has the knots and weights of its parent.
+        if (!event.contains("knots")) return;
+        current_.directions = read_directions(event);
+        if (text(event, "rational") != "fixed") return current_.weights.clear();
+        std::vector<std::size_t> counts;
+        for (const char* name : direction_names(event)) counts.push_back(part(event, "control_points", name).get<std::size_t>());
+        current_.weights = read_fixed_weights(event, counts);
+    }
+
+    const Iteration& iteration(const Json& event) {
+        current_.number = event.at("iteration").get<std::uint64_t>();
+        current_.error = read_distances(event.at("error"));
+        current_.rate = field<double>(event, "rate");
+        current_.moved = event.at("moved").get<std::uint64_t>();
+        current_.predicted = field<std::uint64_t>(event, "predicted");
+        current_.milestone = field<double>(event, "milestone");
+        current_.bad_weight = read_bad_weight(event);
+        read_knots(event);
+        if (event.contains("changed")) apply(event.at("changed"));
+        if (event.contains("samples")) read_samples(event);
+        if (event.contains("control_points")) {
+            read_points(event, "control_points", current_.control_points, current_.shape);
+            if (event.contains("weights")) read_numbers(event.at("weights"), is_single(event), current_.weights);
+        }
+        return current_;
+    }
+
+private:
+    // Fits that choose their knots send them with the iterations where they are others than before.
+    void read_knots(const Json& event) {
+        const auto found = event.find("knots");
+        if (found == event.end() || found->is_null()) return;
+        const bool surface = found->is_object();
+        if (current_.directions.size() != (surface ? 2u : 1u)) throw ProtocolError("the server sent knots before the job");
+        read_numbers(surface ? found->at("u") : *found, false, current_.directions[0].knots);
+        if (surface) read_numbers(found->at("v"), false, current_.directions[1].knots);
+    }
+
+    void read_samples(const Json& event) {
+        auto& samples = current_.samples;
+        read_points(event, "samples", samples.points, samples.shape);
+        const Json& parameters = event.at("parameters");
+        samples.parameters.clear();
+        if (parameters.is_object()) {
+            samples.parameters = {numbers(parameters.at("u"), is_single(event)), numbers(parameters.at("v"), is_single(event))};
+        } else {
+            samples.parameters = {numbers(parameters, is_single(event))};
+        }
+    }
+
+    // Overwrites control points that have moved: [[index, point], …] or [[index, point, weight], …].
+    void apply(const Json& changes) {
+        const std::size_t dimension = current_.dimension();
+        for (const auto& change : changes) {
+            const Index index = read_index(change.at(0));
+            const auto point = numbers(change.at(1));
+            const std::size_t place = index.size() == 2 && current_.shape.size() == 3 ? index[0] * current_.shape[1] + index[1] : index[0];
+            if (point.size() != dimension || (place + 1) * dimension > current_.control_points.size()) {
+                throw ProtocolError("the server changed a control point that is not there");
+            }
+            std::copy(point.begin(), point.end(), current_.control_points.begin() + static_cast<std::ptrdiff_t>(place * dimension));
+            if (change.size() > 2) current_.weights.at(place) = number(change.at(2));
+        }
+    }
+
+    Iteration current_;
+};
+
+// --------------------------------------------------------------------------------- Server-sent events
+
+struct Event {
+    std::string name;
+    std::string data;
+    std::string id;
+};
+
+// Reads server-sent events (WHATWG HTML, section 9.2) as far as this API needs them. Holds one event at most.
+class EventParser {
+public:
+    // Calls `on_event` for each event that is complete, up to one for which it returns false.
+    template <class OnEvent>
+    bool feed(const char* data, std::size_t size, const OnEvent& on_event) {
+        while (size > 0) {
+            const auto* end = static_cast<const char*>(std::memchr(data, '\n', size));
+            const std::size_t length = end == nullptr ? size : static_cast<std::size_t>(end - data);
+            line_.append(data, length);
+            if (end == nullptr) return true;
+            data += length + 1;
+            size -= length + 1;
+            if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+            const bool go_on = take_line(on_event);
+            line_.clear();
+            if (!go_on) return false;
+        }
+        return true;
+    }
+
+    // Seconds to wait before the stream is opened again, as the server asks.
+    double retry() const { return retry_; }
+
+    // Forgets an event that the end of a connection has cut off.
+    void reset() {
+        line_.clear();
+        event_ = {};
+        has_data_ = false;
+    }
+
+private:
+    template <class OnEvent>
+    bool take_line(const OnEvent& on_event) {
+        if (line_.empty()) {
+            const bool complete = std::exchange(has_data_, false);
+            const Event event = std::exchange(event_, {});
+            return !complete || on_event(event);
+        }
+        const std::string_view line(line_);
+        const auto colon = line.find(':');
+        const auto name = line.substr(0, colon);
+        auto value = colon == std::string_view::npos ? std::string_view() : line.substr(colon + 1);
+        if (!value.empty() && value.front() == ' ') value.remove_prefix(1);
+        if (name == "data") {
+            if (has_data_) event_.data += '\n';
+            event_.data += value;
+            has_data_ = true;
+        } else if (name == "event") {
+            event_.name = value;
+        } else if (name == "id") {
+            event_.id = value;
+        } else if (name == "retry" && !value.empty() && value.size() < 9 && value.find_first_not_of("0123456789") == std::string_view::npos) {
+            retry_ = (std::min)(std::stod(std::string(value)) / 1000, 60.0);
+        }
+        return true;
+    }
+
+    std::string line_;
+    Event event_;
+    bool has_data_ = false;
+    double retry_ = 2.0;
+};
+
+// ------------------------------------------------------------------------------------------- Transfers
+
+// A request. `accepted_again` is a status that, from the second attempt on, means that an earlier one succeeded
+// whose answer was lost.
+struct Call {
+    std::string method = "GET";
+    std::string path;
+    Query query;
+    std::string accept = "application/json";
+    std::string content_type;  // empty: there is no body
+    std::string body;
+    std::vector<std::string> headers;
+    int accepted_again = 0;
+    StopToken stop;
+};
+
+struct Answer {
+    int status = 0;
+    std::string media_type;
+    std::string file_name;
+    std::string body;
+};
+
+// Takes a piece of the body; false if no more is wanted.
+using Sink = std::function<bool(const char*, std::size_t)>;
+
+inline void initialise_curl() {
+    static const CURLcode code = curl_global_init(CURL_GLOBAL_DEFAULT);
+    if (code != CURLE_OK) throw Error(std::string("libcurl cannot start: ") + curl_easy_strerror(code));
+}
+
+// A handle of libcurl with the connections that it keeps.
+class CurlHandle {
+public:
+    CurlHandle() : easy(curl_easy_init()), multi(curl_multi_init()) {
+        if (easy == nullptr || multi == nullptr) {
+            close();
+            throw Error("libcurl has no memory for a handle");
+        }
+    }
+    ~CurlHandle() { close(); }
+    CurlHandle(const CurlHandle&) = delete;
+    CurlHandle& operator=(const CurlHandle&) = delete;
+
+    CURL* const easy;
+    CURLM* const multi;
+
+private:
+    void close() {
+        curl_easy_cleanup(easy);
+        if (multi != nullptr) curl_multi_cleanup(multi);
+    }
+};
+
+// Handles that are not in use: each transfer has one of its own, so that threads do not wait for each other.
+class HandlePool {
+public:
+    std::unique_ptr<CurlHandle> take() {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (idle_.empty()) return std::make_unique<CurlHandle>();
+        auto handle = std::move(idle_.back());
+        idle_.pop_back();
+        return handle;
+    }
+
+    void give_back(std::unique_ptr<CurlHandle> handle) {
+        curl_easy_reset(handle->easy);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (idle_.size() < 8) idle_.push_back(std::move(handle));
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<CurlHandle>> idle_;
+};
+
+inline std::string escaped(const std::string& text) {
+    static const char hex[] = "0123456789ABCDEF";
+    std::string out;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || std::strchr("-._~", c) != nullptr;
+        if (plain && c != '\0') {
+            out += c;
+        } else {
+            out += {'%', hex[byte >> 4], hex[byte & 15]};
+        }
+    }
+    return out;
+}
+
+// A line that goes into the head of a request, which a line feed would end.
+inline const std::string& header_line(const std::string& line) {
+    const bool control = std::any_of(line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    if (control) throw std::invalid_argument("a token, key or header has a character that cannot be sent");
+    return line;
+}
+
+// One request and its answer. The body of a success goes to the sink, if there is one, from within the receiving
+// of libcurl: nothing more is read from the connection while the sink is busy, which holds the server back.
+class Transfer {
+public:
+    using Clock = StopToken::Clock;
+
+    Transfer(CurlHandle& handle, const ClientOptions& options, const std::string& url, const Call& call, const Sink& sink)
+        : easy_(handle.easy), multi_(handle.multi), call_(call), sink_(sink) {
+        silence_ = sink ? (std::max)(options.timeout, std::chrono::milliseconds(60000)) : options.timeout;
+        add_headers(options);
+        set_up(options, url);
+    }
+    ~Transfer() {
+        if (added_) curl_multi_remove_handle(multi_, easy_);
+    }
+    Transfer(const Transfer&) = delete;
+    Transfer& operator=(const Transfer&) = delete;
+
+    // The answer, whatever its status. `*answered` is set as soon as the server has said anything.
+    Answer perform(std::atomic<bool>& answered) {
+        call_.stop.throw_if_stopped();
+        touched_ = Clock::now();
+        if (curl_multi_add_handle(multi_, easy_) != CURLM_OK) throw Error("libcurl takes no further transfer");
+        added_ = true;
+        const CURLcode code = run();
+        answer_.status = status();
+        if (answer_.status != 0) answered = true;
+        if (thrown_) std::rethrow_exception(thrown_);
+        if (!enough_ && code != CURLE_OK) fail(code);
+        if (sink_ && answer_.status / 100 == 2 && !is_expected_type()) {
+            throw ProtocolError("the server did not answer with " + call_.accept);
+        }
+        const char* type = nullptr;
+        curl_easy_getinfo(easy_, CURLINFO_CONTENT_TYPE, &type);
+        if (type != nullptr) answer_.media_type = type;
+        return std::move(answer_);
+    }
+
+    // Seconds in Retry-After, which may be a date.
+    std::optional<double> retry_after() const {
+        curl_off_t seconds = 0;
+        curl_easy_getinfo(easy_, CURLINFO_RETRY_AFTER, &seconds);
+        if (seconds <= 0) return std::nullopt;
+        return static_cast<double>(seconds);
+    }
+
+private:
+    void add_header(const std::string& line) {
+        curl_slist* const longer = curl_slist_append(headers_.get(), line.c_str());
+        if (longer == nullptr) throw std::bad_alloc();
+        static_cast<void>(headers_.release());
+        headers_.reset(longer);
+    }
+
+    void add_headers(const ClientOptions& options) {
+        add_header("Accept: " + call_.accept);
+        // libcurl would call a body that is not there a form.
+        add_header("Content-Type:" + (call_.content_type.empty() ? "" : " " + call_.content_type));
+        if (!options.token.empty()) add_header("Authorization: Bearer " + options.token);
+        for (const auto& line : options.headers) add_header(line);
+        for (const auto& line : call_.headers) add_header(line);
+    }
+
+    template <class Value>
+    void set(CURLoption option, Value value) {
+        const CURLcode code = curl_easy_setopt(easy_, option, value);
+        if (code != CURLE_OK) throw Error(std::string("libcurl refuses an option: ") + curl_easy_strerror(code));
+    }
+
+    void set_up(const ClientOptions& options, const std::string& url) {
+        set(CURLOPT_URL, url.c_str());
+        // Streams of HTTP/2 have windows of megabytes: with HTTP/1.1 the kernel's buffers are all that is ahead.
+        set(CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
+        set(CURLOPT_NOSIGNAL, 1L);
+        set(CURLOPT_USERAGENT, "piad-cpp");
+        set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options.connect_timeout.count()));
+        set(CURLOPT_HTTPHEADER, headers_.get());
+        set(CURLOPT_ERRORBUFFER, message_);
+        set(CURLOPT_WRITEFUNCTION, &Transfer::on_body);
+        set(CURLOPT_WRITEDATA, static_cast<void*>(this));
+        set(CURLOPT_HEADERFUNCTION, &Transfer::on_header);
+        set(CURLOPT_HEADERDATA, static_cast<void*>(this));
+        set(CURLOPT_XFERINFOFUNCTION, &Transfer::on_progress);
+        set(CURLOPT_XFERINFODATA, static_cast<void*>(this));
+        set(CURLOPT_NOPROGRESS, 0L);
+        if (call_.method == "POST") {
+            set(CURLOPT_POST, 1L);
+            set(CURLOPT_POSTFIELDS, call_.body.c_str());
+            set(CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(call_.body.size()));
+        } else if (call_.method != "GET") {
+            set(CURLOPT_CUSTOMREQUEST, call_.method.c_str());
+        }
+        if (options.configure) options.configure(easy_);
+    }
+
+    CURLcode run() {
+        // A token is looked at so often while nothing arrives.
+        const int pause = call_.stop.possible() ? 50 : 500;
+        for (;;) {
+            int running = 0;
+            if (curl_multi_perform(multi_, &running) != CURLM_OK) throw Error("libcurl cannot go on with a transfer");
+            int left = 0;
+            while (const CURLMsg* message = curl_multi_info_read(multi_, &left)) {
+                if (message->msg == CURLMSG_DONE) return message->data.result;
+            }
+            call_.stop.throw_if_stopped();
+            if (Clock::now() - touched_ > silence_) throw ConnectionLost("the server was silent for " + std::to_string(silence_.count() / 1000) + " s");
+            curl_multi_poll(multi_, nullptr, 0, pause, nullptr);
+        }
+    }
+
+    [[noreturn]] void fail(CURLcode code) const {
+        const std::string why = message_[0] == '\0' ? curl_easy_strerror(code) : message_;
+        switch (code) {
+            case CURLE_UNSUPPORTED_PROTOCOL:
+            case CURLE_WEIRD_SERVER_REPLY:
+                throw ProtocolError("the server does not speak HTTP/1.1: " + why);
+            case CURLE_OUT_OF_MEMORY:
+                throw std::bad_alloc();
+            case CURLE_PEER_FAILED_VERIFICATION:
+            case CURLE_SSL_CACERT_BADFILE:
+            case CURLE_SSL_CERTPROBLEM:
+                throw ConnectionLost(why, true);
+            default:
+                throw ConnectionLost(why);
+        }
+    }
+
+    int status() const {
+        long status = 0;
+        curl_easy_getinfo(easy_, CURLINFO_RESPONSE_CODE, &status);
+        return static_cast<int>(status);
+    }
+
+    bool is_expected_type() const {
+        const char* type = nullptr;
+        curl_easy_getinfo(easy_, CURLINFO_CONTENT_TYPE, &type);
+        return type != nullptr && std::strncmp(type, call_.accept.c_str(), call_.accept.size()) == 0;
+    }
+
+    // Exceptions must not pass through libcurl: they wait until it has returned.
+    std::size_t take(const char* data, std::size_t size) {
+        try {
+            call_.stop.throw_if_stopped();
+            if (!sink_ || status() / 100 != 2 || !is_expected_type()) {
+                answer_.body.append(data, size);
+            } else {
+                enough_ = !sink_(data, size);
+            }
+            call_.stop.throw_if_stopped();
+        } catch (...) {
+            thrown_ = std::current_exception();
+        }
+        touched_ = Clock::now();
+        return thrown_ || enough_ ? 0 : size;
+    }
+
+    static std::size_t on_body(char* data, std::size_t, std::size_t size, void* self) {
+        return static_cast<Transfer*>(self)->take(data, size);
+    }
+
+    static std::size_t on_header(char* data, std::size_t, std::size_t size, void* self) {
+        auto& transfer = *static_cast<Transfer*>(self);
+        transfer.touched_ = Clock::now();
+        const std::string_view line(data, size);
+        constexpr std::string_view name = "content-disposition:";
+        const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; };
+        if (line.size() > name.size() && std::equal(name.begin(), name.end(), line.begin(), [&](char b, char a) { return same(a, b); })) {
+            transfer.take_file_name(line);
+        }
+        return size;
+    }
+
+    void take_file_name(std::string_view line) {
+        constexpr std::string_view mark = "filename=\"";
+        const auto begin = line.find(mark);
+        if (begin == std::string_view::npos) return;
+        line.remove_prefix(begin + mark.size());
+        answer_.file_name = line.substr(0, line.find('"'));
+    }
+
+    // Sending counts as well as receiving.
+    static int on_progress(void* self, curl_off_t, curl_off_t received, curl_off_t, curl_off_t sent) {
+        auto& transfer = *static_cast<Transfer*>(self);
+        if (std::exchange(transfer.moved_, received + sent) != received + sent) transfer.touched_ = Clock::now();
+        return 0;
+    }
+
+    CURL* easy_;
+    CURLM* multi_;
+    const Call& call_;
+    const Sink& sink_;
+    std::chrono::milliseconds silence_{0};
+    std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> headers_{nullptr, &curl_slist_free_all};
+    bool added_ = false;
+    bool enough_ = false;
+    Answer answer_;
+    std::exception_ptr thrown_;
+    Clock::time_point touched_;
+    curl_off_t moved_ = 0;
+    char message_[CURL_ERROR_SIZE] = {};
+};
+
+// ------------------------------------------------------------------------------------------ Connection
+
+// The address of a server without a slash at the end; std::invalid_argument if it cannot be one.
+inline std::string server_url(std::string text) {
+    const auto refuse = [&](const char* why) { throw std::invalid_argument("\"" + text + "\" is not the URL of a server: " + why); };
+    if (text.rfind("http://", 0) != 0 && text.rfind("https://", 0) != 0) refuse("it begins with http:// or https://");
+    const std::unique_ptr<CURLU, decltype(&curl_url_cleanup)> url(curl_url(), &curl_url_cleanup);
+    if (!url) throw std::bad_alloc();
+    if (curl_url_set(url.get(), CURLUPART_URL, text.c_str(), 0) != CURLUE_OK) refuse("its host or port is none");
+    for (const CURLUPart part : {CURLUPART_QUERY, CURLUPART_FRAGMENT}) {
+        char* value = nullptr;
+        const CURLUcode code = curl_url_get(url.get(), part, &value, 0);
+        curl_free(value);
+        if (code == CURLUE_OK) refuse("it has a query or a fragment");
+    }
+    while (text.back() == '/') text.pop_back();
+    return text;
+}
+
+inline double random_between(double low, double high) {
+    std::random_device device;
+    return std::uniform_real_distribution<double>(low, high)(device);
+}
+
+// A key that nobody else has: a random UUID.
+inline std::string random_key() {
+    std::random_device device;
+    static const char hex[] = "0123456789abcdef";
+    std::string key = "xxxxxxxx-xxxx-4xxx-yxxx-xxxxxxxxxxxx";
+    for (char& c : key) {
+        if (c == 'x') c = hex[device() & 15];
+        if (c == 'y') c = hex[8 + (device() & 3)];
+    }
+    return key;
+}
+
+// Requests to one server, sent again when that helps.
+class Connection {
+public:
+    Connection(const std::string& url, ClientOptions options) : options_(std::move(options)) {
+        if (options_.attempts < 1) throw std::invalid_argument("there is one attempt at least");
+        header_line(options_.token);
+        for (const auto& line : options_.headers) header_line(line);
+        initialise_curl();
+        url_ = server_url(url);
+    }
+
+    // An answer that is not an error.
+    Answer request(const Call& call) {
+        for (int failures = 1;; ++failures) {
+            std::chrono::milliseconds pause{0};
+            try {
+                return once(call, {});
+            } catch (const ApiError& error) {
+                if (failures > 1 && error.status == call.accepted_again) return {};
+                pause = pause_after(failures, 0);
+            } catch (const Error&) {
+                pause = pause_after(failures, 0);
+            }
+            call.stop.sleep(pause);
+        }
+    }
+
+    Json json(const Call& call) { return parse(request(call).body); }
+
+    // Gives the pieces of an answer to `sink`; nothing is tried again. Returns when the answer is complete or
+    // the sink wants no more of it.
+    void stream(const Call& call, const Sink& sink) { once(call, sink); }
+
+    // Within the handler of an exception: the time to wait before another attempt. Throws the exception on if
+    // none can help, or enough have been made.
+    std::chrono::milliseconds pause_after(int failures, double at_least) const {
+        bool again = false;
+        std::optional<double> asked;
+        try {
+            throw;
+        } catch (const ConnectionLost& error) {
+            again = !error.permanent;
+        } catch (const ApiError& error) {
+            again = error.status == 429 || (error.status >= 502 && error.status <= 504);
+            asked = error.retry_after;
+        } catch (...) {
+        }
+        // A server that has answered before may be starting again; one that has not is perhaps not there.
+        const int attempts = answered_ ? options_.attempts : (std::min)(options_.attempts, 3);
+        if (!again || failures >= attempts || asked.value_or(0) > 60) throw;
+        const double doubled = (std::min)((std::max)(at_least, 0.25) * std::pow(2.0, failures - 1), 30.0);
+        // By chance longer, so that clients of a server that comes back do not come all at once.
+        const double seconds = asked ? *asked * random_between(1.0, 1.1) : doubled * random_between(1.0, 1.5);
+        return std::chrono::milliseconds(static_cast<long long>(seconds * 1000));
+    }
+
+    // The longest time that the server may be asked to wait before it answers.
+    std::chrono::seconds longest_wait() const { return std::chrono::duration_cast<std::chrono::seconds>(options_.timeout / 2); }
+
+private:
+    Answer once(const Call& call, const Sink& sink) {
+        std::string url = url_ + call.path;
+        char separator = '?';
+        for (const auto& [name, value] : call.query) {
+            url += separator + escaped(name) + "=" + escaped(value);
+            separator = '&';
+        }
+        auto handle = handles_.take();
+        Answer answer;
+        std::optional<double> retry_after;
+        {
+            Transfer transfer(*handle, options_, url, call, sink);
+            answer = transfer.perform(answered_);
+            retry_after = transfer.retry_after();
+        }
+        handles_.give_back(std::move(handle));
+        if (answer.status / 100 != 2) throw ApiError(problem_of(answer), retry_after);
+        return answer;
+    }
+
+    // The problem that the server names; of others on the way, what the status says.
+    static Problem problem_of(const Answer& answer) {
+        if (answer.media_type.rfind("application/problem+json", 0) == 0) {
+            return reading([&] { return read_problem(parse(answer.body)); });
+        }
+        Problem problem;
+        problem.title = "HTTP status";
+        problem.status = answer.status;
+        problem.detail = answer.body.substr(0, 1000);
+        return problem;
+    }
+
+    ClientOptions options_;
+    std::string url_;
+    HandlePool handles_;
+    std::atomic<bool> answered_{false};
+};
+
+// The head of a request for a new job.
+inline std::vector<std::string> creating(const std::string& key, std::chrono::seconds wait) {
+    std::vector<std::string> headers{"Idempotency-Key: " + (key.empty() ? random_key() : header_line(key))};
+    if (wait.count() >= 1) headers.push_back("Prefer: wait=" + std::to_string(wait.count()));
+    return headers;
+}
+
+inline std::string decimal(double value) { return Json(value).dump(); }
+
+inline void add(Query& query, const char* name, const std::string& value) {
+    if (!value.empty()) query.emplace_back(name, value);
+}
+
+// What a stream is asked for, of a job with these defaults.
+inline Query shown(const WatchOptions& options, const Json& defaults) {
+    Query query;
+    add(query, "view", options.view);
+    add(query, "samples", options.samples);
+    if (options.every != 0) add(query, "every", std::to_string(options.every));
+    std::string milestones;
+    for (const double one : options.milestones) milestones += (milestones.empty() ? "" : ",") + decimal(one);
+    add(query, "milestones", milestones);
+    add(query, "pace", options.pace);
+    if (options.changed) add(query, "changed", "true");
+    add(query, "digits", options.digits);
+    const bool decimals = options.changed || !options.digits.empty() || options.view == "errors";
+    const bool binary = options.encoding.empty() && !decimals && defaults.is_null();
+    add(query, "encoding", binary ? "base64" : options.encoding);
+    if (options.from != nullptr) add(query, "describe", "none");
+    // Knots are needed, whatever the job says of its streams.
+    else if (defaults.contains("describe")) add(query, "describe", "full");
+    return query;
+}
+
+// What a stream is like that only tells of the beginning and the end, whatever the job sets for its own. No job
+// has so many iterations.
+inline Query ends_only() {
+    return {{"view", "errors"}, {"every", "1000000000"}, {"milestones", ""},    {"pace", "all"},
+            {"changed", "false"}, {"describe", "full"},  {"encoding", "json"}, {"digits", "full"}};
+}
+
+// The events of a job across connections: the stream is opened again after the last iteration that arrived, and
+// gives each iteration once and in order.
+class Stream {
+public:
+    using OnIteration = std::function<bool(const Iteration&)>;
+
+    // `first` is sent until the job is known, then its events are asked for with `query`; not if it is ephemeral.
+    Stream(std::shared_ptr<Connection> connection, Call first, Query query, const WatchOptions& options)
+        : connection_(std::move(connection)), call_(std::move(first)), query_(std::move(query)), options_(options), reader_(options.from) {
+        call_.accept = "text/event-stream";
+        call_.stop = options.stop;
+        seen_ = options.after;
+        if (seen_) last_event_id_ = std::to_string(*seen_);
+    }
+
+    void set_ephemeral() { resumable_ = false; }
+
+    // Called with the `job` event of each connection.
+    std::function<void(const Json&)> on_job;
+
+    // How the job ended; nothing if `on_iteration` returned false before that.
+    std::optional<End> run(const OnIteration& on_iteration) {
+        for (;;) {
+            std::chrono::milliseconds pause{0};
+            try {
+                connect(on_iteration);
+                if (!done_) throw ConnectionLost("the stream ended before the job");
+            } catch (const Error&) {
+                if (!id_.empty() && !resumable_) throw;
+                pause = connection_->pause_after(++failures_, parser_.retry());
+            }
+            // An exception of the caller is not one of the stream, even if it looks like one.
+            if (thrown_) std::rethrow_exception(thrown_);
+            if (done_) return end_;
+            call_.stop.sleep(pause);
+        }
+    }
+
+private:
+    void connect(const OnIteration& on_iteration) {
+        Call call = call_;
+        if (!id_.empty()) {
+            call = Call();
+            call.path = "/v1/jobs/" + escaped(id_) + "/events";
+            call.query = query_;
+            call.accept = call_.accept;
+            call.stop = call_.stop;
+        }
+        if (!last_event_id_.empty()) call.headers.push_back("Last-Event-ID: " + last_event_id_);
+        parser_.reset();
+        connection_->stream(call, [&](const char* data, std::size_t size) {
+            return parser_.feed(data, size, [&](const Event& event) { return take(event, on_iteration); });
+        });
+    }
+
+    bool take(const Event& event, const OnIteration& on_iteration) {
+        call_.stop.throw_if_stopped();
+        // Later versions may have events of other kinds.
+        if (event.name != "job" && event.name != "iteration" && event.name != "end") return true;
+        const Json data = parse(event.data);
+        if (event.name == "job") return take_job(data);
+        if (event.name == "iteration") return take_iteration(event, data, on_iteration);
+        end_ = read_end(data, id_);
+        done_ = true;
+        return false;
+    }
+
+    bool take_job(const Json& data) {
+        reading([&] {
+            id_ = data.at("id").get<std::string>();
+            if (text(data, "resumed") == "restarted") seen_.reset();
+            reader_.job(data);
+        });
+        return call_back([&] {
+            if (on_job) on_job(data);
+            if (options_.on_job) options_.on_job(data);
+            return true;
+        });
+    }
+
+    bool take_iteration(const Event& event, const Json& data, const OnIteration& on_iteration) {
+        const Iteration& iteration = *reading([&] { return &reader_.iteration(data); });
+        if (seen_ && iteration.number <= *seen_) return true;
+        seen_ = iteration.number;
+        last_event_id_ = header_line(event.id);
+        failures_ = 0;
+        return call_back([&] { return on_iteration(iteration); });
+    }
+
+    template <class Function>
+    bool call_back(const Function& function) {
+        try {
+            done_ = !function();
+        } catch (...) {
+            thrown_ = std::current_exception();
+        }
+        return !done_ && !thrown_;
+    }
+
+    std::shared_ptr<Connection> connection_;
+    Call call_;
+    Query query_;
+    const WatchOptions& options_;
+    IterationReader reader_;
+    EventParser parser_;
+    std::string id_;
+    std::string last_event_id_;
+    std::optional<std::uint64_t> seen_;
+    std::optional<End> end_;
+    std::exception_ptr thrown_;
+    bool resumable_ = true;
+    bool done_ = false;
+    int failures_ = 0;
+};
+
+// A function of an iteration that returns whether to go on, or nothing.
+template <class Function>
+Stream::OnIteration on_iteration(Function& function) {
+    using Returned = std::invoke_result_t<Function&, const Iteration&>;
+    static_assert(std::is_void_v<Returned> || std::is_convertible_v<Returned, bool>, "the function returns bool or nothing");
+    return [&function](const Iteration& iteration) -> bool {
+        if constexpr (std::is_void_v<Returned>) {
+            function(iteration);
+            return true;
+        } else {
+            return function(iteration);
+        }
+    };
+}
+
+}  // namespace detail
+
+// -------------------------------------------------------------------------------------------------- Job
+
+// A job, and what can be done with it. `client.job(id)` finds any.
+class Job {
+public:
+    const std::string& id() const { return status_.id; }
+
+    // What the server said last; `refresh` asks it again.
+    const JobStatus& status() const { return status_; }
+
+    const JobStatus& refresh(const StopToken& stop = {}) {
+        status_ = detail::read_status(connection_->json(get("", {}, stop)));
+        return status_;
+    }
+
+    // Waits until the job has ended. The job goes on if the token stops this: `stop.after(10s)` is a time limit.
+    const JobStatus& wait(const StopToken& stop = {}) {
+        if (status_.ended()) return status_;
+        WatchOptions options;
+        options.stop = stop;
+        detail::Stream(connection_, get("/events", detail::ends_only(), stop), detail::ends_only(), options).run([](const Iteration&) { return true; });
+        return refresh(stop);
+    }
+
+    // The last iteration, when the job has ended: waits for that. A job that was cancelled has a result if it got
+    // anywhere; `JobFailed` if there is none.
+    Result result(const StopToken& stop = {}) {
+        wait(stop);
+        if (status_.state == "failed" || !status_.iteration) throw JobFailed(status_.id, status_.state, status_.problem);
+        return detail::read_result(connection_->json(get("/result", {{"encoding", "base64"}}, stop)));
+    }
+
+    // Calls `function(const Iteration&)` for each iteration, as they are computed and up to the end of the job. Each
+    // from 0 on (or after `options.after`) comes once and in order, through broken connections and restarts of the
+    // server, unless options leave some out. Nothing is read ahead: while the function is busy, the server waits.
+    // The iteration is overwritten by the next one: copy what is to be kept. If the function returns false the
+    // stream ends and nothing is returned, otherwise how the job ended. The job itself goes on in any case.
+    template <class Function>
+    std::optional<End> watch(Function&& function, const WatchOptions& options = {}) {
+        const auto query = detail::shown(options, defaults());
+        detail::Stream stream(connection_, get("/events", query, options.stop), query, options);
+        auto end = stream.run(detail::on_iteration(function));
+        if (end) refresh(options.stop);
+        return end;
+    }
+
+    // One iteration with its geometry, by default the last; those to come are waited for.
+    Iteration iteration(std::optional<std::uint64_t> number = {}, const StopToken& stop = {}) {
+        detail::IterationReader reader;
+        WatchOptions options;
+        options.stop = stop;
+        // Knots are in the first event of the stream alone.
+        detail::Stream ends(connection_, get("/events", detail::ends_only(), stop), detail::ends_only(), options);
+        bool described = false;
+        ends.on_job = [&](const Json& job) {
+            detail::reading([&] { reader.job(job); });
+            described = true;
+        };
+        ends.run([](const Iteration&) { return false; });
+        if (!described) throw JobFailed(status_.id, refresh(stop).state, status_.problem);
+        auto call = get("/iterations/" + (number ? std::to_string(*number) : "last"), {{"encoding", "base64"}}, stop);
+        const auto wait = (std::min)(connection_->longest_wait(), std::chrono::seconds(10));
+        call.headers.push_back("Prefer: wait=" + std::to_string(wait.count()));
+        const Json level = connection_->json(call);
+        return detail::reading([&] { return reader.iteration(level); });
+    }
+
+    // Stops the job. An `ApiError` of the type "/problems/already-ended" if it has ended in another way.
+    const JobStatus& cancel(const StopToken& stop = {}) {
+        auto call = get("/cancel", {}, stop);
+        call.method = "POST";
+        status_ = detail::read_status(connection_->json(call));
+        return status_;
+    }
+
+    // Makes the server forget the job.
+    void remove(const StopToken& stop = {}) {
+        auto call = get("", {}, stop);
+        call.method = "DELETE";
+        call.accepted_again = 404;
+        connection_->request(call);
+    }
+
+    // A new job that starts from the control points of this one; what the edit does not name stays as it is.
+    Job edit(const Json& edit, const CreateOptions& options = {}) const {
+        return create(connection_, path() + "/edits", edit, options);
+    }
+
+    // The same with its iterations in the answer. With "ephemeral": true the edit is a fit for the moment, such as
+    // one position of a point that is dragged: it leaves no job behind, and `ConnectionLost` if its connection breaks.
+    template <class Function>
+    std::optional<End> edit_watch(const Json& edit, Function&& function, const WatchOptions& options = {}) const {
+        const Json& own = edit.contains("stream") ? edit.at("stream") : defaults();
+        return watch_new(connection_, path() + "/edits/stream", edit, own, detail::on_iteration(function), options);
+    }
+
+    // How far the data are from the nearest points of an iteration (by default the last), with `list` of each point.
+    Deviation deviation(bool list = false, std::optional<std::uint64_t> number = {}, const StopToken& stop = {}) const {
+        const Query query{{"iteration", number ? std::to_string(*number) : "last"}, {"list", list ? "true" : "false"}};
+        const Json value = connection_->json(get("/deviation", query, stop));
+        return detail::reading([&] {
+            Deviation deviation;
+            deviation.iteration = value.at("iteration").get<std::uint64_t>();
+            deviation.max = detail::number(value.at("max"));
+            deviation.rms = detail::number(value.at("rms"));
+            deviation.at = detail::read_index(value.at("at"));
+            for (const auto& [name, distance] : value.at("percentiles").items()) deviation.percentiles[std::stoi(name)] = detail::number(distance);
+            if (list) deviation.distances = detail::numbers(value.at("distances"));
+            return deviation;
+        });
+    }
+
+    // The job as it was asked for. Sent again, it makes the same job.
+    Json input(const StopToken& stop = {}) const { return connection_->json(get("/input", {}, stop)); }
+
+    // The result, or an iteration, as a file: "step", "iges", "obj", "gltf", "stl", "dxf", "svg" or "csv".
+    File file(const std::string& format, const FileOptions& options = {}) const {
+        const auto part = options.iteration ? "/iterations/" + std::to_string(*options.iteration) : std::string("/result");
+        auto call = get(part + "/" + detail::escaped(format), {}, options.stop);
+        detail::add(call.query, "samples", options.samples);
+        detail::add(call.query, "units", options.units);
+        detail::add(call.query, "dots", options.dots);
+        call.accept = "*/*";
+        auto answer = connection_->request(call);
+        return {std::move(answer.file_name), std::move(answer.media_type), std::move(answer.body)};
+    }
+
+    // Opens the stream of this job for a minute where no token can be sent, as in a browser: the query parameter
+    // `ticket` of its events. An `ApiError` with status 409 if the server asks for no tokens.
+    std::string ticket(const StopToken& stop = {}) const {
+        auto call = get("/tickets", {}, stop);
+        call.method = "POST";
+        const Json answer = connection_->json(call);
+        return detail::reading([&] { return answer.at("ticket").get<std::string>(); });
+    }
+
+private:
+    friend class Client;
+
+    Job(std::shared_ptr<detail::Connection> connection, JobStatus status) : connection_(std::move(connection)), status_(std::move(status)) {}
+
+    std::string path() const { return "/v1/jobs/" + detail::escaped(status_.id); }
+
+    const Json& defaults() const {
+        static const Json none;
+        const auto found = status_.json.find("stream");
+        return found == status_.json.end() ? none : *found;
+    }
+
+    detail::Call get(const std::string& part, Query query, const StopToken& stop) const {
+        detail::Call call;
+        call.path = path() + part;
+        call.query = std::move(query);
+        call.stop = stop;
+        return call;
+    }
+
+    static detail::Call post(const std::string& path, const Json& body) {
+        detail::Call call;
+        call.method = "POST";
+        call.path = path;
+        call.content_type = "application/json";
+        call.body = detail::encoded(body);
+        return call;
+    }
+
+    static Job create(const std::shared_ptr<detail::Connection>& connection, const std::string& path, const Json& body, const CreateOptions& options) {
+        auto call = post(path, body);
+        call.headers = detail::creating(options.idempotency_key, (std::min)(options.wait, connection->longest_wait()));
+        call.stop = options.stop;
+        return Job(connection, detail::read_status(connection->json(call)));
+    }
+
+    static std::optional<End> watch_new(const std::shared_ptr<detail::Connection>& connection, const std::string& path, const Json& body,
+                                        const Json& defaults, const detail::Stream::OnIteration& on_iteration, const WatchOptions& options) {
+        auto call = post(path, body);
+        const auto query = detail::shown(options, defaults);
+        call.query = query;
+        detail::add(call.query, "on_disconnect", options.on_disconnect);
+        const bool ephemeral = body.is_object() && body.value("ephemeral", Json()) == true;
+        // There is nothing to find by a key, and nothing to go on with.
+        if (!ephemeral) call.headers = detail::creating(options.idempotency_key, std::chrono::seconds(0));
+        detail::Stream stream(connection, std::move(call), query, options);
+        if (ephemeral) stream.set_ephemeral();
+        return stream.run(on_iteration);
+    }
+
+    std::shared_ptr<detail::Connection> connection_;
+    JobStatus status_;
+};
+
+// ----------------------------------------------------------------------------------------------- Client
+
+// A server. Copies share their connections.
+class Client {
+public:
+    explicit Client(const std::string& url = "http://127.0.0.1:8080", ClientOptions options = {})
+        : connection_(std::make_shared<detail::Connection>(url, std::move(options))) {}
+
+    // A new job, which starts at once. Requests are the JSON of docs/JOBS.md.
+    Job create(const Json& request, const CreateOptions& options = {}) const { return Job::create(connection_, "/v1/jobs", request, options); }
+
+    // The result of a new job, when it has ended. A fit that has not reached its tolerance is a result, too: its
+    // `state` is not "converged".
+    Result fit(const Json& request, CreateOptions options = {}) const {
+        if (options.wait.count() == 0) options.wait = std::chrono::seconds(10);
+        return create(request, options).result(options.stop);
+    }
+
+    // The result of a fit that is no job and is kept nowhere. An `ApiError` with status 422 if it does not come within
+    // its tolerance. It takes one request, in which the server must answer within `timeout`.
+    Result fit_once(const Json& request, const StopToken& stop = {}) const {
+        auto call = Job::post("/v1/fit", request);
+        call.query = {{"encoding", "base64"}};
+        call.stop = stop;
+        return detail::read_result(connection_->json(call));
+    }
+
+    // A new job with its iterations in the answer; see `Job::watch`. `job(end->id)` is the job.
+    template <class Function>
+    std::optional<End> watch(const Json& request, Function&& function, const WatchOptions& options = {}) const {
+        static const Json none;
+        const Json& own = request.contains("stream") ? request.at("stream") : none;
+        return Job::watch_new(connection_, "/v1/jobs/stream", request, own, detail::on_iteration(function), options);
+    }
+
+    Job job(const std::string& id, const StopToken& stop = {}) const {
+        return Job(connection_, detail::read_status(get("/v1/jobs/" + detail::escaped(id), {}, stop)));
+    }
+
+    // Jobs, the newest first.
+    std::vector<Job> jobs(const ListOptions& options = {}) const {
+        std::vector<Job> jobs;
+        std::string cursor;
+        while (jobs.size() < options.limit) {
+            Query query{{"limit", std::to_string((std::min)(options.limit - jobs.size(), std::size_t{1000}))}};
+            detail::add(query, "state", options.state);
+            detail::add(query, "cursor", cursor);
+            const Json page = get("/v1/jobs", query, options.stop);
+            const auto next = detail::reading([&] {
+                for (const auto& job : page.at("jobs")) jobs.push_back(Job(connection_, detail::read_status(job)));
+                return detail::text(page, "next");
+            });
+            const auto begin = next.find("cursor=");
+            if (begin == std::string::npos) break;
+            cursor = next.substr(begin + 7, next.find('&', begin) - begin - 7);
+        }
+        return jobs;
+    }
+
+    // The points of a file (CSV, tables with blanks, airfoils, point clouds) as the "curve" or "surface" of a job.
+    // `size`, such as "40x60", makes them rows and columns of a surface.
+    Json read_points(const std::string& content, const std::string& size = "", const StopToken& stop = {}) const {
+        detail::Call call;
+        call.method = "POST";
+        call.path = "/v1/points";
+        detail::add(call.query, "surface.size", size);
+        call.content_type = "text/csv";
+        call.body = content;
+        call.stop = stop;
+        return connection_->json(call);
+    }
+
+    // What the server tells about other things, such as "/v1/capabilities" or "/v1/rates".
+    Json get(const std::string& path, const Query& query = {}, const StopToken& stop = {}) const {
+        detail::Call call;
+        call.path = path;
+        call.query = query;
+        call.stop = stop;
+        return connection_->json(call);
+    }
+
+private:
+    std::shared_ptr<detail::Connection> connection_;
+};
+
+}  // namespace piad
+
+#endif  // PIAD_PIAD_HPP
