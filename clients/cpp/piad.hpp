@@ -1352,7 +1352,8 @@ public:
                 if (!done_) throw ConnectionLost("the stream ended before the job");
             } catch (const Error&) {
                 if (!id_.empty() && !resumable_) throw;
-                pause = connection_->pause_after(++failures_, parser_.retry());
+                // The time that servers ask for is meant for streams that have begun.
+                pause = connection_->pause_after(++failures_, id_.empty() ? 0 : parser_.retry());
             }
             // An exception of the caller is not one of the stream, even if it looks like one.
             if (thrown_) std::rethrow_exception(thrown_);

@@ -14,6 +14,9 @@
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_OffsetCurve.hxx>
 #include <IFSelect_ReturnStatus.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_PrinterOStream.hxx>
 #include <STEPControl_Reader.hxx>
 #include <STEPControl_Writer.hxx>
 #include <Standard_Failure.hxx>
@@ -190,16 +193,23 @@ TopoDS_Face offset(const TopoDS_Face& face, double distance) {
     return moved;
 }
 
+int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
+    int number = 0;
+    for (TopExp_Explorer explorer(shape, kind); explorer.More(); explorer.Next()) ++number;
+    return number;
+}
+
+// All shapes in one file, which is read again.
 void write_step(const std::string& file, const std::vector<TopoDS_Shape>& shapes) {
     STEPControl_Writer writer;
     for (const auto& shape : shapes) require(writer.Transfer(shape, STEPControl_AsIs) == IFSelect_RetDone, "OpenCASCADE cannot translate to STEP");
     require(writer.Write(file.c_str()) == IFSelect_RetDone, "OpenCASCADE cannot write " + file);
     STEPControl_Reader reader;
     require(reader.ReadFile(file.c_str()) == IFSelect_RetDone, "OpenCASCADE cannot read what it has written");
-    require(reader.TransferRoots() == static_cast<int>(shapes.size()), "the file has another number of shapes");
-    int faces = 0;
-    for (TopExp_Explorer explorer(reader.OneShape(), TopAbs_FACE); explorer.More(); explorer.Next()) ++faces;
-    require(faces == 2, "the file has another number of faces");
+    reader.TransferRoots();
+    require(count(reader.OneShape(), TopAbs_FACE) == 2, "the file has another number of faces");
+    // Each face has four.
+    require(count(reader.OneShape(), TopAbs_EDGE) == 2 + 2 * 4, "the file has another number of edges");
 }
 
 void run(const std::string& url, const std::string& file) {
@@ -233,6 +243,8 @@ void run(const std::string& url, const std::string& file) {
 
 int main(int argc, char** argv) {
     try {
+        // OpenCASCADE tells much about its files.
+        Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_PrinterOStream));
         run(argc > 1 ? argv[1] : "http://127.0.0.1:8080", argc > 2 ? argv[2] : "offsets.step");
         return 0;
     } catch (const Standard_Failure& error) {

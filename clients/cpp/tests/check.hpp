@@ -51,8 +51,8 @@ Kind thrown(const char* file, int line, const Call& call) {
 
 #define CHECK_EQUAL(left, right) \
     do { \
-        const auto& left_ = (left); \
-        const auto& right_ = (right); \
+        const auto left_ = (left); \
+        const auto right_ = (right); \
         if (!(left_ == right_)) { \
             std::ostringstream what_; \
             what_ << #left << " is " << left_ << ", not " << right_; \

@@ -62,22 +62,15 @@ const std::string end = event("end", "end", R"({"state":"converged","reason":nul
 template <class Call>
 double stopped_after(milliseconds time, const Call& call) {
     const piad::StopSource source;
-    Clock::time_point begin;
-    std::thread thread([&] {
+    auto stopping = std::async(std::launch::async, [&] {
         std::this_thread::sleep_for(time);
-        begin = Clock::now();
+        const auto begin = Clock::now();
         source.stop();
+        return begin;
     });
-    bool stopped = false;
-    try {
-        call(source.token());
-    } catch (const piad::Stopped&) {
-        stopped = true;
-    }
-    const auto now = Clock::now();
-    thread.join();
-    CHECK(stopped);
-    return std::chrono::duration<double>(now - begin).count();
+    THROWN(piad::Stopped, call(source.token()));
+    const auto end = Clock::now();
+    return std::chrono::duration<double>(end - stopping.get()).count();
 }
 
 }  // namespace
@@ -305,18 +298,18 @@ TEST(a_server_that_is_killed_and_comes_back) {
     testing::Server server("", store);
     const Client client(server.url());
     std::vector<std::uint64_t> numbers;
-    std::thread restart;
+    std::future<void> restart;
     const auto end = client.watch(testing::iterations(4000, 200), [&](const Iteration& one) {
         numbers.push_back(one.number);
         if (one.number != 5) return;
         // Killed while the stream is read; the next iterations are perhaps still on their way.
         server.stop(SIGKILL);
-        restart = std::thread([&] {
+        restart = std::async(std::launch::async, [&] {
             std::this_thread::sleep_for(milliseconds(300));
             server.start();
         });
     });
-    restart.join();
+    restart.get();
     CHECK_EQUAL(end->state, "exhausted");
     CHECK(is_complete(numbers, 4000));
     // A server that stops as it should ends its streams without an end of the job.
@@ -325,12 +318,12 @@ TEST(a_server_that_is_killed_and_comes_back) {
     job.watch([&](const Iteration& one) {
         others.push_back(one.number);
         if (one.number != 5) return;
-        restart = std::thread([&] {
+        restart = std::async(std::launch::async, [&] {
             server.stop(SIGTERM);
             server.start();
         });
     });
-    restart.join();
+    restart.get();
     CHECK_EQUAL(job.status().state, "exhausted");
     CHECK(is_complete(others, 20000));
 }

@@ -234,7 +234,7 @@ TEST(one_client_for_several_threads) {
         });
     }
     for (auto& thread : threads) thread.join();
-    CHECK_EQUAL(same, 30);
+    CHECK_EQUAL(same.load(), 30);
 }
 
 TEST(tokens) {
