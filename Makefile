@@ -1,4 +1,4 @@
-.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp conformance browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp conformance browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -18,9 +18,9 @@ run:
 RETRY := $(CURDIR)/tests/retry
 INSTALL := $(RETRY) sh -c 'apt-get update && apt-get install -y --no-install-recommends "$$@"' install
 
-# Everything that a change must pass; installs what that needs.
+# Everything that a change must pass; installs what that needs. Of two clients at a time one at most installs something.
 test:
-	@tests/steps tools lint library api programs files interop contract deploy python typescript csharp conformance browser page
+	@tests/steps tools lint library api programs files interop contract deploy browser node "python csharp" "typescript cpp" conformance page
 
 # What to run while working: a few minutes after a small change.
 check:
@@ -104,9 +104,14 @@ typescript: chromium node $(TYPESCRIPT)/node_modules/.package-lock.json
 csharp:
 	PIAD_PROGRAM=$(CURDIR)/target/debug/piad clients/csharp/run
 
+# The C++ client against real servers, with OpenCASCADE and gRPC, which it installs from Debian where they are missing.
+cpp:
+	PIAD_PROGRAM=$(CURDIR)/target/debug/piad clients/cpp/run
+
 # All clients in the same scenarios, with the numbers of the server to the bit.
 conformance: $(VENV)/installed node $(TYPESCRIPT)/node_modules/.package-lock.json
 	clients/csharp/run build
+	clients/cpp/run build
 	cd $(TYPESCRIPT) && $(WITH_NODE) npm run --silent pretest
 	$(PYTHON) tests/conformance/run.py target/debug/piad
 

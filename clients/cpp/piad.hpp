@@ -768,7 +768,9 @@ private:
                 throw ProtocolError("the server changed a control point that is not there");
             }
             std::copy(point.begin(), point.end(), current_.control_points.begin() + static_cast<std::ptrdiff_t>(place * dimension));
-            if (change.size() > 2) current_.weights.at(place) = number(change.at(2));
+            if (change.size() < 3) continue;
+            if (place >= current_.weights.size()) throw ProtocolError("the server changed a weight that is not there");
+            current_.weights[place] = number(change.at(2));
         }
     }
 

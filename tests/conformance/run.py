@@ -39,6 +39,7 @@ CLIENTS: dict[str, list[str]] = {
     "Python": [sys.executable, os.path.join(HERE, "python.py")],
     "TypeScript": [node(), os.path.join(ROOT, "clients/typescript/build/conformance.js")],
     "C#": ["mono", os.path.join(ROOT, "target/csharp/conformance.exe")],
+    "C++": [os.path.join(ROOT, "target/cpp/build/piad_conformance")],
     "gRPC": [sys.executable, os.path.join(HERE, "plain_grpc.py")],
 }
 
