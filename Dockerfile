@@ -1,7 +1,7 @@
 # A static binary in an image that has nothing else but the certificates of authorities.
 #
 #   docker build -t piad --build-arg PIAD_COMMIT="$(git rev-parse --short=12 HEAD)" .
-#   docker run --rm -p 8080:8080 -v piad-data:/data piad
+#   docker run --rm -p 127.0.0.1:8080:8080 -e PIAD_INSECURE_NO_AUTH=true -v piad-data:/data piad
 #   docker run --rm -u "$(id -u)" -v "$PWD:/work" -w /work piad fit wing.dat -o wing.step
 #
 # `make image` builds it with buildah and tries it.

@@ -18,6 +18,7 @@ import signal
 import socket
 import statistics
 import subprocess
+import threading
 import time
 from multiprocessing.connection import Connection
 
@@ -69,6 +70,8 @@ class Server:
                 break
         else:
             raise SystemExit(f"{command} has not started")
+        # A log that nobody reads would stop the server in the end.
+        threading.Thread(target=self.process.stderr.read, daemon=True).start()
         self.connection = http.client.HTTPConnection(found[1])
         self.times: dict[str, list[float]] = {name: [] for name in REQUESTS}
 
@@ -94,7 +97,7 @@ class Server:
         begin = time.perf_counter()
         self.connection.close()
         self.process.send_signal(signal.SIGTERM)
-        self.process.communicate()
+        self.process.wait()
         return time.perf_counter() - begin
 
 

@@ -63,8 +63,11 @@ impl Peer {
     }
 
     /// Runs a future for a peer.
-    pub(crate) async fn scope<F: Future>(peer: Option<Self>, future: F) -> F::Output {
-        CURRENT.scope(peer, future).await
+    pub(crate) fn scope<F: Future>(
+        peer: Option<Self>,
+        future: F,
+    ) -> impl Future<Output = F::Output> {
+        CURRENT.scope(peer, future)
     }
 }
 

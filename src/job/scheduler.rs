@@ -31,6 +31,11 @@ use crate::trim;
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);
 
+/// How far large steps give way to small ones, as `nice` has it: they get a third of the time of a processor that both
+/// want.
+#[cfg(target_os = "linux")]
+const NICE: i32 = 5;
+
 /// Multiplications that take well below a millisecond.
 pub(super) const QUICK: usize = 200_000;
 
@@ -176,7 +181,12 @@ impl Scheduler {
                 let queues = Arc::clone(&scheduler.0);
                 thread::Builder::new()
                     .name(format!("piad-{name}-{index}"))
-                    .spawn(move || queues.serve(lane))?;
+                    .spawn(move || {
+                        if matches!(lane, WorkLane::Heavy | WorkLane::Long(_)) {
+                            give_way();
+                        }
+                        queues.serve(lane);
+                    })?;
             }
         }
         Ok(scheduler)
@@ -218,6 +228,14 @@ impl Scheduler {
             self.0.of(lane).close();
         }
     }
+}
+
+/// Lets this thread get less of a processor than others that want it: large steps give way to small ones, and to
+/// what serves the network.
+fn give_way() {
+    // Elsewhere it would be the whole process.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(NICE);
 }
 
 impl Drop for Scheduler {

@@ -72,8 +72,8 @@ impl RequestTrace {
     }
 
     /// Runs a future that answers the request.
-    pub(crate) async fn scope<F: Future>(self, future: F) -> F::Output {
-        CURRENT.scope(self, future).await
+    pub(crate) fn scope<F: Future>(self, future: F) -> impl Future<Output = F::Output> {
+        CURRENT.scope(self, future)
     }
 
     /// Notes how the request was answered, and tells the client.
