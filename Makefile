@@ -31,11 +31,13 @@ library: tools postgres
 	tests/postgres cargo nextest run --locked --lib --bins
 	cargo test --locked --doc
 
-# A server, by its API.
+# A server, by its API; what concerns jobs themselves with them in a database, too.
+OF_JOBS := jobs|streams|durable|deleting|edits|ephemeral|milestones|views|peers|quotas|crashes
 api: tools postgres
 	tests/postgres cargo nextest run --locked --test api
+	PIAD_TEST_STORE=database tests/postgres cargo nextest run --locked --test api -E 'test(/^($(OF_JOBS))::/) - test(/^($(OF_A_FILE))/)'
 
-# The same with its jobs in a database, without the tests of what one process does with its file: there a job
+# All of it with jobs in a database, without the tests of what one process does with its file: there a job
 # that was running in a crash waits for the end of a lease.
 OF_A_FILE := damage::|salvage::|crash_recovery::|durable::(a_commit|only_one|a_server_waits|unknown_files|a_full_disk|jobs_can_be|a_job_that_was)
 database: tools postgres

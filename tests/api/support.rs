@@ -6,6 +6,7 @@ use std::time::Duration;
 use eventsource_stream::Eventsource;
 use futures_util::{Stream, StreamExt};
 use piad::config::{Config, Storage};
+use reqwest::header::{AUTHORIZATION, HeaderValue};
 use reqwest::{Client, ClientBuilder, RequestBuilder, Response};
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
@@ -32,9 +33,13 @@ pub fn assert_no_token(text: &str) {
     }
 }
 
-/// A client whose patience is that of tests.
+/// A client whose patience is that of tests. It has the token of the variable, which servers then ask for.
 pub fn client() -> ClientBuilder {
-    Client::builder().read_timeout(PATIENCE)
+    let token = std::env::var("PIAD_TOKEN").ok();
+    let bearer = |token| HeaderValue::try_from(format!("Bearer {token}")).unwrap();
+    let header = token.map(|token| (AUTHORIZATION, bearer(token)));
+    let client = Client::builder().read_timeout(PATIENCE);
+    client.default_headers(header.into_iter().collect())
 }
 
 /// Asks until the answer is yes.
