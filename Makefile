@@ -1,4 +1,4 @@
-.PHONY: run test check library api database postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp conformance browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database tokens postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp conformance browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -42,6 +42,12 @@ api: tools postgres
 OF_A_FILE := damage::|salvage::|crash_recovery::|durable::(a_commit|only_one|a_server_waits|unknown_files|a_full_disk|jobs_can_be|a_job_that_was)
 database: tools postgres
 	PIAD_TEST_STORE=database tests/postgres cargo nextest run --locked --test api -E 'not test(/^($(OF_A_FILE))/)'
+
+# The API with tokens: all clients have one, and nothing that servers tell has. Not those that speak byte by byte, those
+# about addresses of clients, whose place tenants take, and those with tokens of their own.
+WITHOUT_TOKENS := access|attacks|base_path|bodies|crowd|doors|floods|heads|made_up|peers|proxies|readme|secure
+tokens: tools postgres
+	PIAD_TOKEN=piad_$$(printf 'A%.0s' $$(seq 43)) tests/postgres cargo nextest run --locked --test api -E 'not test(/^($(WITHOUT_TOKENS))::/)'
 
 # `piad fit`, and the files that `make files` reads.
 programs: tools

@@ -5,9 +5,8 @@ use reqwest::Response;
 
 use crate::data;
 use crate::messages as pb;
-use crate::messages::fitting_service_client::FittingServiceClient;
 use crate::program::Program;
-use crate::rpc::curve;
+use crate::rpc::{connect_to, curve};
 use crate::support::{Server, base, problem};
 
 /// The most bytes of an answer, however much was sent.
@@ -239,8 +238,7 @@ async fn too_many_indices_of_a_call_cost_no_more_than_its_body() {
     let program = Program::with(directory.path(), &["--max-points", &most_points]);
     let bound = program.most_memory() + BODY * 5 / 2 + 32 * MEGABYTE;
     let url = format!("http://{}", program.address);
-    let channel = tonic::transport::Endpoint::from_shared(url).unwrap();
-    let mut client = FittingServiceClient::new(channel.connect().await.unwrap());
+    let mut client = connect_to(url).await;
     let request = pb::CreateJobRequest {
         input: Some(job_with_indices()),
         ..pb::CreateJobRequest::default()

@@ -5,19 +5,47 @@ mod jobs;
 mod mistakes;
 
 use serde_json::{Value, json};
-use tonic::Streaming;
+use tonic::metadata::AsciiMetadataValue;
+use tonic::service::Interceptor;
+use tonic::service::interceptor::InterceptedService;
 use tonic::transport::{Channel, Endpoint};
+use tonic::{Request, Status, Streaming};
 
 use crate::data;
 use crate::messages::fitting_service_client::FittingServiceClient;
 use crate::messages::{self as pb, job_input, watch_job_response::Event};
-use crate::support::Server;
+use crate::support::{Server, authorization};
 
-/// A client of the service, on the port of REST.
-pub async fn connect(server: &Server) -> FittingServiceClient<Channel> {
-    let endpoint = Endpoint::from_shared(server.url.clone()).unwrap();
+/// A client of the service.
+pub type RpcClient = FittingServiceClient<InterceptedService<Channel, Authorization>>;
+
+/// Sends the token of tests, if there is one.
+#[derive(Clone)]
+pub struct Authorization(Option<AsciiMetadataValue>);
+
+impl Interceptor for Authorization {
+    fn call(&mut self, mut request: Request<()>) -> Result<Request<()>, Status> {
+        if let Some(value) = &self.0 {
+            request
+                .metadata_mut()
+                .insert("authorization", value.clone());
+        }
+        Ok(request)
+    }
+}
+
+/// A client of a server, on the port of REST.
+pub async fn connect(server: &Server) -> RpcClient {
+    connect_to(server.url.clone()).await
+}
+
+/// A client of the server at this URL.
+pub async fn connect_to(url: String) -> RpcClient {
+    let endpoint = Endpoint::from_shared(url).unwrap();
     let channel = endpoint.connect().await.unwrap();
-    FittingServiceClient::new(channel).max_decoding_message_size(usize::MAX)
+    let value = authorization().map(|text| text.parse().unwrap());
+    FittingServiceClient::with_interceptor(channel, Authorization(value))
+        .max_decoding_message_size(usize::MAX)
 }
 
 /// The coordinates of a list or grid of points, one after the other.
@@ -56,7 +84,7 @@ fn endless() -> pb::JobInput {
     }
 }
 
-async fn create(client: &mut FittingServiceClient<Channel>, input: pb::JobInput) -> pb::Job {
+async fn create(client: &mut RpcClient, input: pb::JobInput) -> pb::Job {
     let request = pb::CreateJobRequest {
         input: Some(input),
         ..pb::CreateJobRequest::default()
@@ -71,7 +99,7 @@ async fn create(client: &mut FittingServiceClient<Channel>, input: pb::JobInput)
 }
 
 async fn watch(
-    client: &mut FittingServiceClient<Channel>,
+    client: &mut RpcClient,
     id: &str,
     resume_after: Option<u64>,
     stream: pb::StreamOptions,

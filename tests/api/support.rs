@@ -33,11 +33,16 @@ pub fn assert_no_token(text: &str) {
     }
 }
 
-/// A client whose patience is that of tests. It has the token of the variable, which servers then ask for.
-pub fn client() -> ClientBuilder {
+/// What clients send where the variable PIAD_TOKEN is set, as servers then ask for its token.
+pub fn authorization() -> Option<String> {
     let token = std::env::var("PIAD_TOKEN").ok();
-    let bearer = |token| HeaderValue::try_from(format!("Bearer {token}")).unwrap();
-    let header = token.map(|token| (AUTHORIZATION, bearer(token)));
+    token.map(|token| format!("Bearer {token}"))
+}
+
+/// A client whose patience is that of tests.
+pub fn client() -> ClientBuilder {
+    let value = |text| HeaderValue::try_from(text).unwrap();
+    let header = authorization().map(|text| (AUTHORIZATION, value(text)));
     let client = Client::builder().read_timeout(PATIENCE);
     client.default_headers(header.into_iter().collect())
 }

@@ -8,13 +8,12 @@ use reqwest::Response;
 use serde_json::{Value, json};
 use tokio::net::TcpListener;
 use tokio::time::Duration;
-use tonic::transport::Endpoint;
 
 use crate::collector::{Collector, attribute, exporting, hex};
 use crate::data;
 use crate::messages::GetJobRequest;
-use crate::messages::fitting_service_client::FittingServiceClient;
 use crate::program::{PROGRAM, Program};
+use crate::rpc;
 use crate::support::{NEVER, base, eventually};
 
 const TRACE: &str = "0af7651916cd43dd8448eb211c80319c";
@@ -259,8 +258,7 @@ async fn calls_have_the_status_of_grpc() {
     let folder = tempfile::tempdir().unwrap();
     let server = collector.server(folder.path());
     let url = format!("http://{}", server.address);
-    let channel = Endpoint::from_shared(url).unwrap().connect().await.unwrap();
-    let mut client = FittingServiceClient::new(channel);
+    let mut client = rpc::connect_to(url).await;
     let id = "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10".to_owned();
     let status = client.get_job(GetJobRequest { id }).await.unwrap_err();
     let header = status.metadata().get("traceresponse").unwrap();

@@ -11,6 +11,7 @@ mod state;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use parking_lot::Mutex;
@@ -330,6 +331,10 @@ impl Work for Run {
             self.publish(&mut iteration);
             let cache = &self.resources.memory.cache;
             shared.checkpoints.pass(&iteration, self.bytes, cache);
+            // A thread that has just been woken would wait for a time slice of the operating system.
+            if self.lanes[1] == WorkLane::Heavy {
+                thread::yield_now();
+            }
             let more = self.state.lock().has_work();
             let goes_on = more && Instant::now() < deadline;
             // The first slice and the steps may belong to different lanes.
