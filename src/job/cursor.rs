@@ -174,13 +174,6 @@ async fn attempt(
     status: &mut watch::Receiver<Status>,
     goes_on: bool,
 ) -> Attempt {
-    // Usually the frame is there already.
-    if let FrameLookup::Frame(frame) = run.read(index) {
-        return Attempt::Frame(frame);
-    }
-    let mut advanced = std::pin::pin!(run.changed());
-    // From here on no change goes unnoticed.
-    advanced.as_mut().enable();
     match run.read(index) {
         FrameLookup::Frame(frame) => return Attempt::Frame(frame),
         FrameLookup::Gone => return Attempt::Passed,
@@ -190,7 +183,7 @@ async fn attempt(
         FrameLookup::Later => {
             let until = run.want(index, waiting);
             tokio::select! {
-                () = advanced => {}
+                () = run.news() => {}
                 () = changed(status) => {}
                 () = time(until) => {}
             }

@@ -3,9 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tokio::sync::futures::Notified;
+use tokio::sync::Notify;
 
-use super::state::Follower;
 use super::{FrameLookup, LOOK_AHEAD, Run};
 use crate::job::peer::Peer;
 use crate::job::reader_budget::LONGEST_WAIT;
@@ -15,6 +14,7 @@ use crate::job::reader_budget::LONGEST_WAIT;
 pub(crate) struct Attached {
     run: Arc<Run>,
     reader: u64,
+    news: Arc<Notify>,
     peer: Option<Peer>,
 }
 
@@ -33,18 +33,27 @@ impl Run {
             FrameLookup::Stopped if goes_on => return None,
             _ => {}
         }
-        let reader = state.add_reader(Follower { next, peer });
+        let (reader, news) = state.add_reader(next, peer);
         drop(state);
-        let run = Arc::clone(self);
-        Some(Attached { run, reader, peer })
+        Some(Attached {
+            run: Arc::clone(self),
+            reader,
+            news,
+            peer,
+        })
     }
 }
 
 impl Attached {
     /// The first reader of a new run, from frame `next` on.
     pub(crate) fn to_new(run: Arc<Run>, next: usize, peer: Option<Peer>) -> Self {
-        let reader = run.state.lock().add_reader(Follower { next, peer });
-        Self { run, reader, peer }
+        let (reader, news) = run.state.lock().add_reader(next, peer);
+        Self {
+            run,
+            reader,
+            news,
+            peer,
+        }
     }
 
     /// Asks the run for frame `index`, the next one that the reader wants.
@@ -111,22 +120,23 @@ impl Attached {
         (self.ahead_of(index).saturating_add(1)).saturating_sub(self.run.capacity)
     }
 
-    /// Completes at the next change of the run from now on.
-    pub(crate) fn changed(&self) -> Notified<'_> {
-        self.run.changed.notified()
+    /// Completes when there is news for this reader, also such as came since it last waited.
+    pub(crate) async fn news(&self) {
+        self.news.notified().await;
     }
 }
 
 impl Drop for Attached {
     fn drop(&mut self) {
         let mut state = self.run.state.lock();
-        state.readers.remove(&self.reader);
+        let gone = state.readers.remove(&self.reader);
         if state.readers.is_empty() && !state.to_the_end {
             // Nobody is left to read what was wanted.
             state.wanted = None;
         }
-        drop(state);
-        // Others may be waiting for this reader.
-        self.run.changed.notify_waiters();
+        // Others may be waiting for this reader, if its next frame is there.
+        if gone.is_some_and(|it| state.has_reached(it.next)) {
+            state.tell(usize::MAX);
+        }
     }
 }

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use parking_lot::Mutex;
+use parking_lot::{Mutex, MutexGuard};
 use tokio::sync::Notify;
 
 pub(crate) use shared::SharedSystem;
@@ -55,7 +55,8 @@ pub(crate) struct Run {
     keeps_unread: bool,
     reader_budget: Arc<ReaderBudget>,
     state: Mutex<RunState>,
-    changed: Notify,
+    /// Notified when it has ended.
+    ended: Notify,
     stopped: Arc<AtomicBool>,
     trace: Arc<JobTrace>,
 }
@@ -85,7 +86,7 @@ impl Run {
             keeps_unread: capacity >= 4 * LOOK_AHEAD,
             reader_budget: Arc::clone(&system.reader_budget),
             state: Mutex::new(RunState::new(system, permit)),
-            changed: Notify::new(),
+            ended: Notify::new(),
             stopped: Arc::default(),
             trace,
         })
@@ -117,8 +118,7 @@ impl Run {
         let last = state.iteration.take().map(|it| last_frame(&it));
         state.last = last;
         state.end(Ending::Stopped);
-        drop(state);
-        self.changed.notify_waiters();
+        self.tell_end(state);
     }
 
     /// Runs to its end, with or without readers; returns why it ended, and the last frame.
@@ -126,15 +126,15 @@ impl Run {
         self.state.lock().to_the_end = true;
         self.want(usize::MAX);
         loop {
-            let mut changed = std::pin::pin!(self.changed.notified());
-            changed.as_mut().enable();
+            let mut ended = std::pin::pin!(self.ended.notified());
+            ended.as_mut().enable();
             {
                 let state = self.state.lock();
                 if let Some(ending) = state.ending {
                     return (ending, state.last.clone());
                 }
             }
-            changed.await;
+            ended.await;
         }
     }
 
@@ -153,9 +153,15 @@ impl Run {
         state.ring.clear();
         let system = state.system.take();
         let shared = state.shared.take();
-        drop(state);
+        self.tell_end(state);
         drop((system, shared));
-        self.changed.notify_waiters();
+    }
+
+    /// Notifies everybody of the end.
+    fn tell_end(&self, state: MutexGuard<'_, RunState>) {
+        state.tell(usize::MAX);
+        drop(state);
+        self.ended.notify_waiters();
     }
 
     /// Lets the run advance to `level`.
@@ -216,9 +222,7 @@ impl Run {
             // This level has no geometry, so the one before it is the last.
             state.last = state.ring.back().cloned();
             state.end(Ending::Outcome(Outcome::Overflow));
-            drop(state);
-            self.changed.notify_waiters();
-            return;
+            return self.tell_end(state);
         }
         let mut oldest = None;
         let keep = self.keeps_unread() || outcome.is_some() || state.is_read(level.iteration);
@@ -245,11 +249,13 @@ impl Run {
             state.ring.clear();
         }
         state.reached(level, iteration.system());
-        if let Some(outcome) = outcome {
-            state.end(Ending::Outcome(outcome));
+        match outcome {
+            Some(outcome) => {
+                state.end(Ending::Outcome(outcome));
+                self.tell_end(state);
+            }
+            None => state.tell(level.iteration),
         }
-        drop(state);
-        self.changed.notify_waiters();
         if let Some(frame) = oldest {
             iteration.take_back(Arc::clone(&frame.control_points));
         }
@@ -296,8 +302,7 @@ impl Run {
             state.last = Some(frame);
             state.end(Ending::Stopped);
         }
-        drop(state);
-        self.changed.notify_waiters();
+        self.tell_end(state);
         self.lay_down(iteration)
     }
 }
@@ -354,8 +359,7 @@ impl Work for Run {
             false => Ending::Broken,
         });
         state.permit = None;
-        drop(state);
-        self.changed.notify_waiters();
+        self.tell_end(state);
     }
 }
 

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Instant;
 
+use tokio::sync::Notify;
+
 use super::shared::SharedSystem;
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::system::System;
@@ -77,6 +79,8 @@ pub(super) struct Follower {
     /// The frame that it wants next.
     pub(super) next: usize,
     pub(super) peer: Option<Peer>,
+    /// Notified when that frame is there, when the run has ended, and when another reader has left.
+    pub(super) news: Arc<Notify>,
 }
 
 impl RunState {
@@ -108,11 +112,23 @@ impl RunState {
         self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
     }
 
-    pub(super) fn add_reader(&mut self, reader: Follower) -> u64 {
-        let number = self.next_reader;
+    /// Adds a reader whose next frame is `next`; gives its number and what it is notified by.
+    pub(super) fn add_reader(&mut self, next: usize, peer: Option<Peer>) -> (u64, Arc<Notify>) {
+        let (number, news) = (self.next_reader, Arc::<Notify>::default());
         self.next_reader += 1;
+        let reader = Follower {
+            next,
+            peer,
+            news: Arc::clone(&news),
+        };
         self.readers.insert(number, reader);
-        number
+        (number, news)
+    }
+
+    /// Notifies the readers that want a frame up to this one: those of far ones sleep.
+    pub(super) fn tell(&self, level: usize) {
+        let waiting = self.readers.values().filter(|it| it.next <= level);
+        waiting.for_each(|reader| reader.news.notify_one());
     }
 
     /// The first level that a reader wants of a run that computes again.
@@ -156,12 +172,17 @@ impl RunState {
         }
     }
 
-    pub(super) fn read(&self, index: usize) -> FrameLookup {
+    /// Whether it has come to this level.
+    pub(super) fn has_reached(&self, level: usize) -> bool {
         let reached = self.levels.map(|levels| levels.last.iteration);
+        reached >= Some(level)
+    }
+
+    pub(super) fn read(&self, index: usize) -> FrameLookup {
         if self.ending == Some(Ending::Revoked) {
             return FrameLookup::Gone;
         }
-        if reached < Some(index) {
+        if !self.has_reached(index) {
             return match self.ending {
                 None => FrameLookup::Later,
                 Some(Ending::Stopped) => FrameLookup::Stopped,

@@ -1,5 +1,7 @@
 //! Readers that share a run.
 
+use futures_util::FutureExt;
+
 use super::attached::Attached;
 use super::*;
 use crate::job::samples::problem;
@@ -67,4 +69,29 @@ async fn a_stopped_run_is_left_by_readers_that_want_more() {
     assert!(run.attach(reached, None, true).is_some());
     assert!(run.attach(reached + 1, None, false).is_some());
     assert!(run.attach(reached + 1, None, true).is_none());
+}
+
+/// Who waits for a level far ahead is not woken by those before it.
+#[tokio::test]
+async fn readers_of_far_levels_sleep() {
+    let scheduler = Scheduler::new(1).unwrap();
+    let resources = Arc::new(Resources::new(scheduler, 1 << 30, 1 << 20));
+    let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
+    let run = Run::new(system, resources, None, None, Arc::default());
+    let quick = Attached::to_new(Arc::clone(&run), 0, None);
+    let patient = run.attach(5, None, false).unwrap();
+    for index in 0..5 {
+        assert!(patient.news().now_or_never().is_none(), "{index}");
+        let _ = quick.read(index);
+        run.want(index);
+        quick.news().await;
+        arrives(&quick, index).await;
+    }
+    run.want(5);
+    patient.news().await;
+    arrives(&patient, 5).await;
+    // The end concerns everybody.
+    assert!(matches!(patient.read(1_000_000), FrameLookup::Later));
+    run.stop();
+    patient.news().await;
 }
