@@ -1,9 +1,10 @@
-"""What connections cost: idle ones with TLS, and event streams whose next iteration is far ahead.
+"""What connections cost: idle ones with TLS, and event streams whose next iteration is far ahead, each with a connection
+of its own or a hundred on one of HTTP/2.
 
-    idle.py PROGRAM [--idle N] [--streams N]      # PROGRAM is target/release/piad; needs openssl
+    idle.py PROGRAM [--idle N] [--streams N] [--http2]      # PROGRAM is target/release/piad; needs openssl
 
 Tells the memory of the server, and how long /livez takes meanwhile. Each connection takes a file descriptor on both
-sides (ulimit -n).
+sides (ulimit -n). --http2 needs the Python package h2.
 """
 
 import argparse
@@ -21,6 +22,7 @@ import time
 
 AT_ONCE = 100
 PROBES = 200
+STREAMS_OF_ONE = 100
 
 Connection = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
@@ -45,6 +47,28 @@ async def head(reader: asyncio.StreamReader) -> None:
     assert answer.startswith(b"HTTP/1.1 20"), answer
 
 
+async def streams_of_http2(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, path: str) -> None:
+    """Begins as many streams as a connection may have, and waits for the heads of their answers."""
+    import h2.connection
+    import h2.events
+
+    connection = h2.connection.H2Connection()
+    connection.initiate_connection()
+    head = [(":method", "GET"), (":scheme", "https"), (":authority", "localhost"), (":path", path), ("accept", "text/event-stream")]
+    for _ in range(STREAMS_OF_ONE):
+        connection.send_headers(connection.get_next_available_stream_id(), head, end_stream=True)
+    answered = 0
+    while answered < STREAMS_OF_ONE:
+        writer.write(connection.data_to_send())
+        for event in connection.receive_data(await reader.read(1 << 16)):
+            if isinstance(event, h2.events.ResponseReceived):
+                assert dict(event.headers)[b":status"] == b"200", event
+                answered += 1
+            elif isinstance(event, h2.events.DataReceived):
+                connection.acknowledge_received_data(event.flow_controlled_length, event.stream_id)
+    writer.write(connection.data_to_send())
+
+
 async def probes(connect) -> list[float]:
     seconds = []
     for _ in range(PROBES):
@@ -67,12 +91,22 @@ async def measure(server: subprocess.Popen, port: int, trusted: ssl.SSLContext, 
         await head(reader)
         return reader, writer
 
+    def quiet() -> str:
+        # Only every so many iterations: nothing comes but comments.
+        return f"{job['links']['events']}?view=errors&every=1000000000"
+
     async def stream() -> Connection:
         reader, writer = await connect()
-        # Only every so many iterations: nothing comes but comments.
-        path = f"{job['links']['events']}?view=errors&every=1000000000"
+        path = quiet()
         writer.write(f"GET {path} HTTP/1.1\r\nHost: localhost\r\nAccept: text/event-stream\r\n\r\n".encode())
         await head(reader)
+        return reader, writer
+
+    async def hundred() -> Connection:
+        trusted_for_2 = ssl.create_default_context(cafile=arguments.certificate)
+        trusted_for_2.set_alpn_protocols(["h2"])
+        reader, writer = await asyncio.open_connection("localhost", port, ssl=trusted_for_2)
+        await streams_of_http2(reader, writer, quiet())
         return reader, writer
 
     reader, writer = await connect()
@@ -81,7 +115,8 @@ async def measure(server: subprocess.Popen, port: int, trusted: ssl.SSLContext, 
     job = json.loads((await reader.read()).split(b"\r\n\r\n")[1])
     print("| connections | memory of the server | /livez, p50 | p99 |\n|---|---|---|---|")
     kept: list[Connection] = []
-    for name, count, make in (("none", 0, idle), (f"{arguments.idle} idle", arguments.idle, idle), (f"and {arguments.streams} streams", arguments.streams, stream)):
+    streams = (arguments.streams // STREAMS_OF_ONE, hundred) if arguments.http2 else (arguments.streams, stream)
+    for name, count, make in (("none", 0, idle), (f"{arguments.idle} idle", arguments.idle, idle), (f"and {arguments.streams} streams", *streams)):
         kept += await many(count, make)
         await asyncio.sleep(2)
         cuts = statistics.quantiles(await probes(connect), n=100)
@@ -95,6 +130,7 @@ def main() -> None:
     parser.add_argument("program")
     parser.add_argument("--idle", type=int, default=10_000)
     parser.add_argument("--streams", type=int, default=5_000)
+    parser.add_argument("--http2", action="store_true")
     arguments = parser.parse_args()
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
@@ -102,6 +138,7 @@ def main() -> None:
         certificate, key = os.path.join(folder, "cert.pem"), os.path.join(folder, "key.pem")
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", key, "-out", certificate,
                         "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
+        arguments.certificate = certificate
         trusted = ssl.create_default_context(cafile=certificate)
         most = str(2 * (arguments.idle + arguments.streams))
         command = [arguments.program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--tls-cert", certificate, "--tls-key", key, "--max-iterations", "1000000000",

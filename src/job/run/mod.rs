@@ -245,6 +245,9 @@ impl Run {
                     oldest = state.ring.pop_front();
                 }
             }
+            if cache.is_full() {
+                state.look_ahead_no_more();
+            }
         } else {
             state.ring.clear();
         }

@@ -142,6 +142,15 @@ impl RunState {
         self.first_read().map_or(wanted, |read| read.min(wanted))
     }
 
+    /// Wants nothing that no reader wants yet: it would push out of the ring what they come for, and they would have
+    /// it computed again, for ever.
+    pub(super) fn look_ahead_no_more(&mut self) {
+        if !self.to_the_end {
+            let last_read = self.readers.values().map(|reader| reader.next).max();
+            self.wanted = self.wanted.min(last_read);
+        }
+    }
+
     /// The first level that a reader wants.
     fn first_read(&self) -> Option<usize> {
         self.readers.values().map(|reader| reader.next).min()

@@ -95,3 +95,22 @@ async fn readers_of_far_levels_sleep() {
     run.stop();
     patient.news().await;
 }
+
+/// With a full cache the frame that a reader waits for stays until it comes for it.
+#[tokio::test]
+async fn a_full_cache_leaves_readers_their_next_frame() {
+    let scheduler = Scheduler::new(1).unwrap();
+    let resources = Arc::new(Resources::new(scheduler, 1 << 20, 1 << 20));
+    let _full = resources.memory.cache.charge(1 << 20);
+    let system = Arc::new(SharedSystem::new(Arc::new(problem()), None));
+    let run = Run::new(system, resources, None, None, Arc::default());
+    let reader = Attached::to_new(run, 5, None);
+    for index in 5..10 {
+        assert!(matches!(reader.read(index), FrameLookup::Later));
+        reader.want(index, &mut None);
+        reader.news().await;
+        // It would have come far meanwhile.
+        tokio::time::sleep(Duration::from_millis(20)).await;
+        arrives(&reader, index).await;
+    }
+}
