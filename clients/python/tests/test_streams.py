@@ -172,8 +172,9 @@ def test_iterations_of_another_version_come_again(server: Server) -> None:
 def test_events_in_pieces() -> None:
     text = b": hello\r\nretry: 1500\r\n\r\nevent: a\nid: 7\ndata: x\ndata: y\n\ndata:z\n\nevent: cut\ndata: off\n"
     for size in (1, 2, 7, len(text)):
+        parser = _sse.Parser()
         chunks = [text[i : i + size] for i in range(0, len(text), size)]
-        assert list(_sse.events(_sse.lines(chunks))) == [
+        assert [event for chunk in chunks for event in parser.feed(chunk)] == [
             _sse.Retry(1.5),
             _sse.Event("a", "x\ny", "7"),
             _sse.Event("message", "z", ""),

@@ -14,6 +14,8 @@
 
 from pkgutil import extend_path
 
+from .async_client import AsyncClient
+from .async_job import AsyncJob
 from .client import Client
 from .errors import (
     ApiError,
@@ -29,14 +31,17 @@ from .errors import (
 )
 from .geometry import Basis, Boundary, Curve, Surface
 from .iteration import BadWeight, Deviation, Distances, Iteration, Result, Samples, Shape, boundary
-from .job import Job, JobWarning, Status
+from .job import Job
 from .points import FilePoints
+from .status import JobWarning, Status
 
 # Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
 __path__ = extend_path(__path__, __name__)
 
 __all__ = [
     "ApiError",
+    "AsyncClient",
+    "AsyncJob",
     "BadWeight",
     "Basis",
     "Boundary",

@@ -7,6 +7,7 @@ from typing import Any, Literal, Optional, TypeVar, Union
 
 from ._arrays import as_lists, depth
 from .geometry import BasisKind
+from .iteration import Index
 
 T = TypeVar("T")
 
@@ -46,6 +47,9 @@ ScatteredParameters = Union[
 ]
 """Of scattered points: u and v of each, shape (n, 2), the plane in which they are, or a job on whose surface
 their foot points are: `{"foot_points": {"job": job.id}}`."""
+
+SampleCount = Union[int, tuple[int, int]]
+"""The number of points of a curve, or the numbers in u and in v of a surface."""
 
 
 def job(
@@ -130,6 +134,41 @@ def stop(
             "max_iterations": max_iterations,
         }
     )
+
+
+def edit(
+    points: Optional[Mapping[Index, Any]],
+    *,
+    point_weights: Optional[Mapping[Index, float]],
+    weights: Any = None,
+    rational: Optional[Rational] = None,
+    method: Optional[Method],
+    stop: Mapping[str, Any],
+    **more: Any,
+) -> dict[str, Any]:
+    """A body for `POST /v1/jobs/{id}/edits`. What is None stays as it is in the job."""
+    return given(
+        {
+            "points": _moves(points or {}, point_weights or {}) or None,
+            "weights": plain(weights),
+            "rational": rational,
+            "method": None if method is None else settings(method),
+            "stop": dict(stop) or None,
+            **more,
+        }
+    )
+
+
+def _moves(points: Mapping[Index, Any], weights: Mapping[Index, float]) -> list[dict[str, Any]]:
+    return [
+        given({"index": plain(index), "point": plain(points.get(index)), "weight": weights.get(index)})
+        for index in {**points, **weights}
+    ]
+
+
+def grid(count: SampleCount) -> str:
+    """A number of samples, as queries have it."""
+    return str(count) if isinstance(count, int) else "x".join(map(str, as_lists(count)))
 
 
 def settings(method: Method) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Union
 
@@ -24,34 +24,38 @@ class Retry:
     seconds: float
 
 
-def events(lines: Iterable[str]) -> Iterator[Union[Event, Retry]]:
-    """The events in the lines of a stream. One that is cut off by the end of the stream is dropped."""
-    name, event_id, data = "message", "", list[str]()
-    for line in lines:
-        if not line:
-            if data:
-                yield Event(name, "\n".join(data), event_id)
-            name, event_id, data = "message", "", []
-            continue
+class Parser:
+    """The events in the bytes of a stream, as these arrive. One that is cut off by the end of the stream is dropped."""
+
+    def __init__(self) -> None:
+        self._line: list[bytes] = []
+        self._clear()
+
+    def _clear(self) -> None:
+        self._name, self._id, self._data = "message", "", list[str]()
+
+    def feed(self, chunk: bytes) -> Iterator[Union[Event, Retry]]:
+        """What is complete with these bytes; lines end with LF or CR LF."""
+        *complete, last = chunk.split(b"\n")
+        for end in complete:
+            line = b"".join([*self._line, end]).rstrip(b"\r").decode()
+            self._line = []
+            if line:
+                yield from self._field(line)
+            else:
+                if self._data:
+                    yield Event(self._name, "\n".join(self._data), self._id)
+                self._clear()
+        self._line.append(last)
+
+    def _field(self, line: str) -> Iterator[Retry]:
         field, _, value = line.partition(":")
         value = value[1:] if value.startswith(" ") else value
         if field == "event":
-            name = value
+            self._name = value
         elif field == "data":
-            data.append(value)
+            self._data.append(value)
         elif field == "id":
-            event_id = value
+            self._id = value
         elif field == "retry" and value.isdecimal():
             yield Retry(int(value) / 1000)
-
-
-def lines(chunks: Iterable[bytes]) -> Iterator[str]:
-    """The complete lines of a stream of bytes; they end with LF or CR LF."""
-    rest: list[bytes] = []
-    for chunk in chunks:
-        *complete, last = chunk.split(b"\n")
-        for line in complete:
-            rest.append(line)
-            yield b"".join(rest).rstrip(b"\r").decode()
-            rest = []
-        rest.append(last)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import asynccontextmanager
 from typing import Any, Optional, Union
 
 import httpx
 
 from ._backoff import delay, retry_after
+from ._connections import Connections
 from .errors import ApiError, ConnectionLost, PiadError, Problem, ProtocolError
 
 # Too many requests, and what proxies and servers say that have no room or no time.
@@ -33,26 +34,38 @@ _HOPELESS = (httpx.UnsupportedProtocol, httpx.LocalProtocolError)
 Parameters = Mapping[str, str]
 
 
+def settings(base_url: str, timeout: float, token: Optional[str], headers: Optional[Mapping[str, str]]) -> dict[str, Any]:
+    """The arguments of clients of httpx."""
+    if token is not None:
+        headers = {**(headers or {}), "Authorization": f"Bearer {token}"}
+    limits = httpx.Timeout(timeout, connect=min(timeout, _FIRST_CONTACT))
+    return {"base_url": server_url(base_url), "timeout": limits, "headers": headers}
+
+
 class Transport:
-    """Connections to one server.
+    """Requests to one server.
 
     Every request may be sent more than once: those that create something carry a key by which the
     server recognises them.
     """
 
-    def __init__(self, base_url: str, *, timeout: float, attempts: int, **more: Any):
-        connect = min(timeout, _FIRST_CONTACT)
-        limits = httpx.Timeout(timeout, connect=connect)
-        self._http = httpx.Client(base_url=server_url(base_url), timeout=limits, **more)
+    def __init__(self, connections: Connections, *, attempts: int):
+        if attempts < 1:
+            raise ValueError("there is one attempt at least")
+        self._connections = connections
         self._has_answered = False
         self.attempts = attempts
         """How often something is tried that fails, at most."""
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Closes all connections."""
-        self._http.close()
+        await self._connections.close()
 
-    def request(
+    async def sleep(self, seconds: float) -> None:
+        """Waits before something is tried again."""
+        await self._connections.sleep(seconds)
+
+    async def request(
         self,
         method: str,
         path: str,
@@ -68,17 +81,18 @@ class Transport:
         sent = {"Accept": "application/json", **(headers or {})}
         if content is not None:
             sent["Content-Type"] = "text/plain" if body is None else "application/json"
-        request = self._http.build_request(method, path, content=content, headers=sent, params=parameters or None)
+        http = self._connections.http
+        request = http.build_request(method, path, content=content, headers=sent, params=parameters or None)
         started = time.monotonic()
         for attempt in range(1, self.attempts + 1):
             last = attempt == self.attempts
             try:
-                response = self._http.send(request)
+                response = await self._connections.send(request)
             except httpx.TransportError as error:
                 pause = delay(attempt)
                 if last or self.is_hopeless(error, time.monotonic() + pause - started):
                     raise self.lost(error) from error
-                time.sleep(pause)
+                await self.sleep(pause)
                 continue
             self._has_answered = True
             if response.is_success:
@@ -89,24 +103,36 @@ class Transport:
                 return response
             if last or not may_try_again(error_):
                 raise error_
-            time.sleep(delay(attempt) if error_.retry_after is None else error_.retry_after)
+            await self.sleep(delay(attempt) if error_.retry_after is None else error_.retry_after)
         raise AssertionError("there is one attempt at least")
 
-    def json(self, method: str, path: str, **more: Any) -> dict[str, Any]:
+    async def json(self, method: str, path: str, **more: Any) -> dict[str, Any]:
         """The object that is answered; see `request`."""
-        return parse(self.request(method, path, **more).content)
+        return parse((await self.request(method, path, **more)).content)
 
-    @contextmanager
-    def stream(self, path: str, *, headers: Mapping[str, str], parameters: Parameters) -> Iterator[httpx.Response]:
-        """An answer that is read piece by piece. Nothing is tried again."""
-        timeout = httpx.Timeout(self._http.timeout)
+    @asynccontextmanager
+    async def stream(
+        self, path: str, *, body: Optional[Mapping[str, Any]], headers: Mapping[str, str], parameters: Parameters
+    ) -> AsyncIterator[AsyncIterator[bytes]]:
+        """The pieces of an answer, read as they are asked for; to a POST if there is a body. Nothing is tried again."""
+        http = self._connections.http
+        timeout = httpx.Timeout(http.timeout)
         timeout.read = max(timeout.read or _QUIET_STREAM, _QUIET_STREAM)
-        with self._http.stream("GET", path, headers=headers, params=parameters or None, timeout=timeout) as response:
+        method, content = ("GET", None) if body is None else ("POST", encoded(body))
+        if body is not None:
+            headers = {**headers, "Content-Type": "application/json"}
+        request = http.build_request(
+            method, path, content=content, headers=headers, params=parameters or None, timeout=timeout
+        )
+        response = await self._connections.send(request, stream=True)
+        try:
             self._has_answered = True
             if not response.is_success:
-                response.read()
+                await self._connections.read(response)
                 raise api_error(response)
-            yield response
+            yield self._connections.chunks(response)
+        finally:
+            await self._connections.release(response)
 
     def is_hopeless(self, error: httpx.TransportError, seconds: float) -> bool:
         """Whether nothing comes of trying again what has failed for so many seconds."""
@@ -116,7 +142,7 @@ class Transport:
     def lost(self, error: httpx.TransportError) -> PiadError:
         """A connection that broke once too often, or was never made."""
         what = "cannot reach" if isinstance(error, _UNREACHABLE) else "lost the connection to"
-        return ConnectionLost(f"{what} {self._http.base_url}: {type(error).__name__}: {error}")
+        return ConnectionLost(f"{what} {self._connections.http.base_url}: {type(error).__name__}: {error}")
 
 
 def server_url(text: str) -> httpx.URL:

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping
 from types import TracebackType
-from typing import Any, Optional, Union
+from typing import Optional
 
 import httpx
 
-from . import _request
-from ._request import Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
-from ._transport import Transport
-from .errors import NotConverged
-from .geometry import BasisKind
-from .iteration import Result
-from .job import Job, State, Status, post
-from .points import FilePoints
-
-# The server is asked to answer when a job has ended, if that is within so many seconds.
-_WAIT = 10.0
+from ._blocking import iterate, method, same
+from ._connections import BlockingConnections
+from ._service import Service
+from ._transport import Transport, settings
+from .job import Job
+from .status import State
 
 
 class Client:
@@ -42,16 +36,10 @@ class Client:
         sent, or a stream opened again without an iteration in between, while connections break or
         the server has no room. Where no server is, this is known within two seconds. `token` is one
         of `piad token create`, for a server that asks for one. `headers` go with every request.
-        `transport` is one of httpx, for proxies, certificates and tests.
+        `transport` is one of httpx, for proxies, certificates, Unix sockets and tests.
         """
-        if attempts < 1:
-            raise ValueError("there is one attempt at least")
-        if token is not None:
-            headers = {**(headers or {}), "Authorization": f"Bearer {token}"}
-        self._transport = Transport(
-            base_url, timeout=timeout, attempts=attempts, headers=headers, transport=transport
-        )
-        self._wait = min(_WAIT, timeout / 2)
+        connections = BlockingConnections(transport, **settings(base_url, timeout, token, headers))
+        self._async = Service(Transport(connections, attempts=attempts), timeout)
 
     def __enter__(self) -> Client:
         return self
@@ -64,148 +52,13 @@ class Client:
     ) -> None:
         self.close()
 
-    def close(self) -> None:
-        """Closes all connections. Jobs go on."""
-        self._transport.close()
-
-    def create(
-        self,
-        points: Any,
-        *,
-        basis: PerDirection[BasisKind] = "bspline",
-        degree: Optional[PerDirection[int]] = None,
-        knots: Optional[PerDirection[Knots]] = None,
-        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
-        scattered: bool = False,
-        closed: PerDirection[bool] = False,
-        ends: Optional[SurfaceEnds] = None,
-        weights: Any = None,
-        rational: Optional[Rational] = None,
-        method: Method = "global",
-        tolerance: Optional[float] = None,
-        relative_tolerance: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        name: Optional[str] = None,
-        stream: Optional[Mapping[str, Any]] = None,
-        idempotency_key: Optional[str] = None,
-    ) -> Job:
-        """A new job.
-
-        `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
-        an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
-        dimension), and as `parameters` an array (n, 2), `"project"`, `{"project": "xy"}` or
-        `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
-        and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
-        units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
-        object such as `{"kind": "local", "indices": [3, 4]}`, and so are `ends`: `"natural"` or
-        `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. What is not given is left to the
-        server; docs/JOBS.md there says more about each.
-
-        Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
-        makes no second job; `idempotency_key` sets it for programs that may themselves start again.
-        """
-        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
-        body = _request.job(
-            points,
-            basis=basis,
-            degree=degree,
-            knots=knots,
-            parameters=parameters,
-            scattered=scattered,
-            closed=closed,
-            ends=ends,
-            weights=weights,
-            rational=rational,
-            method=method,
-            stop=stop,
-            name=name,
-            stream=stream,
-        )
-        return post(self._transport, "/v1/jobs", body, key=idempotency_key)
-
-    def fit(
-        self,
-        points: Any,
-        *,
-        basis: PerDirection[BasisKind] = "bspline",
-        degree: Optional[PerDirection[int]] = None,
-        knots: Optional[PerDirection[Knots]] = None,
-        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
-        scattered: bool = False,
-        closed: PerDirection[bool] = False,
-        ends: Optional[SurfaceEnds] = None,
-        weights: Any = None,
-        rational: Optional[Rational] = None,
-        method: Method = "global",
-        tolerance: Optional[float] = None,
-        relative_tolerance: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        name: Optional[str] = None,
-        timeout: Optional[float] = None,
-    ) -> Result:
-        """The result of a new job: `create` says what the arguments mean.
-
-        Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is a
-        result, too, with the warning `NotConverged`: `warnings.simplefilter("error", piad.NotConverged)`
-        makes it an exception.
-        """
-        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
-        body = _request.job(
-            points,
-            basis=basis,
-            degree=degree,
-            knots=knots,
-            parameters=parameters,
-            scattered=scattered,
-            closed=closed,
-            ends=ends,
-            weights=weights,
-            rational=rational,
-            method=method,
-            stop=stop,
-            name=name,
-            stream=None,
-        )
-        wait = self._wait if timeout is None else min(self._wait, timeout)
-        job = post(self._transport, "/v1/jobs", body, wait=wait)
-        result = job.result(timeout)
-        if result.state != "converged":
-            warnings.warn(_shortfall(job.status), NotConverged, stacklevel=2)
-        return result
-
-    def job(self, id: str) -> Job:
-        """The job with this id."""
-        return Job(self._transport, Status.from_json(self._transport.json("GET", f"/v1/jobs/{id}")))
+    close = same(Service.close)
+    create = method(Service.create, Job)
+    fit = same(Service.fit)
+    job = method(Service.job, Job)
+    read_points = same(Service.read_points)
+    capabilities = same(Service.capabilities)
 
     def jobs(self, state: Optional[State] = None, *, page: int = 100) -> Iterator[Job]:
         """All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time."""
-        parameters = _request.given({"state": state, "limit": str(page)})
-        answer = self._transport.json("GET", "/v1/jobs", parameters=parameters)
-        while True:
-            for job in answer["jobs"]:
-                yield Job(self._transport, Status.from_json(job))
-            if answer["next"] is None:
-                return
-            # The path is that of the server as it sees itself, perhaps with a prefix that the URL has, too.
-            more = answer["next"].partition("?")[2]
-            answer = self._transport.json("GET", f"/v1/jobs?{more}")
-
-    def read_points(self, text: Union[str, bytes], *, size: Optional[str] = None) -> FilePoints:
-        """The points in the text of a file (CSV, XYZ, airfoils), as `create` and `fit` take them, and
-        what was found out about it. `size`, such as `"40x60"`, is the number of rows and columns of a
-        surface. Nothing is fitted. What is wrong with a file is told at its lines (`ApiError`).
-        """
-        parameters = _request.given({"surface.size": size})
-        answer = self._transport.json("POST", "/v1/points", text=text, parameters=parameters)
-        return FilePoints.from_json(answer)
-
-    def capabilities(self) -> dict[str, Any]:
-        """What the server can do and its limits, as JSON."""
-        return self._transport.json("GET", "/v1/capabilities")
-
-
-def _shortfall(status: Status) -> str:
-    """How a fit ended that has not converged."""
-    left = f"a distance of {status.error.max:.3e} is left, " if status.error else ""
-    detail = status.detail or f"{left}the tolerance is {status.stop['tolerance']:.3e}"
-    return f"the fit is {status.state}: {detail}"
+        return map(Job, iterate(self._async.jobs(state, page=page)))

@@ -1,0 +1,78 @@
+"""Coroutines over connections that block, as ordinary functions and iterators."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import AsyncGenerator, Callable, Coroutine, Generator
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from typing_extensions import Concatenate, ParamSpec
+
+    P = ParamSpec("P")
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def run(coroutine: Coroutine[Any, Any, T]) -> T:
+    """The value of a coroutine that waits for no event loop: it is run through by the first step."""
+    try:
+        coroutine.send(None)
+    except StopIteration as done:
+        value: T = done.value
+        return value
+    raise AssertionError("connections that block do not suspend coroutines")
+
+
+def iterate(items: AsyncGenerator[T, None]) -> Generator[T, None, None]:
+    """The items of such a generator, which is closed with this one."""
+    try:
+        while True:
+            try:
+                item = run(items.__anext__())
+            except StopAsyncIteration:
+                return
+            yield item
+    finally:
+        run(items.aclose())
+
+
+def method(
+    asynchronous: Callable[Concatenate[Any, P], Coroutine[Any, Any, T]], make: Callable[[T], R]
+) -> Callable[Concatenate[Any, P], R]:
+    """A method that does the same as an asynchronous one with `self._async`, and makes something of its value."""
+
+    def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        return make(run(asynchronous(self._async, *args, **kwargs)))
+
+    return _described(call, asynchronous)
+
+
+def same(asynchronous: Callable[Concatenate[Any, P], Coroutine[Any, Any, T]]) -> Callable[Concatenate[Any, P], T]:
+    """A method that does the same as an asynchronous one with `self._async`."""
+    return method(asynchronous, lambda value: value)
+
+
+def iterating(
+    asynchronous: Callable[Concatenate[Any, P], AsyncGenerator[T, None]],
+) -> Callable[Concatenate[Any, P], Generator[T, None, None]]:
+    """A method with the items of an asynchronous generator of `self._async`."""
+
+    def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> Generator[T, None, None]:
+        return iterate(asynchronous(self._async, *args, **kwargs))
+
+    return _described(call, asynchronous)
+
+
+C = TypeVar("C", bound=Callable[..., Any])
+
+
+def _described(call: C, asynchronous: Any) -> C:
+    """With the name, the documentation and the arguments of the asynchronous method."""
+    call.__name__, call.__doc__ = asynchronous.__name__, asynchronous.__doc__
+    call.__qualname__ = asynchronous.__qualname__.replace("Async", "")
+    signature = inspect.signature(asynchronous)
+    gives = str(signature.return_annotation).replace("Async", "")
+    call.__signature__ = signature.replace(return_annotation=gives)  # type: ignore[attr-defined]
+    return call

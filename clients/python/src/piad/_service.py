@@ -1,0 +1,183 @@
+"""Where fits begin: what both clients do, in coroutines."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import AsyncGenerator, Mapping
+from typing import Any, Optional, Union
+
+from . import _request
+from ._request import Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
+from ._transport import Transport
+from .async_job import AsyncJob, post
+from .errors import NotConverged
+from .geometry import BasisKind
+from .iteration import Result
+from .points import FilePoints
+from .status import State, Status
+
+# The server is asked to answer when a job has ended, if that is within so many seconds.
+_WAIT = 10.0
+
+
+class Service:
+    """A server. `Transport` says whether its methods wait for an event loop or block."""
+
+    def __init__(self, transport: Transport, timeout: float):
+        self._transport = transport
+        self._wait = min(_WAIT, timeout / 2)
+
+    async def close(self) -> None:
+        """Closes all connections. Jobs go on."""
+        await self._transport.close()
+
+    async def create(
+        self,
+        points: Any,
+        *,
+        basis: PerDirection[BasisKind] = "bspline",
+        degree: Optional[PerDirection[int]] = None,
+        knots: Optional[PerDirection[Knots]] = None,
+        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
+        scattered: bool = False,
+        closed: PerDirection[bool] = False,
+        ends: Optional[SurfaceEnds] = None,
+        weights: Any = None,
+        rational: Optional[Rational] = None,
+        method: Method = "global",
+        tolerance: Optional[float] = None,
+        relative_tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        name: Optional[str] = None,
+        stream: Optional[Mapping[str, Any]] = None,
+        idempotency_key: Optional[str] = None,
+    ) -> AsyncJob:
+        """A new job.
+
+        `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
+        an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
+        dimension), and as `parameters` an array (n, 2), `"project"`, `{"project": "xy"}` or
+        `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
+        and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
+        units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
+        object such as `{"kind": "local", "indices": [3, 4]}`, and so are `ends`: `"natural"` or
+        `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. What is not given is left to the
+        server; docs/JOBS.md there says more about each.
+
+        Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
+        makes no second job; `idempotency_key` sets it for programs that may themselves start again.
+        """
+        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
+        body = _request.job(
+            points,
+            basis=basis,
+            degree=degree,
+            knots=knots,
+            parameters=parameters,
+            scattered=scattered,
+            closed=closed,
+            ends=ends,
+            weights=weights,
+            rational=rational,
+            method=method,
+            stop=stop,
+            name=name,
+            stream=stream,
+        )
+        return await post(self._transport, "/v1/jobs", body, key=idempotency_key)
+
+    async def fit(
+        self,
+        points: Any,
+        *,
+        basis: PerDirection[BasisKind] = "bspline",
+        degree: Optional[PerDirection[int]] = None,
+        knots: Optional[PerDirection[Knots]] = None,
+        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
+        scattered: bool = False,
+        closed: PerDirection[bool] = False,
+        ends: Optional[SurfaceEnds] = None,
+        weights: Any = None,
+        rational: Optional[Rational] = None,
+        method: Method = "global",
+        tolerance: Optional[float] = None,
+        relative_tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        name: Optional[str] = None,
+        timeout: Optional[float] = None,
+    ) -> Result:
+        """The result of a new job: `create` says what the arguments mean.
+
+        Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is a
+        result, too, with the warning `NotConverged`: `warnings.simplefilter("error", piad.NotConverged)`
+        makes it an exception.
+        """
+        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
+        body = _request.job(
+            points,
+            basis=basis,
+            degree=degree,
+            knots=knots,
+            parameters=parameters,
+            scattered=scattered,
+            closed=closed,
+            ends=ends,
+            weights=weights,
+            rational=rational,
+            method=method,
+            stop=stop,
+            name=name,
+            stream=None,
+        )
+        wait = self._wait if timeout is None else min(self._wait, timeout)
+        job = await post(self._transport, "/v1/jobs", body, wait=wait)
+        result = await job.result(timeout)
+        if result.state != "converged":
+            warnings.warn(_shortfall(job.status), NotConverged, stacklevel=_outside())
+        return result
+
+    async def job(self, id: str) -> AsyncJob:
+        """The job with this id."""
+        return AsyncJob(self._transport, Status.from_json(await self._transport.json("GET", f"/v1/jobs/{id}")))
+
+    async def jobs(self, state: Optional[State] = None, *, page: int = 100) -> AsyncGenerator[AsyncJob, None]:
+        """All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time."""
+        parameters = _request.given({"state": state, "limit": str(page)})
+        answer = await self._transport.json("GET", "/v1/jobs", parameters=parameters)
+        while True:
+            for job in answer["jobs"]:
+                yield AsyncJob(self._transport, Status.from_json(job))
+            if answer["next"] is None:
+                return
+            # The path is that of the server as it sees itself, perhaps with a prefix that the URL has, too.
+            more = answer["next"].partition("?")[2]
+            answer = await self._transport.json("GET", f"/v1/jobs?{more}")
+
+    async def read_points(self, text: Union[str, bytes], *, size: Optional[str] = None) -> FilePoints:
+        """The points in the text of a file (CSV, XYZ, airfoils), as `create` and `fit` take them, and
+        what was found out about it. `size`, such as `"40x60"`, is the number of rows and columns of a
+        surface. Nothing is fitted. What is wrong with a file is told at its lines (`ApiError`).
+        """
+        parameters = _request.given({"surface.size": size})
+        answer = await self._transport.json("POST", "/v1/points", text=text, parameters=parameters)
+        return FilePoints.from_json(answer)
+
+    async def capabilities(self) -> dict[str, Any]:
+        """What the server can do and its limits, as JSON."""
+        return await self._transport.json("GET", "/v1/capabilities")
+
+
+def _shortfall(status: Status) -> str:
+    """How a fit ended that has not converged."""
+    left = f"a distance of {status.error.max:.3e} is left, " if status.error else ""
+    detail = status.detail or f"{left}the tolerance is {status.stop['tolerance']:.3e}"
+    return f"the fit is {status.state}: {detail}"
+
+
+def _outside() -> int:
+    """The `stacklevel` of the first caller outside of this package, for the function that asks."""
+    frame, level = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "piad":
+        frame, level = frame.f_back, level + 1
+    return level

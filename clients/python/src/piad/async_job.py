@@ -1,0 +1,353 @@
+"""Jobs, for programs with an event loop."""
+
+from __future__ import annotations
+
+import os
+import time
+import uuid
+from collections.abc import AsyncGenerator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal, Optional, Union
+
+from . import _request
+from ._arrays import np
+from ._events import EventStream
+from ._request import Method, Rational, SampleCount
+from ._transport import Transport
+from .errors import JobFailed, Problem, WaitTimeout
+from .iteration import Deviation, Index, Iteration, Result, Samples, Shape
+from .status import Status
+
+View = Literal["control_points", "samples", "errors"]
+Encoding = Literal["json", "base64", "base64_f32"]
+Format = Literal["json", "step", "iges", "obj", "gltf", "stl", "dxf", "svg", "csv"]
+Dots = Literal["auto", "on", "off"]
+Units = Literal["mm", "m", "in"]
+
+# What streams are like, whatever the job sets for its own.
+_PLAIN = {
+    "view": "errors",
+    "every": "1",
+    "milestones": "",
+    "pace": "all",
+    "changed": "false",
+    "describe": "full",
+    "encoding": "json",
+    "digits": "full",
+    "on_disconnect": "continue",
+}
+# No job has so many iterations: a stream has the first and the last.
+_ENDS_ONLY = {**_PLAIN, "every": "1000000000"}
+_COMPLETE = {**_PLAIN, "view": "control_points", "encoding": "json" if np is None else "base64"}
+_CHANGES = {**_PLAIN, "view": "control_points", "changed": "true", "describe": "none"}
+
+
+class AsyncJob:
+    """A job, and what can be done with it: `Job`, with methods to be awaited."""
+
+    def __init__(self, transport: Transport, status: Status):
+        self._transport = transport
+        self._shape: Optional[Shape] = None
+        self.status = status
+        """What the server said last; `refresh` asks it again."""
+
+    def __repr__(self) -> str:
+        return f"<piad.AsyncJob {self.id}: {self.status.state}>"
+
+    @property
+    def id(self) -> str:
+        """The id."""
+        return self.status.id
+
+    @property
+    def _path(self) -> str:
+        return f"/v1/jobs/{self.id}"
+
+    async def refresh(self) -> Status:
+        """Asks the server how the job stands."""
+        self.status = Status.from_json(await self._transport.json("GET", self._path))
+        return self.status
+
+    def iterations(
+        self,
+        *,
+        view: Optional[View] = None,
+        samples: Optional[SampleCount] = None,
+        every: Optional[int] = None,
+        milestones: Optional[Sequence[float]] = None,
+        pace: Optional[Literal["all", "latest"]] = None,
+        changed: Optional[bool] = None,
+        encoding: Optional[Encoding] = None,
+        digits: Optional[Literal["full", "auto"]] = None,
+        after: Optional[int] = None,
+    ) -> AsyncGenerator[Iteration, None]:
+        """The iterations of the job, as they are computed and then up to its end.
+
+        Every one from 0 on (or after `after`) comes once and in order, unless `every`, `milestones`
+        (decreasing distances) or `pace="latest"` leave some out. Broken connections and servers that
+        start again are survived: the stream goes on where it broke off. When the iterator ends,
+        `status` is that of the ended job.
+
+        With `changed` the server sends only control points that have moved; iterations are complete
+        even so. Numbers travel as base64 where numpy is there, unless the job has a `stream` of its
+        own or other parameters forbid it.
+        """
+        parameters = {
+            "view": view,
+            "samples": None if samples is None else _request.grid(samples),
+            "every": every,
+            "milestones": None if milestones is None else ",".join(repr(float(m)) for m in milestones),
+            "pace": pace,
+            "changed": None if changed is None else str(bool(changed)).lower(),
+            "encoding": encoding,
+            "digits": digits,
+        }
+        text = {name: str(value) for name, value in _request.given(parameters).items()}
+        if "describe" in (self.status.stream or {}):
+            # Knots are needed, whatever the job says of its streams.
+            text["describe"] = "full"
+        if self._may_be_binary(text):
+            text["encoding"] = "base64"
+        return self._iterations(text, after)
+
+    def _may_be_binary(self, parameters: Mapping[str, str]) -> bool:
+        """Whether base64 goes with these parameters and is quicker to read."""
+        decimal = {"encoding", "digits", "changed"} & parameters.keys() or parameters.get("view") == "errors"
+        return np is not None and self.status.stream is None and not decimal
+
+    async def _iterations(
+        self, parameters: Mapping[str, str], after: Optional[int]
+    ) -> AsyncGenerator[Iteration, None]:
+        before: Optional[Iteration] = None
+        shape: Optional[Shape] = None
+        async with self._events(parameters, after).open() as events:
+            async for name, data in events:
+                if name == "job":
+                    self._shape = shape = Shape.from_json(data)
+                elif name == "iteration":
+                    before = Iteration.from_json(data, shape or await self.shape(), before)
+                    shape = before.shape
+                    yield before
+        await self.refresh()
+
+    def _events(self, parameters: Mapping[str, str], after: Optional[int] = None) -> EventStream:
+        return EventStream(self._transport, f"{self._path}/events", parameters, after=after)
+
+    async def shape(self) -> Shape:
+        """The bases of the fit. Waits until the job has begun."""
+        if self._shape is None:
+            async with self._events(_ENDS_ONLY).open() as events:
+                async for name, data in events:
+                    if name == "job":
+                        self._shape = Shape.from_json(data)
+                        break
+                else:
+                    raise JobFailed(self.id, (await self.refresh()).state, self.status.problem)
+        return self._shape
+
+    async def iteration(self, number: Union[int, Literal["last"]] = "last") -> Iteration:
+        """One iteration with its geometry, of a job in any state; those to come are waited for."""
+        parameters = {} if np is None else {"encoding": "base64"}
+        data = await self._level(number, parameters)
+        return Iteration.from_json(data, await self.shape())
+
+    async def samples(self, count: SampleCount, iteration: Union[int, Literal["last"]] = "last") -> Samples:
+        """Points at equal steps of the parameters, computed by the server."""
+        parameters = {"view": "samples", "samples": _request.grid(count)}
+        if np is not None:
+            parameters["encoding"] = "base64"
+        return Samples.from_json(await self._level(iteration, parameters))
+
+    async def _level(self, number: Union[int, str], parameters: Mapping[str, str]) -> dict[str, Any]:
+        return await self._transport.json("GET", f"{self._path}/iterations/{number}", parameters=parameters)
+
+    async def wait(self, timeout: Optional[float] = None) -> Status:
+        """Waits until the job has ended; `WaitTimeout` after so many seconds."""
+        if timeout is None:
+            async with self._events(_ENDS_ONLY).open() as events:
+                async for _ in events:
+                    pass
+            return await self.refresh()
+        deadline, pause = time.monotonic() + timeout, 0.01
+        while not (await self.refresh()).ended:
+            left = deadline - time.monotonic()
+            if left <= 0:
+                raise WaitTimeout(f"the job {self.id} is {self.status.state} after {timeout} s")
+            await self._transport.sleep(min(pause, left))
+            pause = min(1.5 * pause, 1.0)
+        return self.status
+
+    async def result(self, timeout: Optional[float] = None) -> Result:
+        """The last level, when the job has ended: waits for that, `timeout` seconds at most.
+
+        A job that was cancelled has a result if it got anywhere. `JobFailed` if there is none.
+        """
+        status = self.status if self.status.ended else await self.wait(timeout)
+        if status.state == "failed" or status.iteration is None:
+            raise JobFailed(self.id, status.state, status.problem)
+        parameters = {} if np is None else {"encoding": "base64"}
+        return Result.from_json(await self._transport.json("GET", f"{self._path}/result", parameters=parameters))
+
+    async def deviation(self, iteration: Union[int, Literal["last"]] = "last", *, distances: bool = False) -> Deviation:
+        """How far the data are from the nearest points of an iteration: with `distances` also for each point.
+
+        The `error` of an iteration is taken at the parameters of the data, and is larger.
+        """
+        parameters = {"iteration": str(iteration), "list": str(bool(distances)).lower()}
+        return Deviation.from_json(await self._transport.json("GET", f"{self._path}/deviation", parameters=parameters))
+
+    async def input(self) -> dict[str, Any]:
+        """The job as it was asked for, as JSON."""
+        return await self._transport.json("GET", f"{self._path}/input")
+
+    async def ticket(self) -> str:
+        """Opens the stream of the job for a minute where no token can be sent, as in a browser's `EventSource`.
+
+        It is the query parameter `ticket` of `/v1/jobs/{id}/events`. An `ApiError` with status 409 if
+        the server asks for no tokens.
+        """
+        ticket: str = (await self._transport.json("POST", f"{self._path}/tickets"))["ticket"]
+        return ticket
+
+    async def cancel(self) -> Status:
+        """Stops the job. An `ApiError` with status 409 if it has already ended."""
+        self.status = Status.from_json(await self._transport.json("POST", f"{self._path}/cancel"))
+        return self.status
+
+    async def delete(self) -> None:
+        """Makes the server forget the job."""
+        await self._transport.request("DELETE", self._path)
+
+    async def edit(
+        self,
+        points: Optional[Mapping[Index, Any]] = None,
+        *,
+        point_weights: Optional[Mapping[Index, float]] = None,
+        weights: Any = None,
+        rational: Optional[Rational] = None,
+        method: Optional[Method] = None,
+        tolerance: Optional[float] = None,
+        relative_tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+        iteration: Optional[int] = None,
+        name: Optional[str] = None,
+        stream: Optional[Mapping[str, Any]] = None,
+        idempotency_key: Optional[str] = None,
+    ) -> AsyncJob:
+        """A new job that starts from the control points of this one; what is not given stays.
+
+        `points` moves data points, `{17: [x, y, z]}` or on surfaces `{(row, column): …}`;
+        `point_weights` gives some of a homogeneous fit new weights, `weights` all. `iteration` is
+        the one to start from, by default the last.
+        """
+        body = _request.edit(
+            points,
+            point_weights=point_weights,
+            weights=weights,
+            rational=rational,
+            method=method,
+            stop=_request.stop(tolerance, relative_tolerance, max_iterations),
+            iteration=iteration,
+            name=name,
+            stream=stream,
+        )
+        return await post(self._transport, f"{self._path}/edits", body, key=idempotency_key)
+
+    async def preview(
+        self,
+        points: Optional[Mapping[Index, Any]] = None,
+        *,
+        start: Optional[Iteration] = None,
+        session: Optional[str] = None,
+        every: int = 1,
+        point_weights: Optional[Mapping[Index, float]] = None,
+        method: Optional[Method] = None,
+        tolerance: Optional[float] = None,
+        relative_tolerance: Optional[float] = None,
+        max_iterations: Optional[int] = None,
+    ) -> AsyncGenerator[Iteration, None]:
+        """The iterations of an edit that leaves nothing behind, as while a point is dragged.
+
+        The fit ends with the iterator. One with a `session` replaces the one before of that session,
+        whose iterator ends where it is. `start` is the iteration of this job to begin with, by
+        default the last; with it, only control points that move are sent. `every=1000000` gives the
+        last iteration alone. Where the connection breaks after the first one there is nothing to go
+        on with (`ConnectionLost`): ask for the newest position again.
+        """
+        body = _request.edit(
+            points,
+            point_weights=point_weights,
+            method=method,
+            stop=_request.stop(tolerance, relative_tolerance, max_iterations),
+            iteration=None if start is None else start.number,
+            ephemeral=True,
+            session=session,
+        )
+        # Changes are relative to the iteration before, of which none may be left out.
+        before = start if every == 1 and start is not None and start.control_points is not None else None
+        shape = None if before is None else before.shape
+        parameters = {**_COMPLETE, "every": str(every)} if before is None else _CHANGES
+        stream, id = EventStream(self._transport, f"{self._path}/edits/stream", parameters, body=body), ""
+        async with stream.open() as events:
+            async for name, data in events:
+                if name == "job":
+                    id = data["id"]
+                    shape = shape or Shape.from_json(data)
+                elif name == "iteration" and shape is not None:
+                    before = Iteration.from_json(data, shape, before)
+                    shape = before.shape
+                    yield before
+                elif data.get("problem") is not None:
+                    raise JobFailed(id, data["state"], Problem.from_json(data["problem"]))
+
+    async def download(
+        self,
+        format: Format,
+        path: Union[str, os.PathLike[str]],
+        *,
+        iteration: Union[int, Literal["last"], None] = None,
+        samples: Optional[SampleCount] = None,
+        dots: Optional[Dots] = None,
+        units: Optional[Units] = None,
+    ) -> Path:
+        """Writes the result (or an iteration) to a file, such as STEP for CAD systems.
+
+        `samples` says how many points gltf, stl, dxf, svg and csv take, `dots` whether svg shows data points,
+        `units` which unit step and iges declare. The file is there as a whole or not at all.
+        """
+        part = "result" if iteration is None else f"iterations/{iteration}"
+        parameters: dict[str, str] = {}
+        if samples is not None:
+            parameters["samples"] = _request.grid(samples)
+        if dots is not None:
+            parameters["dots"] = dots
+        if units is not None:
+            parameters["units"] = units
+        headers = {"Accept": "*/*"}
+        answer = await self._transport.request("GET", f"{self._path}/{part}/{format}", headers=headers, parameters=parameters)
+        target = Path(path)
+        unfinished = target.with_name(f"{target.name}.{uuid.uuid4().hex}.part")
+        try:
+            unfinished.write_bytes(answer.content)
+            unfinished.replace(target)
+        finally:
+            unfinished.unlink(missing_ok=True)
+        return target
+
+
+async def post(
+    transport: Transport,
+    path: str,
+    body: Mapping[str, Any],
+    *,
+    key: Optional[str] = None,
+    wait: Optional[float] = None,
+) -> AsyncJob:
+    """A new job. However often the request has to be sent, its key makes it one job.
+
+    With `wait` the server answers when the job has ended or after so many seconds.
+    """
+    headers = {"Idempotency-Key": str(uuid.uuid4()) if key is None else key}
+    if wait is not None and wait >= 1.0:
+        headers["Prefer"] = f"wait={int(wait)}"
+    return AsyncJob(transport, Status.from_json(await transport.json("POST", path, body=body, headers=headers)))
