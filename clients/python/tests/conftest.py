@@ -37,7 +37,7 @@ class Server:
         )
         assert self._process.stderr is not None
         for line in self._process.stderr:
-            found = re.search(r"listening on http://([^\s\"]+)", line)
+            found = re.search(r"listening on https?://([^\s\"]+)", line)
             if found:
                 self.address = found.group(1)
                 # A full pipe would stop the server.
