@@ -11,7 +11,7 @@ from conftest import Server
 PROGRAM = """
 import sys
 
-for name in ("numpy", "scipy", "geomdl", "rhino3dm", "OCP"):
+for name in ("numpy", "scipy", "geomdl", "rhino3dm", "OCP", "matplotlib"):
     sys.modules[name] = None  # importing it is an ImportError
 
 from shapes import FITS
@@ -25,6 +25,18 @@ def close(points, expected):
     return abs(points - expected) <= 1e-11
 
 
+def derived(geometry, parameters):
+    # In the first parameter, by differences.
+    step, order = 1e-6, 1 if isinstance(geometry, piad.Curve) else (1, 0)
+    middle, others = parameters[0][3], [line[2] for line in parameters[1:]]
+    before, after = (geometry.evaluate(u, *others) for u in (middle - step, middle + step))
+    found = geometry.evaluate(middle, *others, derivative=order)
+    assert isinstance(found, list)
+    assert all(abs(d - (b - a) / (2 * step)) <= 1e-6 for d, a, b in zip(found, before, after))
+    if geometry.weights is None:
+        assert close(geometry.derivative(1).evaluate(middle, *others), found)
+
+
 with piad.Client(sys.argv[1]) as client:
     for name, arguments in FITS.items():
         job = client.create(**arguments)
@@ -35,6 +47,7 @@ with piad.Client(sys.argv[1]) as client:
             samples = job.samples(count)
             assert close(level.geometry.evaluate(*samples.parameters), samples.points), name
         geometry = job.result().geometry
+        derived(geometry, samples.parameters)
         assert close(geometry.as_bspline().evaluate(*samples.parameters), samples.points), name
     local = client.create(FITS["curve"]["points"], method={"kind": "local", "indices": [2]})
     pairs = zip(local.iterations(changed=True), local.iterations())

@@ -3,6 +3,7 @@
 - `curve`, `surface`: what is fitted;
 - `basis`: knots and functions of one direction; `net`: homogeneous control points; `ball`: how
   polynomials of the Ball bases become Bézier form;
+- `derivative`: derivatives with respect to the parameters;
 - `boundary`: boundaries of surfaces, for neighbours that join there;
 - `scipy`, `geomdl`, `rhino`, `occ`: the same in other packages, which are imported when asked for.
 """

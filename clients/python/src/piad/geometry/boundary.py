@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from .._arrays import Array, as_array, as_lists, mix
+from .._arrays import Array, as_lists
 from . import net
-from .basis import Basis
+from .derivative import differentiated
 
 if TYPE_CHECKING:
     from .surface import Surface
@@ -58,14 +58,5 @@ def boundary(surface: Surface, side: Side) -> Boundary:
     lines = net.in_bspline_basis(basis, lines)
     basis = basis.as_bspline()
     parameter = basis.domain[0 if end == "start" else 1]
-    return Boundary(net.combined(basis, parameter, lines), _derivative(basis, parameter, lines))
-
-
-def _derivative(basis: Basis, parameter: float, lines: Array) -> Array:
-    """The derivative with respect to the parameter of the first axis."""
-    knots, degree = basis.full_knots(), basis.degree
-    factors = [degree / (knots[i + degree + 1] - knots[i + 1]) for i in range(basis.count - 1)]
-    rows = as_lists(lines)
-    differences = [mix([-factor, factor], rows[i : i + 2]) for i, factor in enumerate(factors)]
-    lower = Basis("bspline", degree - 1, knots[1:-1])
-    return net.combined(lower, parameter, as_array(differences))
+    slope = differentiated(basis, lines, 1)
+    return Boundary(net.combined(basis, parameter, lines), net.combined(slope[0], parameter, slope[1]))

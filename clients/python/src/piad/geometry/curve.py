@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Optional
 
 from .._arrays import Array, as_array, depth, np
 from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
+from .derivative import checked, differentiated, quotient
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,22 +71,39 @@ class Curve:
         points, weights = (self._net, None) if self.weights is None else net.projected(self._net)
         return Curve(self.basis.as_bspline(), points, weights)
 
-    def evaluate(self, u: Any) -> Array:
-        """The point at a parameter, shape (dimension,), or those at m parameters, (m, dimension).
+    def derivative(self, order: int = 1) -> Curve:
+        """The derivative with respect to the parameter, as a curve: its control points are vectors.
+
+        A `ValueError` if the curve is rational: `evaluate` has derivatives of these, too.
+        """
+        (order,) = checked(order)
+        if self.weights is not None:
+            raise ValueError("the derivative of a rational curve is another kind of curve: ask evaluate for its values")
+        return Curve(*differentiated(self.basis.as_bspline(), self._net, order))
+
+    def evaluate(self, u: Any, *, derivative: int = 0) -> Array:
+        """The point at a parameter, shape (dimension,), or those at m parameters, (m, dimension);
+        with `derivative` a derivative of this order with respect to the parameter instead.
 
         Parameters of closed curves may go round; those outside of the domain of other curves are a
-        `ValueError`.
+        `ValueError`. A derivative that jumps at a knot is that of what follows, at the last of
+        what precedes.
         """
+        at = self._evaluator(checked(derivative)[0])
         if depth(u) == 0:
-            return self._at(float(u))
+            return at(float(u))
         if np is not None:
-            return self._at(as_array(u))
-        nested: Any = [self._at(float(x)) for x in u]
+            return at(as_array(u))
+        nested: Any = [at(float(x)) for x in u]
         return nested  # type: ignore[no-any-return]
 
-    def _at(self, u: Any) -> Array:
-        point = net.combined(self.basis.as_bspline(), u, self._net)
-        return point if self.weights is None else net.projected(point)[0]
+    def _evaluator(self, order: int) -> Callable[[Any], Array]:
+        """A derivative as a function of the parameter."""
+        basis = self.basis.as_bspline()
+        if self.weights is None:
+            return partial(_at, *differentiated(basis, self._net, order))
+        splines = [differentiated(basis, self._net, k) for k in range(order + 1)]
+        return lambda u: quotient((order,), lambda at: _at(*splines[at[0]], u))
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.BSpline` (`extrapolate="periodic"` if the curve is closed).
@@ -105,3 +124,8 @@ class Curve:
     def to_occ(self) -> Any:
         """A `Geom_BSplineCurve` of OpenCASCADE, not periodic; of degree 25 at most."""
         return occ.curve(self)
+
+
+def _at(basis: Basis, points: Array, u: Any) -> Array:
+    """The points of a B-spline."""
+    return net.combined(basis, u, points)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import product
 from typing import Any, Optional
 
 from .._arrays import Array, as_array, depth, np
 from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .boundary import Boundary, Side, boundary
+from .derivative import Orders, checked, differentiated, quotient
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,30 +77,49 @@ class Surface:
         points, weights = (self._net, None) if self.weights is None else net.projected(self._net)
         return Surface((u.as_bspline(), v.as_bspline()), points, weights)
 
-    def evaluate(self, u: Any, v: Any) -> Array:
-        """The points on the grid of parameters u and v, shape (len(u), len(v), dimension).
+    def derivative(self, u: int = 0, v: int = 0) -> Surface:
+        """The derivative of order `u` in u and `v` in v, as a surface: its control points are vectors.
+
+        A `ValueError` if the surface is rational: `evaluate` has derivatives of these, too.
+        """
+        orders = checked(u, v)
+        if self.weights is not None:
+            raise ValueError("the derivative of a rational surface is another kind of surface: ask evaluate for its values")
+        basis_u, basis_v, points = self._differentiated(orders)
+        return Surface((basis_u, basis_v), points)
+
+    def _differentiated(self, orders: Orders) -> tuple[Basis, Basis, Array]:
+        """Both bases and the net of a derivative of the homogeneous B-spline form."""
+        bases, (u, v) = [basis.as_bspline() for basis in self.bases], orders
+        basis_u, rows = differentiated(bases[0], self._net, u)
+        basis_v, columns = differentiated(bases[1], net.swapped(rows), v)
+        return basis_u, basis_v, net.swapped(columns)
+
+    def evaluate(self, u: Any, v: Any, *, derivative: tuple[int, int] = (0, 0)) -> Array:
+        """The points on the grid of parameters u and v, shape (len(u), len(v), dimension); with
+        `derivative`, such as (1, 0), the derivative of these orders in u and v instead.
 
         A single number instead of a list of parameters has no axis in the result: with two numbers
         it is one point. Parameters of closed directions may go round.
         """
+        order_u, order_v = derivative
+        at = self._evaluator(checked(order_u, order_v))
         one_u, one_v = depth(u) == 0, depth(v) == 0
         if np is not None:
-            return self._at(float(u) if one_u else as_array(u), float(v) if one_v else as_array(v))
+            return at(float(u) if one_u else as_array(u), float(v) if one_v else as_array(v))
         us, vs = ([u] if one_u else u), ([v] if one_v else v)
-        rows: Any = [[self._at(float(x), float(y)) for y in vs] for x in us]
+        rows: Any = [[at(float(x), float(y)) for y in vs] for x in us]
         if one_v:
             rows = [row[0] for row in rows]
         return rows[0] if one_u else rows  # type: ignore[no-any-return]
 
-    def _at(self, u: Any, v: Any) -> Array:
-        basis_u, basis_v = self.bases
-        lines = net.combined(basis_u.as_bspline(), u, self._net)
-        if np is not None and lines.ndim == 3:
-            points = net.combined(basis_v.as_bspline(), v, net.swapped(lines))
-            points = net.swapped(points) if points.ndim == 3 else points
-        else:
-            points = net.combined(basis_v.as_bspline(), v, lines)
-        return points if self.weights is None else net.projected(points)[0]
+    def _evaluator(self, orders: Orders) -> Callable[[Any, Any], Array]:
+        """A derivative as a function of the parameters."""
+        if self.weights is None:
+            return partial(_at, *self._differentiated(orders))
+        below = product(*(range(order + 1) for order in orders))
+        splines = {at: self._differentiated(at) for at in below}
+        return lambda u, v: quotient(orders, lambda at: _at(*splines[at], u, v))
 
     def boundary(self, side: Side) -> Boundary:
         """The boundary at "u_start", "u_end", "v_start" or "v_end": its control points and its derivative
@@ -125,3 +147,12 @@ class Surface:
     def to_occ(self) -> Any:
         """A `Geom_BSplineSurface` of OpenCASCADE, not periodic; of degrees 25 at most."""
         return occ.surface(self)
+
+
+def _at(basis_u: Basis, basis_v: Basis, points: Array, u: Any, v: Any) -> Array:
+    """The points of a tensor-product B-spline."""
+    lines = net.combined(basis_u, u, points)
+    if np is None or lines.ndim < 3:
+        return net.combined(basis_v, v, lines)
+    found = net.combined(basis_v, v, net.swapped(lines))
+    return net.swapped(found) if found.ndim == 3 else found
