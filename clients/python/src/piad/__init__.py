@@ -6,12 +6,14 @@
         curve = client.fit([[0, 0], [1, 2], [3, 1], [4, 3]]).curve
         curve.evaluate(0.5), curve.degree, curve.knots, curve.control_points
 
-- `client`: `Client`, where fits begin; `job`: `Job`, its iterations and its result;
+- `client`: `Client`, where fits begin; `job`: `Job`, its iterations and its result; `async_client`,
+  `async_job`: the same for event loops; `status`: how a job stands;
 - `iteration`: `Iteration`, `Result` and what is in them; `geometry`: `Curve` and `Surface`, and
-  their form in other packages; `points`: files of points;
+  their form in other packages; `points`: files of points; `plotting`: pictures;
 - `errors`: what can go wrong.
 """
 
+from importlib.metadata import PackageNotFoundError, version
 from pkgutil import extend_path
 
 from .async_client import AsyncClient
@@ -32,11 +34,18 @@ from .errors import (
 from .geometry import Basis, Boundary, Curve, Surface
 from .iteration import BadWeight, Deviation, Distances, Iteration, Result, Samples, Shape, boundary
 from .job import Job
+from .plotting import plot
 from .points import FilePoints
 from .status import JobWarning, Status
 
 # Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
 __path__ = extend_path(__path__, __name__)
+
+try:
+    __version__ = version(__name__)
+except PackageNotFoundError:
+    # The files lie somewhere on the path, without having been installed.
+    __version__ = "unknown"
 
 __all__ = [
     "ApiError",
@@ -67,5 +76,7 @@ __all__ = [
     "Status",
     "Surface",
     "WaitTimeout",
+    "__version__",
     "boundary",
+    "plot",
 ]

@@ -1,0 +1,141 @@
+"""Pictures of curves, surfaces and errors, with matplotlib where it is installed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Optional, Union
+
+from ._arrays import np
+from .geometry import Basis, Curve, Surface
+from .geometry._optional import load
+from .iteration import Iteration, Result
+
+_NET = {"color": "0.55", "linewidth": 0.8}
+
+
+def plot(
+    what: Union[Curve, Surface, Iteration, Result, Iterable[Iteration]],
+    *,
+    ax: Any = None,
+    net: bool = True,
+    data: Any = None,
+    samples: Optional[int] = None,
+    tolerance: Optional[float] = None,
+    **style: Any,
+) -> Any:
+    """Draws a curve, a surface, or the errors of iterations, and returns the axes of matplotlib.
+
+    Of a curve or a surface, or of an iteration or a result that has one: by `samples` points (200 of
+    a curve, 40 in each direction of a surface), with its control points unless `net` is False, and
+    with the points `data` that were fitted. Scales are equal. Values, which have one coordinate, are
+    drawn over their parameters, and `data` of them have these first.
+
+    Of several iterations: their largest and their root mean square distance on a logarithmic scale,
+    and the `tolerance`.
+
+    `ax` are the axes to draw in, for what lies in space those of `projection="3d"`; without them
+    there is a new figure. `style`, such as `color="green"`, is that of the curve, of the surface or
+    of the largest distances. `MissingPackage` if there is no matplotlib.
+    """
+    load("matplotlib.pyplot", "piad[plot]")
+    if isinstance(what, (Iteration, Result)):
+        what = what.geometry
+    if isinstance(what, Curve):
+        return _curve(what, ax, net, data, samples or 200, style)
+    if isinstance(what, Surface):
+        return _surface(what, ax, net, data, samples or 40, style)
+    return _errors(list(what), ax, tolerance, style)
+
+
+def _curve(curve: Curve, ax: Any, net: bool, data: Any, samples: int, style: dict[str, Any]) -> Any:
+    parameters = np.linspace(*curve.domain, samples)
+    points, controls = curve.evaluate(parameters), curve.control_points
+    if curve.dimension == 1:
+        spline = curve.as_bspline()
+        points = np.column_stack([parameters, points])
+        controls = np.column_stack([_abscissas(spline.basis), spline.control_points])
+    ax = _axes(ax, points.shape[-1])
+    if net:
+        ax.plot(*controls.T, "o--", **{**_NET, "markersize": 3, "label": "control points"})
+    ax.plot(*points.T, **{"label": "curve", **style})
+    _finish(ax, data, equal=curve.dimension > 1)
+    ax.legend()
+    return ax
+
+
+def _surface(surface: Surface, ax: Any, net: bool, data: Any, samples: int, style: dict[str, Any]) -> Any:
+    u, v = (np.linspace(*interval, samples) for interval in surface.domain)
+    points, controls = surface.evaluate(u, v), surface.control_points
+    if surface.dimension == 1:
+        spline = surface.as_bspline()
+        points = _over(u, v, points)
+        rows, columns = map(_abscissas, spline.bases)
+        controls = _over(rows, columns, spline.control_points)
+    ax = _axes(ax, points.shape[-1])
+    if points.shape[-1] == 2:
+        # About ten lines in each direction.
+        _lines(ax, points, max(1, samples // 10), style)
+        if net:
+            _lines(ax, controls, 1, {**_NET, "linestyle": "--"})
+    else:
+        ax.plot_surface(*np.moveaxis(points, -1, 0), **{"color": "C0", "alpha": 0.7, **style})
+        if net:
+            ax.plot_wireframe(*np.moveaxis(controls, -1, 0), **_NET)
+    _finish(ax, data, equal=surface.dimension > 1)
+    return ax
+
+
+def _errors(iterations: list[Iteration], ax: Any, tolerance: Optional[float], style: dict[str, Any]) -> Any:
+    if not iterations:
+        raise ValueError("there are no iterations to draw the errors of")
+    ax = _axes(ax, 2)
+    numbers = [iteration.number for iteration in iterations]
+    # Distances of None are infinite, and like those of zero have no place on the scale.
+    largest, rms = (
+        np.array([getattr(it.error, name) or np.nan for it in iterations], dtype=float) for name in ("max", "rms")
+    )
+    ax.plot(numbers, largest, **{"marker": ".", "label": "max", **style})
+    ax.plot(numbers, rms, marker=".", label="rms")
+    if tolerance is not None:
+        ax.axhline(tolerance, color="0.4", linestyle=":", label="tolerance")
+    ax.set_yscale("log")
+    ax.set(xlabel="iteration", ylabel="distance from the data")
+    ax.legend()
+    return ax
+
+
+def _axes(ax: Any, dimension: int) -> Any:
+    """Axes for points with so many coordinates."""
+    projection = "3d" if dimension == 3 else None
+    if ax is None:
+        return load("matplotlib.pyplot", "piad[plot]").figure().add_subplot(projection=projection)
+    if projection is not None and ax.name != projection:
+        raise ValueError('points in space need axes that are made with projection="3d"')
+    return ax
+
+
+def _finish(ax: Any, data: Any, *, equal: bool) -> None:
+    if data is not None:
+        points = np.asarray(data, dtype=float)
+        ax.plot(*points.reshape(-1, points.shape[-1]).T, "k.", markersize=4, label="data")
+    if equal:
+        ax.set_aspect("equal")
+
+
+def _lines(ax: Any, points: Any, step: int, style: dict[str, Any]) -> None:
+    """Rows and columns of points in the plane; the last ones, too."""
+    style = {"color": "C0", "linewidth": 1.0, **style}
+    for grid in (points, np.swapaxes(points, 0, 1)):
+        for i in sorted({*range(0, len(grid), step), len(grid) - 1}):
+            ax.plot(*grid[i].T, **style)
+
+
+def _over(u: Any, v: Any, values: Any) -> Any:
+    """Values as heights over a grid of parameters."""
+    return np.concatenate([np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1), values], axis=-1)
+
+
+def _abscissas(basis: Basis) -> Any:
+    """Where control points of values belong (Greville): means of so many knots as the degree."""
+    knots, degree = basis.full_knots(), basis.degree
+    return np.array([np.mean(knots[i + 1 : i + degree + 1]) if degree else knots[i] for i in range(basis.count)])
