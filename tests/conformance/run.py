@@ -37,6 +37,7 @@ def node() -> str:
 
 CLIENTS: dict[str, list[str]] = {
     "Python": [sys.executable, os.path.join(HERE, "python.py")],
+    "Python, async": [sys.executable, os.path.join(HERE, "async_python.py")],
     "TypeScript": [node(), os.path.join(ROOT, "clients/typescript/build/conformance.js")],
     "C#": ["mono", os.path.join(ROOT, "target/csharp/conformance.exe")],
     "C++": [os.path.join(ROOT, "target/cpp/build/piad_conformance")],
