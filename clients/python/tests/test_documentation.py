@@ -17,8 +17,13 @@ def snippets(page: str, section: str) -> list[str]:
     return re.findall(r"```python\n(.*?)```", part[1], re.S)
 
 
-@pytest.mark.parametrize(("page", "section"), [("README.md", "From CAD"), ("clients/python/README.md", "Five minutes")])
+CLIENT = "clients/python/README.md"
+SECTIONS = ["Five minutes", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
+
+
+@pytest.mark.parametrize(("page", "section"), [("README.md", "From CAD"), *((CLIENT, section) for section in SECTIONS)])
 def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "agg")
     code = snippets(page, section)[0].replace("http://127.0.0.1:8080", server.url)
     exec(compile(code, page, "exec"), {})
