@@ -205,36 +205,53 @@ def test_streams_give_up(durable_server: Server) -> None:
     with_client(durable_server, work, attempts=2)
 
 
-async def read(job: piad.AsyncJob, started: asyncio.Event) -> None:
-    async for _ in job.iterations(every=1000):
-        started.set()
-        await asyncio.sleep(0)
+async def read(iterations: AsyncIterator[piad.Iteration], pause: float) -> None:
+    async for _ in iterations:
+        await asyncio.sleep(pause)
 
 
-@pytest.mark.parametrize("way", ["iterations", "wait", "result", "shape of a queued job"])
-def test_cancelled_tasks_close_their_connections(server: Server, way: str) -> None:
+WAITING: dict[str, Callable[[piad.AsyncJob], Any]] = {
+    "for an iteration": lambda job: read(job.iterations(every=1000), 0.0),
+    "in the body of the loop": lambda job: read(job.iterations(), 60.0),
+    "for a preview": lambda job: read(job.preview({3: [3.0, 9.0]}, max_iterations=1_000_000), 0.0),
+    "for the end": lambda job: job.wait(),
+    "for the result": lambda job: job.result(),
+}
+
+
+@pytest.mark.parametrize("waiting", WAITING)
+def test_cancelled_tasks_close_their_connections(server: Server, waiting: str) -> None:
     async def work(client: piad.AsyncClient) -> None:
         job = await client.create(MANY, **ENDLESS)
-        started = asyncio.Event()
-        if way == "iterations":
-            task = asyncio.create_task(read(job, started))
-            await started.wait()
-        else:
-            call = {"wait": job.wait, "result": job.result}.get(way, job.shape)
-            task = asyncio.create_task(call())  # type: ignore[arg-type]
-            await asyncio.sleep(0.1)
-        if way != "shape of a queued job":
-            assert await asyncio.to_thread(open_streams, server) == 1
+        await job.iteration(0)
+        task = asyncio.create_task(WAITING[waiting](job))
+        await asyncio.sleep(0.2)
+        assert await asyncio.to_thread(open_streams, server) == 1
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
             await task
-            raise asyncio.CancelledError
         await until_no_stream_is_open(server)
         # The client is as good as before, and so is the job.
         assert (await job.refresh()).state == "running"
         assert (await job.cancel()).state == "cancelled"
 
     with_client(server, work)
+
+
+def test_cancelled_tasks_try_no_longer(durable_server: Server) -> None:
+    async def work(client: piad.AsyncClient) -> None:
+        await client.capabilities()
+        durable_server.kill()
+        task = asyncio.create_task(client.fit(CURVE))
+        await asyncio.sleep(0.2)
+        assert not task.done()
+        task.cancel()
+        started = time.monotonic()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        assert time.monotonic() - started < 0.1
+
+    with_client(durable_server, work)
 
 
 def test_loops_that_are_left_close_their_connections(server: Server) -> None:

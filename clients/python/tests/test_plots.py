@@ -24,7 +24,7 @@ import piad
 @pytest.fixture(autouse=True)
 def figures_are_closed_and_say_nothing() -> Iterator[None]:
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        warnings.simplefilter("error", UserWarning)
         yield
     plt.close("all")
 

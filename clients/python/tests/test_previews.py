@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from test_jobs import MANY, SLOW
 import piad
 
 MOVED = [1.0, 2.0, 3.0]
+SLOW_PREVIEW: Any = {name: SLOW[name] for name in ("relative_tolerance", "max_iterations")}
 
 
 @pytest.mark.parametrize("name", ["curve", "homogeneous", "fixed", "closed"])
@@ -63,12 +65,20 @@ def test_mistakes_in_previews(client: piad.Client) -> None:
         list(job.preview({3: [0.0, 1.0, float("inf")]}))
 
 
+def test_failed_previews_say_why(client: piad.Client) -> None:
+    points = [[i, math.sin(i)] for i in range(900)]
+    job = client.create(points, parameters="uniform", basis="bernstein", max_iterations=1)
+    job.wait()
+    with pytest.raises(piad.JobFailed) as failed:
+        list(job.preview({3: [3.0, 9.0]}, method={"kind": "extended"}, max_iterations=1000))
+    assert failed.value.problem is not None and failed.value.problem.type == "/problems/overflow"
+
+
 def test_newer_positions_replace_older_ones(server: Server) -> None:
     async def main() -> None:
         async with piad.AsyncClient(server.url) as client:
             job = await client.create(MANY, basis="bernstein", max_iterations=3)
             await job.wait()
-
             older = job.preview({3: [3.0, 9.0]}, session="drag", **SLOW_PREVIEW)
             assert (await older.__anext__()).number == 0
             newer = job.preview({3: [3.0, 10.0]}, session="drag", **SLOW_PREVIEW)
@@ -94,6 +104,3 @@ def test_previews_do_not_go_on_elsewhere(durable_server: Server) -> None:
                 pass
         durable_server.start()
         assert next(job.preview({3: [3.0, 9.0]}, max_iterations=2)).number == 0
-
-
-SLOW_PREVIEW: Any = {name: SLOW[name] for name in ("relative_tolerance", "max_iterations")}
