@@ -205,15 +205,20 @@ def test_streams_give_up(durable_server: Server) -> None:
     with_client(durable_server, work, attempts=2)
 
 
-async def read(iterations: AsyncIterator[piad.Iteration], pause: float) -> None:
-    async for _ in iterations:
+async def read(job: piad.AsyncJob, pause: float) -> None:
+    async for _ in job.iterations():
         await asyncio.sleep(pause)
 
 
+async def preview(job: piad.AsyncJob) -> None:
+    async for _ in job.preview({3: [3.0, 9.0]}, max_iterations=1_000_000):
+        pass
+
+
 WAITING: dict[str, Callable[[piad.AsyncJob], Any]] = {
-    "for an iteration": lambda job: read(job.iterations(every=1000), 0.0),
-    "in the body of the loop": lambda job: read(job.iterations(), 60.0),
-    "for a preview": lambda job: read(job.preview({3: [3.0, 9.0]}, max_iterations=1_000_000), 0.0),
+    "for an iteration": lambda job: read(job, 0.0),
+    "in the body of the loop": lambda job: read(job, 60.0),
+    "for a preview": preview,
     "for the end": lambda job: job.wait(),
     "for the result": lambda job: job.result(),
 }
