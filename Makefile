@@ -101,6 +101,7 @@ openapi:
 
 # The Python client against real servers.
 python: $(VENV)/installed
+	@command -v openssl >/dev/null || $(INSTALL) openssl
 	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
 	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import inspect
-import shutil
 import ssl
 import subprocess
 import time
@@ -343,7 +342,6 @@ def test_more_streams_than_a_pool_of_httpx_holds(server: Server) -> None:
     with_client(server, work)
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
 def test_sockets_and_certificates(tmp_path: Path) -> None:
     key, certificate, socket = (tmp_path / name for name in ("key.pem", "certificate.pem", "piad.sock"))
     command = ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]

@@ -210,7 +210,7 @@ class AsyncJob:
         return ticket
 
     async def cancel(self) -> Status:
-        """Stops the job. An `ApiError` with status 409 if it has already ended."""
+        """Stops the job. An `ApiError` with status 409 if it has ended in another way."""
         self.status = Status.from_json(await self._transport.json("POST", f"{self._path}/cancel"))
         return self.status
 
