@@ -142,7 +142,7 @@ def main() -> None:
         trusted = ssl.create_default_context(cafile=certificate)
         most = str(2 * (arguments.idle + arguments.streams))
         command = [arguments.program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--tls-cert", certificate, "--tls-key", key, "--max-iterations", "1000000000",
-                   "--idle-timeout", "3600", "--max-connections-per-peer", most]
+                   "--idle-timeout", "3600", "--max-connections-per-peer", most, "--max-requests-per-peer", most]
         server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         assert server.stderr is not None
         port = next(int(found[1]) for line in server.stderr if (found := re.search(r"listening on https://[^ ]+:(\d+)", line)))
