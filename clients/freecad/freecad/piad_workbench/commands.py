@@ -1,0 +1,96 @@
+"""The three commands."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import FreeCAD
+import FreeCADGui
+from PySide import QtCore, QtGui
+from PySide.QtCore import QT_TRANSLATE_NOOP
+
+from . import feature
+from .points import CLOUD, CURVE, PointsError
+
+translate = FreeCAD.Qt.translate
+
+
+class FitCommand:
+    """Opens the panel with the points that are selected."""
+
+    def __init__(self, kind: str, icon: str, text: str, tip: str):
+        self._kind = kind
+        self._resources = {"Pixmap": os.path.join(feature.ICONS, icon), "MenuText": text, "ToolTip": tip}
+
+    def GetResources(self) -> dict[str, str]:
+        """The icon and the texts."""
+        return self._resources
+
+    def IsActive(self) -> bool:
+        """Whether something is selected and no other panel is open."""
+        return bool(FreeCADGui.Selection.getSelection()) and not FreeCADGui.Control.activeDialog()
+
+    def Activated(self) -> None:
+        """Opens the panel, or tells what to select."""
+        from .panel import FitPanel
+
+        links = [(it.Object, it.SubElementNames) for it in FreeCADGui.Selection.getSelectionEx()]
+        try:
+            panel = FitPanel(feature.read(self._kind, links), links)
+        except PointsError as error:
+            tell(str(error))
+            return
+        FreeCADGui.Control.showDialog(panel)
+
+
+class DragCommand:
+    """Opens the panel in which points of a fitted shape are dragged."""
+
+    def GetResources(self) -> dict[str, str]:
+        """The icon and the texts."""
+        return {
+            "Pixmap": os.path.join(feature.ICONS, "piad_drag.svg"),
+            "MenuText": QT_TRANSLATE_NOOP("piad", "Drag points"),
+            "ToolTip": QT_TRANSLATE_NOOP("piad", "Drag points of a fitted curve or surface: select it first"),
+        }
+
+    def IsActive(self) -> bool:
+        """Whether one fitted shape is selected and no other panel is open."""
+        selected = FreeCADGui.Selection.getSelection()
+        return len(selected) == 1 and feature.is_fitted(selected[0]) and not FreeCADGui.Control.activeDialog()
+
+    def Activated(self) -> None:
+        """Opens the panel."""
+        from .drag import DragPanel
+
+        FreeCADGui.Control.showDialog(DragPanel(FreeCADGui.Selection.getSelection()[0]))
+
+
+def tell(text: str) -> None:
+    """A message that waits for nobody: what called goes on."""
+    FreeCAD.Console.PrintWarning(text + "\n")
+    box = QtGui.QMessageBox(QtGui.QMessageBox.Information, "piad", text, QtGui.QMessageBox.Ok, FreeCADGui.getMainWindow())
+    box.setAttribute(QtCore.Qt.WA_DeleteOnClose)
+    box.open()
+
+
+NAMES = ("Piad_FitCurve", "Piad_FitSurface", "Piad_Drag")
+
+
+def register() -> None:
+    """Makes the commands known to FreeCAD."""
+    curve = FitCommand(
+        CURVE,
+        "piad_curve.svg",
+        QT_TRANSLATE_NOOP("piad", "Fit a curve"),
+        QT_TRANSLATE_NOOP("piad", "Fit a curve through selected points, a wire, a sketch or a list of points"),
+    )
+    surface = FitCommand(
+        CLOUD,
+        "piad_surface.svg",
+        QT_TRANSLATE_NOOP("piad", "Fit a surface"),
+        QT_TRANSLATE_NOOP("piad", "Fit a surface to selected point clouds or meshes"),
+    )
+    for name, command in zip(NAMES, (curve, surface, DragCommand())):
+        FreeCADGui.addCommand(name, command)

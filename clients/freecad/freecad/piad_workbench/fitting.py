@@ -1,0 +1,220 @@
+"""A fit as a series of updates, without anything of a user interface."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from array import array
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from . import server
+from .points import CLOUD, CURVE, Points
+from .settings import Settings
+
+# Seconds that distances of single points may take before they are asked for at the end only.
+_QUICK = 0.15
+
+# Control points of the rough surface, in each direction.
+_ROUGH = 8
+
+
+@dataclass(frozen=True)
+class Update:
+    """A fit at one of its iterations."""
+
+    geometry: Any
+    iteration: int
+    error: float
+    """The largest distance of the points."""
+    rough: bool = False
+    """Whether it is the surface on which the points are laid for the fit itself."""
+    distances: tuple[float, ...] | None = None
+    """Of each point from the nearest point of the shape, in the order of the points."""
+    state: str = "running"
+    detail: str = ""
+    """Of an ended fit outside of the tolerance: why."""
+    warnings: tuple[str, ...] = ()
+    version: str = ""
+    """That of the server."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether this is the last update."""
+        return self.state != "running"
+
+    @property
+    def control_points(self) -> tuple[int, ...]:
+        """Their number; of a surface those in u and v."""
+        net = self.geometry.control_points
+        return (len(net), len(net[0])) if hasattr(self.geometry, "degrees") else (len(net),)
+
+
+class Follower:
+    """Makes jobs on a server and follows them; `cancel` ends it from another thread."""
+
+    def __init__(self, client: Any):
+        self._client = client
+        self.job: Any = None
+        self.cancelled = False
+        self._measures = True
+
+    def updates(self, points: Points, settings: Settings) -> Iterator[Update]:
+        """The updates of a fit, the last one with its end. Slow readers get the newest."""
+        parameters: Any = None
+        if points.kind == CLOUD:
+            parameters = "project"
+            if settings.steep:
+                yield from self._follow(rough_request(points, settings), rough=True)
+                parameters = {"foot_points": {"job": self.job.id}}
+        rough = self.job
+        if not self.cancelled:
+            yield from self._follow(request(points, settings, parameters))
+        if rough is not None:
+            rough.delete()
+
+    def cancel(self) -> None:
+        """Stops the job and makes the server forget it."""
+        self.cancelled = True
+        self.forget()
+
+    def forget(self) -> None:
+        """Makes the server forget the job; what has come of it stays with those who have it."""
+        job, self.job = self.job, None
+        if job is not None:
+            try:
+                job.delete()
+            except server.piad().PiadError:
+                pass  # The server is gone, and the job with it.
+
+    def _follow(self, request: dict[str, Any], rough: bool = False) -> Iterator[Update]:
+        job = self._client.create(**request)
+        self.job = job
+        if self.cancelled:
+            self.forget()
+            return
+        last: Any = None
+        for last in job.iterations(pace="latest"):
+            if self.cancelled:
+                return
+            # Before the points lie on it, distances from the rough surface would be of little use.
+            distances = None if rough or not self._measures else self._distances(job, last.number)
+            yield Update(last.geometry, last.number, _error(last), rough, distances)
+        if not rough and last is not None and not self.cancelled:
+            yield self._end(job, last)
+
+    def _end(self, job: Any, last: Any) -> Update:
+        return replace(_ended(job, last), version=self._client.capabilities()["version"])
+
+    def _distances(self, job: Any, iteration: int) -> tuple[float, ...]:
+        started = time.monotonic()
+        distances = _distances(job, iteration)
+        self._measures = time.monotonic() - started < _QUICK
+        return distances
+
+
+def _ended(job: Any, last: Any) -> Update:
+    status = job.status
+    if status.state == "failed":
+        raise server.piad().JobFailed(job.id, status.state, status.problem)
+    distances = _distances(job, last.number)
+    warnings = tuple(warning.detail for warning in status.warnings)
+    return Update(last.geometry, last.number, _error(last), False, distances, status.state, status.detail or "", warnings)
+
+
+def _distances(job: Any, iteration: int) -> tuple[float, ...]:
+    values = job.deviation(iteration, distances=True).distances
+    return tuple(float(x) for x in (values.ravel() if hasattr(values, "ravel") else _flat(values)))
+
+
+def _flat(values: Any) -> Iterator[float]:
+    for value in values:
+        if isinstance(value, list):
+            yield from _flat(value)
+        else:
+            yield value
+
+
+def _error(iteration: Any) -> float:
+    return float("inf") if iteration.error.max is None else iteration.error.max
+
+
+def rough_request(points: Points, settings: Settings) -> dict[str, Any]:
+    """A surface with few control points over the plane nearest to the points, which bends little."""
+    count = max(settings.degree + 1, min(_ROUGH, points.shortest))
+    method = {"kind": "least_squares", "control_points": count, "variant": "direct", "fairness": 1e-5, "end_points": "free"}
+    return {
+        "points": points.nested(),
+        "scattered": True,
+        "parameters": "project",
+        "degree": settings.degree,
+        "method": method,
+        "name": "FreeCAD",
+    }
+
+
+def request(points: Points, settings: Settings, parameters: Any = None) -> dict[str, Any]:
+    """As few control points as the tolerance needs: the arguments of `Client.create`."""
+    return {
+        "points": points.nested(),
+        "scattered": points.kind == CLOUD,
+        "parameters": parameters,
+        "closed": points.kind == CURVE and settings.closed,
+        "degree": settings.degree,
+        "method": method_of(points, settings),
+        "tolerance": settings.tolerance,
+        "name": "FreeCAD",
+    }
+
+
+def method_of(points: Points, settings: Settings) -> dict[str, Any]:
+    """The method of a fit, and of its edits."""
+    method: dict[str, Any] = {"kind": "least_squares", "control_points": "auto"}
+    if settings.limit:
+        method["max_control_points"] = settings.limit
+    if settings.fairness:
+        method["fairness"] = settings.fairness
+    if points.kind != CURVE or not (settings.ends or settings.closed):
+        method["end_points"] = "free"
+    if points.moved and (settings.fairness or points.kind == CLOUD):
+        # Among many points, or where bending counts, a point alone would not take the shape with it.
+        method["constraints"] = [{"index": points.index(i)} for i in points.moved]
+    elif points.kind == CURVE and not settings.fairness:
+        # Errors are distances from the curve then, and fewer control points do.
+        method["correct_parameters"] = True
+    return method
+
+
+def fit(points: Points, settings: Settings) -> Update:
+    """The end of a fit, for a caller that has nothing to show before."""
+    last: Update | None = None
+    with server.client() as client:
+        follower = Follower(client)
+        try:
+            for last in follower.updates(points, settings):
+                pass
+        finally:
+            follower.forget()
+    assert last is not None, "a fit has an iteration or raises"
+    return last
+
+
+def edit(job: Any, points: Points, moves: dict[int, Any], settings: Settings) -> Update:
+    """The end of an edit of a job, whose points go elsewhere."""
+    method = method_of(points.with_moves(moves), settings)
+    places = {points.index(i): list(point) for i, point in moves.items()}
+    edited = job.edit(places, method=method)
+    last: Any = None
+    for last in edited.iterations(pace="latest"):
+        pass
+    update = _ended(edited, last)
+    edited.delete()
+    return update
+
+
+def key(points: Points, settings: Settings) -> str:
+    """The same for the same fit, in this session and any other."""
+    numbers = array("d", [x for point in points.values for x in point])
+    head = repr((points.kind, points.rows, points.moved, settings.as_tuple()))
+    return hashlib.sha256(head.encode() + numbers.tobytes()).hexdigest()

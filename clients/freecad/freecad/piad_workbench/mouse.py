@@ -1,0 +1,63 @@
+"""The mouse on points in the 3D view: which one it is on, and where it takes it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import FreeCAD
+
+# Pixels within which a point is meant.
+_NEAR = 12
+
+
+class PointMouse:
+    """Tells a panel, which has `positions()`, `move(index, point)` and `release()`, of points that are dragged."""
+
+    def __init__(self, view: Any, panel: Any):
+        self._view = view
+        self._panel = panel
+        self._index: int | None = None
+        self._button = view.addEventCallback("SoMouseButtonEvent", self._press)
+        self._move = view.addEventCallback("SoLocation2Event", self._motion)
+
+    def remove(self) -> None:
+        """Listens no longer."""
+        self._view.removeEventCallback("SoMouseButtonEvent", self._button)
+        self._view.removeEventCallback("SoLocation2Event", self._move)
+
+    def _press(self, event: Any) -> None:
+        if event["Button"] != "BUTTON1":
+            return
+        if event["State"] == "DOWN":
+            self._index = self._nearest(event["Position"])
+        elif self._index is not None:
+            self._index = None
+            self._panel.release()
+
+    def _motion(self, event: Any) -> None:
+        if self._index is not None:
+            point = FreeCAD.Vector(*self._panel.positions()[self._index])
+            self._panel.move(self._index, self._under(event["Position"], point))
+
+    def _nearest(self, position: Any) -> int | None:
+        """The number of the point under the mouse, of several the nearest to the eye."""
+        x, y = position
+        direction = self._view.getViewDirection()
+        best, found = math.inf, None
+        for index, point in enumerate(self._panel.positions()):
+            vector = FreeCAD.Vector(*point)
+            px, py = self._view.getPointOnScreen(vector)
+            depth = vector.dot(direction)
+            if math.hypot(px - x, py - y) <= _NEAR and depth < best:
+                best, found = depth, index
+        return found
+
+    def _under(self, position: Any, point: Any) -> Any:
+        """Where the mouse is, in the plane through a point that is parallel to the screen."""
+        normal = self._view.getViewDirection()
+        seen = self._view.getPoint(*position)
+        ray = normal
+        if self._view.getCameraType() == "Perspective":
+            ray = seen - self._view.viewPosition().Base
+        return seen + ray * ((point - seen).dot(normal) / ray.dot(normal))

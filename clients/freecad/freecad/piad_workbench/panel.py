@@ -1,0 +1,241 @@
+"""The task panel of a fit: settings on top, below them how the fit goes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import FreeCAD
+import FreeCADGui
+from PySide import QtCore, QtGui
+
+from . import drawing, feature, fitting, shape
+from .fitting import Update
+from .form import SettingsForm
+from .points import CURVE, Points
+from .preview import Preview
+from .settings import Settings, defaults
+
+translate = FreeCAD.Qt.translate
+
+# Milliseconds between looks at the fit, and from the last change of a setting to a new fit.
+_LOOK = 40
+_SETTLE = 250
+
+
+class FitPanel:
+    """Fits while it is open; accepted, it leaves an object in the document or changes one."""
+
+    @classmethod
+    def of_object(cls, obj: Any) -> FitPanel:
+        """The panel of a shape that is there."""
+        return cls(feature.points_of(obj), obj.Source, obj)
+
+    def __init__(self, points: Points, links: Any, obj: Any = None):
+        self.points = points
+        self._links = links
+        self._object = obj
+        self._document = FreeCAD.ActiveDocument
+        self._preview: Preview | None = None
+        self._last: Update | None = None
+        self._ended: Update | None = None
+        """The end of the fit with the settings that are shown, once it is there."""
+        settings = defaults(points) if obj is None else feature.settings_of(obj)
+        self.settings = SettingsForm(points, settings)
+        self.form = self._form()
+        self._overlay = drawing.Overlay(FreeCADGui.ActiveDocument.ActiveView, _finite(points))
+        self._was_visible = obj is not None and obj.Visibility
+        if self._was_visible:
+            obj.Visibility = False
+        self._settle = QtCore.QTimer()
+        self._settle.setSingleShot(True)
+        self._settle.timeout.connect(self.start)
+        self._look = QtCore.QTimer()
+        self._look.timeout.connect(self._follow)
+        self.settings.changed.connect(self._change)
+        self.start()
+
+    def _form(self) -> Any:
+        form = QtGui.QWidget()
+        form.setWindowTitle(translate("piad", "Fit a curve") if self.points.kind == CURVE else translate("piad", "Fit a surface"))
+        layout = QtGui.QVBoxLayout(form)
+        self.source = QtGui.QLabel(translate("piad", "{} points").format(_described(self.points)))
+        self.status = QtGui.QLabel()
+        self.status.setObjectName("status")
+        self.status.setWordWrap(True)
+        self.status.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
+        self.again = QtGui.QPushButton(translate("piad", "Try again"))
+        self.again.setObjectName("again")
+        self.again.clicked.connect(self.start)
+        self.errors = QtGui.QCheckBox(translate("piad", "Show distances as colours"))
+        self.errors.setObjectName("errors")
+        self.errors.setChecked(True)
+        self.errors.toggled.connect(self._paint)
+        for widget in (self.source, self.settings, _line(), self.status, self.again, self.errors, legend()):
+            layout.addWidget(widget)
+        layout.addStretch()
+        return form
+
+    # The fit.
+
+    def _change(self) -> None:
+        """A setting is another one: what is computed now is not wanted any more."""
+        self._stop()
+        self._ended = None
+        self.status.setText(translate("piad", "Fitting…"))
+        self._settle.start(_SETTLE)
+
+    def start(self) -> None:
+        """Fits with the settings that are shown; the fit before is cancelled."""
+        self._stop()
+        self._ended = None
+        self.again.hide()
+        self.status.setText(translate("piad", "Fitting…"))
+        self._preview = Preview(self.points, self.settings.value())
+        self._look.start(_LOOK)
+
+    def _stop(self) -> None:
+        self._settle.stop()
+        self._look.stop()
+        if self._preview is not None:
+            self._preview.cancel()
+
+    def _follow(self) -> None:
+        """Shows the newest update. The thread's end is asked first, so that its last update is not missed."""
+        assert self._preview is not None
+        running = self._preview.running
+        update = self._preview.take()
+        if update is not None:
+            self._show(update)
+        if not running:
+            self._look.stop()
+            if self._preview.error is not None:
+                self._fail(self._preview.error)
+
+    def _show(self, update: Update) -> None:
+        self._last = update
+        self._ended = update if update.ended else None
+        try:
+            self._overlay.show(shape.part_geometry(update.geometry))
+        except Exception as error:  # Of Part: a shape on the way to the fit that it does not take.
+            if update.ended:
+                self._fail(str(error))
+                return
+        self._paint()
+        self.status.setText(_in_words(update, self.settings.value().tolerance))
+
+    def _fail(self, text: str) -> None:
+        self._ended = None
+        self.status.setText(f'<b style="color: #c01818">{_html(text)}</b>')
+        self.again.show()
+
+    def _paint(self, *_: Any) -> None:
+        distances = self._last.distances if self._last is not None and self.errors.isChecked() else None
+        if distances is not None and len(distances) == len(self.points.values):
+            self._overlay.points.paint(distances, self.settings.value().tolerance)
+        elif not self.errors.isChecked() or self._last is None:
+            self._overlay.points.paint(None, 1.0)
+
+    # The buttons of the task panel.
+
+    def getStandardButtons(self) -> int:
+        """OK and Cancel."""
+        return int(QtGui.QDialogButtonBox.Ok | QtGui.QDialogButtonBox.Cancel)
+
+    def accept(self) -> bool:
+        """Leaves the shape in the document. Where there is none yet, the panel stays open and says so."""
+        if self._ended is None:
+            if self._preview is not None and not self._preview.running:
+                return False
+            self.status.setText(translate("piad", "The fit has not ended: wait for it, or choose a larger tolerance."))
+            return False
+        settings = self.settings.value()
+        self._document.openTransaction(self.form.windowTitle())
+        if self._object is None:
+            obj = feature.create(self._document, self.points, self._links, settings, self._ended)
+        else:
+            obj = self._object
+            feature.set_settings(obj, settings)
+            feature.store(obj, self.points, settings, self._ended)
+            obj.Visibility = self._was_visible
+        self._document.recompute([obj])
+        self._document.commitTransaction()
+        self._close()
+        return True
+
+    def reject(self) -> bool:
+        """Leaves everything as it was."""
+        if self._was_visible:
+            self._object.Visibility = True
+        self._close()
+        return True
+
+    def _close(self) -> None:
+        self._stop()
+        self._overlay.remove()
+        FreeCADGui.Control.closeDialog()
+
+
+def legend() -> Any:
+    """What the colours mean."""
+    widget = QtGui.QWidget()
+    row = QtGui.QHBoxLayout(widget)
+    row.setContentsMargins(0, 0, 0, 0)
+    scale, outside = QtGui.QLabel(), QtGui.QLabel()
+    scale.setStyleSheet(drawing.style())
+    outside.setStyleSheet(drawing.outside_style())
+    scale.setFixedHeight(10)
+    outside.setFixedSize(16, 10)
+    row.addWidget(QtGui.QLabel("0"))
+    row.addWidget(scale, 1)
+    row.addWidget(QtGui.QLabel(translate("piad", "tolerance")))
+    row.addWidget(outside)
+    row.addWidget(QtGui.QLabel(translate("piad", "outside")))
+    return widget
+
+
+def _line() -> Any:
+    line = QtGui.QFrame()
+    line.setFrameShape(QtGui.QFrame.HLine)
+    line.setFrameShadow(QtGui.QFrame.Sunken)
+    return line
+
+
+def _described(points: Points) -> str:
+    return f"{points.rows} × {points.columns}" if points.rows else str(len(points.values))
+
+
+def _finite(points: Points) -> list[Any]:
+    """Points for the view; those that are no numbers have no place in it."""
+    return [point if all(map(math.isfinite, point)) else (0.0, 0.0, 0.0) for point in points.values]
+
+
+def length(value: float) -> str:
+    """A length in the units of the preferences."""
+    return FreeCAD.Units.Quantity(value, FreeCAD.Units.Length).UserString
+
+
+def _in_words(update: Update, tolerance: float) -> str:
+    """How the fit stands."""
+    if update.rough:
+        return translate("piad", "A rough surface to lay the points on…")
+    count = " × ".join(map(str, update.control_points))
+    distance = max(update.distances) if update.distances and update.ended else update.error
+    lines = [translate("piad", "{} control points, iteration {}").format(count, update.iteration)]
+    lines.append(translate("piad", "Largest distance {}").format(_distance(distance)))
+    if not update.ended:
+        lines.append(translate("piad", "Fitting…"))
+    elif update.error <= tolerance:
+        lines.append(f'<b style="color: #187a30">{translate("piad", "Within the tolerance.")}</b>')
+    else:
+        lines.append(f'<b style="color: #b06000">{translate("piad", "Outside of the tolerance.")}</b> {_html(update.detail)}')
+    return "<br>".join([*lines, *map(_html, update.warnings)])
+
+
+def _distance(value: float) -> str:
+    """Three digits: as a length of FreeCAD, small ones would be zero."""
+    return f"{value:.3g} mm"
+
+
+def _html(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace("\n", "<br>")
