@@ -35,7 +35,8 @@ class FitCommand:
         """Opens the panel, or tells what to select."""
         from .panel import FitPanel
 
-        links = [(it.Object, it.SubElementNames) for it in FreeCADGui.Selection.getSelectionEx()]
+        # A link to a whole object has an empty name: without any it would be dropped.
+        links = [(it.Object, it.SubElementNames or ("",)) for it in FreeCADGui.Selection.getSelectionEx()]
         try:
             panel = FitPanel(feature.read(self._kind, links), links)
         except PointsError as error:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from . import server
+from . import plane, server
 from .points import CLOUD, CURVE, Points
 from .settings import Settings
 
@@ -64,9 +64,9 @@ class Follower:
         """The updates of a fit, the last one with its end. Slow readers get the newest."""
         parameters: Any = None
         if points.kind == CLOUD:
-            parameters = "project"
+            parameters = plane.parameters(points.values) if points.are_numbers else "project"
             if settings.steep:
-                yield from self._follow(rough_request(points, settings), rough=True)
+                yield from self._follow(rough_request(points, settings, parameters), rough=True)
                 parameters = {"foot_points": {"job": self.job.id}}
         rough = self.job
         if not self.cancelled:
@@ -140,15 +140,19 @@ def _error(iteration: Any) -> float:
     return float("inf") if iteration.error.max is None else iteration.error.max
 
 
-def rough_request(points: Points, settings: Settings) -> dict[str, Any]:
-    """A surface with few control points over the plane nearest to the points, which bends little."""
-    count = max(settings.degree + 1, min(_ROUGH, points.shortest))
-    method = {"kind": "least_squares", "control_points": count, "variant": "direct", "fairness": 1e-5, "end_points": "free"}
+def rough_request(points: Points, settings: Settings, parameters: Any) -> dict[str, Any]:
+    """A surface with few control points over a plane, which bends little."""
+    counts = {"u": _ROUGH, "v": _ROUGH}
+    if parameters != "project":
+        # The corners of a mesh may lie in a few rows: there are no more control points than these.
+        counts = {way: min(_ROUGH, len(set(line))) for way, line in zip("uv", zip(*parameters))}
+    degree = {way: min(settings.degree, count - 1) for way, count in counts.items()}
+    method = {"kind": "least_squares", "control_points": counts, "variant": "direct", "fairness": 1e-5, "end_points": "free"}
     return {
         "points": points.nested(),
         "scattered": True,
-        "parameters": "project",
-        "degree": settings.degree,
+        "parameters": parameters,
+        "degree": degree,
         "method": method,
         "name": "FreeCAD",
     }

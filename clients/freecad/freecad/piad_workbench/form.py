@@ -47,14 +47,13 @@ class SettingsForm(QtGui.QWidget):
         else:
             row = QtGui.QHBoxLayout()
             row.addWidget(QtGui.QLabel(label))
+            # The panel is narrow, and what is in these is short.
+            widget.setSizePolicy(QtGui.QSizePolicy.Ignored, QtGui.QSizePolicy.Fixed)
             row.addWidget(widget, 1)
             column.addLayout(row)
         help_ = QtGui.QLabel(translate("piad", field.help))
         help_.setWordWrap(True)
-        help_.setEnabled(False)
-        font = help_.font()
-        font.setPointSizeF(font.pointSizeF() * 0.9)
-        help_.setFont(font)
+        help_.setStyleSheet("color: #757575; font-size: small;")
         column.addWidget(help_)
         _signal(widget).connect(self._tell)
         return column

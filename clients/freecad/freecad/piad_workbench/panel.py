@@ -44,9 +44,11 @@ class FitPanel:
         self.settings = SettingsForm(points, settings)
         self.form = self._form()
         self._overlay = drawing.Overlay(FreeCADGui.ActiveDocument.ActiveView, _finite(points))
-        self._was_visible = obj is not None and obj.Visibility
-        if self._was_visible:
-            obj.Visibility = False
+        # The preview stands where the source and the shape of before are.
+        shown = [it for it, _ in links or ()] + ([] if obj is None else [obj])
+        self._hidden = [it for it in shown if it.Visibility]
+        self._set_visible(False)
+        FreeCADGui.Selection.clearSelection()
         self._settle = QtCore.QTimer()
         self._settle.setSingleShot(True)
         self._settle.timeout.connect(self.start)
@@ -136,6 +138,10 @@ class FitPanel:
         elif not self.errors.isChecked() or self._last is None:
             self._overlay.points.paint(None, 1.0)
 
+    def _set_visible(self, visible: bool) -> None:
+        for obj in self._hidden:
+            obj.ViewObject.Visibility = visible
+
     # The buttons of the task panel.
 
     def getStandardButtons(self) -> int:
@@ -157,7 +163,6 @@ class FitPanel:
             obj = self._object
             feature.set_settings(obj, settings)
             feature.store(obj, self.points, settings, self._ended)
-            obj.Visibility = self._was_visible
         self._document.recompute([obj])
         self._document.commitTransaction()
         self._close()
@@ -165,13 +170,12 @@ class FitPanel:
 
     def reject(self) -> bool:
         """Leaves everything as it was."""
-        if self._was_visible:
-            self._object.Visibility = True
         self._close()
         return True
 
     def _close(self) -> None:
         self._stop()
+        self._set_visible(True)
         self._overlay.remove()
         FreeCADGui.Control.closeDialog()
 
@@ -208,11 +212,6 @@ def _described(points: Points) -> str:
 def _finite(points: Points) -> list[Any]:
     """Points for the view; those that are no numbers have no place in it."""
     return [point if all(map(math.isfinite, point)) else (0.0, 0.0, 0.0) for point in points.values]
-
-
-def length(value: float) -> str:
-    """A length in the units of the preferences."""
-    return FreeCAD.Units.Quantity(value, FreeCAD.Units.Length).UserString
 
 
 def _in_words(update: Update, tolerance: float) -> str:

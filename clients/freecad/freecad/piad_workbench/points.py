@@ -51,6 +51,11 @@ class Points:
         return len(self.values) if self.kind == CURVE else math.isqrt(len(self.values))
 
     @property
+    def are_numbers(self) -> bool:
+        """Whether no coordinate is infinite or NaN."""
+        return all(math.isfinite(x) for point in self.values for x in point)
+
+    @property
     def size(self) -> float:
         """The diagonal of the bounding box; points that are no numbers are not in it."""
         finite = [point for point in self.values if all(map(math.isfinite, point))]

@@ -36,7 +36,7 @@ FIELDS = (
     Field(
         "tolerance",
         QT_TRANSLATE_NOOP("piad", "Tolerance"),
-        QT_TRANSLATE_NOOP("piad", "How far the shape may be from the points. The larger it is, the fewer control points are needed."),
+        QT_TRANSLATE_NOOP("piad", "How far the shape may be from the points. A larger one needs fewer control points."),
         "App::PropertyLength",
     ),
     Field(
@@ -54,19 +54,19 @@ FIELDS = (
     Field(
         "limit",
         QT_TRANSLATE_NOOP("piad", "Most control points"),
-        QT_TRANSLATE_NOOP("piad", "The fit ends there, even outside the tolerance; of a surface, in each direction. 0 is no limit."),
+        QT_TRANSLATE_NOOP("piad", "A limit, in each direction of a surface. 0 is none: as many as the tolerance needs."),
         "App::PropertyInteger",
     ),
     Field(
         "closed",
         QT_TRANSLATE_NOOP("piad", "Closed"),
-        QT_TRANSLATE_NOOP("piad", "The curve goes on smoothly from its last point to its first one."),
+        QT_TRANSLATE_NOOP("piad", "Goes on smoothly from the last point to the first."),
         "App::PropertyBool",
     ),
     Field(
         "ends",
         QT_TRANSLATE_NOOP("piad", "Exactly through the ends"),
-        QT_TRANSLATE_NOOP("piad", "The curve begins and ends at the first and the last point. Switch it off if these are as noisy as the others."),
+        QT_TRANSLATE_NOOP("piad", "Switch it off if the first and the last point are as noisy as the others."),
         "App::PropertyBool",
     ),
     Field(
