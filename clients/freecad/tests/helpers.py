@@ -202,7 +202,9 @@ def mouse(kind: str, place: tuple[int, int]) -> None:
     }
     what, button_, buttons = kinds[kind]
     target = viewport()
-    position = QtCore.QPointF(place[0], target.height() - 1 - place[1])
+    # Pixels of the scene are not those of the widget on every screen.
+    width, height = Gui.ActiveDocument.ActiveView.getSize()
+    position = QtCore.QPointF(place[0] * target.width() / width, (height - 1 - place[1]) * target.height() / height)
     event = QtGui.QMouseEvent(what, position, button_, buttons, QtCore.Qt.NoModifier)
     QtGui.QApplication.sendEvent(target, event)
     turn()
