@@ -63,14 +63,16 @@ class Follower:
     def updates(self, points: Points, settings: Settings) -> Iterator[Update]:
         """The updates of a fit, the last one with its end. Slow readers get the newest."""
         parameters: Any = None
+        degree: Any = settings.degree
         if points.kind == CLOUD:
             parameters = plane.parameters(points.values) if points.are_numbers else "project"
+            degree = degrees(points, settings, parameters)
             if settings.steep:
                 yield from self._follow(rough_request(points, settings, parameters), rough=True)
                 parameters = {"foot_points": {"job": self.job.id}}
         rough = self.job
         if not self.cancelled:
-            yield from self._follow(request(points, settings, parameters))
+            yield from self._follow(request(points, settings, degree, parameters))
         if rough is not None:
             rough.delete()
 
@@ -142,30 +144,39 @@ def _error(iteration: Any) -> float:
 
 def rough_request(points: Points, settings: Settings, parameters: Any) -> dict[str, Any]:
     """A surface with few control points over a plane, which bends little."""
-    counts = {"u": _ROUGH, "v": _ROUGH}
-    if parameters != "project":
-        # The corners of a mesh may lie in a few rows: there are no more control points than these.
-        counts = {way: min(_ROUGH, len(set(line))) for way, line in zip("uv", zip(*parameters))}
-    degree = {way: min(settings.degree, count - 1) for way, count in counts.items()}
+    counts = {way: min(_ROUGH, rows) for way, rows in _rows(points, parameters).items()}
     method = {"kind": "least_squares", "control_points": counts, "variant": "direct", "fairness": 1e-5, "end_points": "free"}
     return {
         "points": points.nested(),
         "scattered": True,
         "parameters": parameters,
-        "degree": degree,
+        "degree": degrees(points, settings, parameters),
         "method": method,
         "name": "FreeCAD",
     }
 
 
-def request(points: Points, settings: Settings, parameters: Any = None) -> dict[str, Any]:
+def degrees(points: Points, settings: Settings, parameters: Any) -> dict[str, int]:
+    """Corners of a mesh may lie in a few rows: between two of them a surface is straight, not bent by smoothing."""
+    return {way: max(1, min(settings.degree, rows - 1)) for way, rows in _rows(points, parameters).items()}
+
+
+def _rows(points: Points, parameters: Any) -> dict[str, int]:
+    """How many different parameters there are in each direction, but for rounding."""
+    if parameters == "project":
+        return {"u": points.shortest, "v": points.shortest}
+    unit = 1e-9 * points.size or 1.0
+    return {way: len({round(x / unit) for x in line}) for way, line in zip("uv", zip(*parameters))}
+
+
+def request(points: Points, settings: Settings, degree: Any, parameters: Any) -> dict[str, Any]:
     """As few control points as the tolerance needs: the arguments of `Client.create`."""
     return {
         "points": points.nested(),
         "scattered": points.kind == CLOUD,
         "parameters": parameters,
         "closed": points.kind == CURVE and settings.closed,
-        "degree": settings.degree,
+        "degree": degree,
         "method": method_of(points, settings),
         "tolerance": settings.tolerance,
         "name": "FreeCAD",

@@ -1,4 +1,4 @@
-"""The task panel of a fit: settings on top, below them how the fit goes."""
+"""The task panel of a fit: how it goes, and its settings."""
 
 from __future__ import annotations
 
@@ -66,6 +66,9 @@ class FitPanel:
         self.status.setObjectName("status")
         self.status.setWordWrap(True)
         self.status.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
+        # It is above the settings, to be seen while they change, and they keep their place.
+        self.status.setMinimumHeight(3 * self.status.fontMetrics().lineSpacing())
+        self.status.setAlignment(QtCore.Qt.AlignTop)
         self.again = QtGui.QPushButton(translate("piad", "Try again"))
         self.again.setObjectName("again")
         self.again.clicked.connect(self.start)
@@ -73,7 +76,7 @@ class FitPanel:
         self.errors.setObjectName("errors")
         self.errors.setChecked(True)
         self.errors.toggled.connect(self._paint)
-        for widget in (self.source, self.settings, _line(), self.status, self.again, self.errors, legend()):
+        for widget in (self.source, self.status, self.again, _line(), self.settings, self.errors, legend()):
             layout.addWidget(widget)
         layout.addStretch()
         return form
