@@ -17,6 +17,7 @@ import matplotlib.cbook
 import Mesh
 import numpy
 import Points
+from scipy.spatial import cKDTree
 
 from freecad.piad_workbench import fitting, points, server, shape
 from freecad.piad_workbench.settings import defaults
@@ -101,9 +102,35 @@ def by_freecad(obj, u, v):
 
 
 def farthest(surface, obj):
-    """The largest distance of all points. Where OpenCASCADE misses the nearest point it is too large, never too small."""
+    """The largest distance of all points from the nearest points of the surface.
+
+    Newton's steps from the nearest of 300 × 300 samples: where they miss the nearest point the distance
+    is too large, never too small.
+    """
+    u0, u1, v0, v1 = surface.bounds()
+    places = [(u, v) for u in numpy.linspace(u0, u1, 300) for v in numpy.linspace(v0, v1, 300)]
+    samples = cKDTree([tuple(surface.value(*place)) for place in places])
     values = obj.Mesh.Topology[0] if hasattr(obj, "Mesh") else obj.Points.Points
-    return max(surface.value(*surface.parameter(p)).distanceToPoint(p) for p in values)
+    _, nearest = samples.query([tuple(p) for p in values])
+    return max(_distance(surface, p, *places[i]) for p, i in zip(values, nearest))
+
+
+def _distance(surface, point, u, v):
+    u0, u1, v0, v1 = surface.bounds()
+    rest = point - surface.value(u, v)
+    for _ in range(8):
+        a, b = surface.getDN(u, v, 1, 0), surface.getDN(u, v, 0, 1)
+        aa, ab, bb, ar, br = a.dot(a), a.dot(b), b.dot(b), a.dot(rest), b.dot(rest)
+        determinant = aa * bb - ab * ab
+        if determinant <= 0:
+            break
+        u_next = min(max(u + (bb * ar - ab * br) / determinant, u0), u1)
+        v_next = min(max(v + (aa * br - ab * ar) / determinant, v0), v1)
+        rest_next = point - surface.value(u_next, v_next)
+        if rest_next.Length >= rest.Length * (1 - 1e-6):
+            break
+        u, v, rest = u_next, v_next, rest_next
+    return rest.Length
 
 
 def measure(case):
@@ -123,7 +150,7 @@ def apart(**case):
         environment = {**os.environ, "PIAD_CASE": json.dumps(case), "PIAD_RESULT": result}
         try:
             # Distances are measured as well, which takes longer than the surface.
-            subprocess.run(["freecadcmd", __file__], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=5 * LIMIT)
+            subprocess.run(["freecadcmd", __file__], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=3 * LIMIT)
             with open(result) as file:
                 return json.load(file)
         except (subprocess.TimeoutExpired, FileNotFoundError):
