@@ -8,7 +8,6 @@ from typing import Any
 import FreeCAD
 import FreeCADGui
 from PySide import QtCore, QtGui
-from PySide.QtCore import QT_TRANSLATE_NOOP
 
 from . import feature
 from .points import CLOUD, CURVE, PointsError
@@ -52,8 +51,8 @@ class DragCommand:
         """The icon and the texts."""
         return {
             "Pixmap": os.path.join(feature.ICONS, "piad_drag.svg"),
-            "MenuText": QT_TRANSLATE_NOOP("piad", "Drag points"),
-            "ToolTip": QT_TRANSLATE_NOOP("piad", "Drag points of a fitted curve or surface: select it first"),
+            "MenuText": translate("piad", "Drag points"),
+            "ToolTip": translate("piad", "Drag points of a fitted curve or surface: select it first"),
         }
 
     def IsActive(self) -> bool:
@@ -84,14 +83,14 @@ def register() -> None:
     curve = FitCommand(
         CURVE,
         "piad_curve.svg",
-        QT_TRANSLATE_NOOP("piad", "Fit a curve"),
-        QT_TRANSLATE_NOOP("piad", "Fit a curve through selected points, a wire, a sketch or a list of points"),
+        translate("piad", "Fit a curve"),
+        translate("piad", "Fit a curve through selected points, a wire, a sketch or a list of points"),
     )
     surface = FitCommand(
         CLOUD,
         "piad_surface.svg",
-        QT_TRANSLATE_NOOP("piad", "Fit a surface"),
-        QT_TRANSLATE_NOOP("piad", "Fit a surface to selected point clouds or meshes"),
+        translate("piad", "Fit a surface"),
+        translate("piad", "Fit a surface to selected point clouds or meshes"),
     )
     for name, command in zip(NAMES, (curve, surface, DragCommand())):
         FreeCADGui.addCommand(name, command)

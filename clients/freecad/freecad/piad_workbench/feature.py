@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 import FreeCAD
+from PySide.QtCore import QT_TRANSLATE_NOOP
 
 from . import fitting, points, server, shape
 from .fitting import Update
@@ -21,18 +22,18 @@ _HIDDEN = 4
 
 # Name, type, what it is, and its attributes.
 _KEPT = (
-    ("Source", "App::PropertyLinkSubListGlobal", "Where the points come from. Without it they are those that are kept here.", 0),
-    ("Points", "App::PropertyVectorList", "The points, in the order of the source.", _HIDDEN),
-    ("Rows", "App::PropertyInteger", "The number of rows of a grid of points.", _HIDDEN),
-    ("Kind", "App::PropertyString", "Points of a curve, a grid or a cloud.", _HIDDEN),
-    ("Moved", "App::PropertyIntegerList", "The points that were dragged.", _HIDDEN),
-    ("MovedTo", "App::PropertyVectorList", "Where these are.", _HIDDEN),
-    ("Distances", "App::PropertyFloatList", "How far each point is from the shape.", _HIDDEN),
-    ("Fitted", "App::PropertyString", "The points and settings of the shape, as a digest.", _HIDDEN),
-    ("PiadVersion", "App::PropertyString", "The version of piad that has fitted the shape.", _READ_ONLY),
-    ("ControlPoints", "App::PropertyString", "How many control points the shape has.", _READ_ONLY),
-    ("LargestDistance", "App::PropertyLength", "How far the shape is from the points.", _READ_ONLY),
-    ("Status", "App::PropertyString", "How the fit has ended.", _READ_ONLY),
+    ("Source", "App::PropertyLinkSubListGlobal", QT_TRANSLATE_NOOP("App::Property", "Where the points come from. Without it they are those that are kept here."), 0),
+    ("Points", "App::PropertyVectorList", QT_TRANSLATE_NOOP("App::Property", "The points, in the order of the source."), _HIDDEN),
+    ("Rows", "App::PropertyInteger", QT_TRANSLATE_NOOP("App::Property", "The number of rows of a grid of points."), _HIDDEN),
+    ("Kind", "App::PropertyString", QT_TRANSLATE_NOOP("App::Property", "Points of a curve, a grid or a cloud."), _HIDDEN),
+    ("Moved", "App::PropertyIntegerList", QT_TRANSLATE_NOOP("App::Property", "The points that were dragged."), _HIDDEN),
+    ("MovedTo", "App::PropertyVectorList", QT_TRANSLATE_NOOP("App::Property", "Where these are."), _HIDDEN),
+    ("Distances", "App::PropertyFloatList", QT_TRANSLATE_NOOP("App::Property", "How far each point is from the shape."), _HIDDEN),
+    ("Fitted", "App::PropertyString", QT_TRANSLATE_NOOP("App::Property", "The points and settings of the shape, as a digest."), _HIDDEN),
+    ("PiadVersion", "App::PropertyString", QT_TRANSLATE_NOOP("App::Property", "The version of piad that has fitted the shape."), _READ_ONLY),
+    ("ControlPoints", "App::PropertyString", QT_TRANSLATE_NOOP("App::Property", "How many control points the shape has."), _READ_ONLY),
+    ("LargestDistance", "App::PropertyLength", QT_TRANSLATE_NOOP("App::Property", "How far the shape is from the points."), _READ_ONLY),
+    ("Status", "App::PropertyString", QT_TRANSLATE_NOOP("App::Property", "How the fit has ended."), _READ_ONLY),
 )
 
 

@@ -228,9 +228,11 @@ def _in_words(update: Update, tolerance: float) -> str:
     if not update.ended:
         lines.append(translate("piad", "Fitting…"))
     elif update.error <= tolerance:
-        lines.append(f'<b style="color: #187a30">{translate("piad", "Within the tolerance.")}</b>')
+        within = translate("piad", "Within the tolerance.")
+        lines.append(f'<b style="color: #187a30">{within}</b>')
     else:
-        lines.append(f'<b style="color: #b06000">{translate("piad", "Outside of the tolerance.")}</b> {_html(update.detail)}')
+        outside = translate("piad", "Outside of the tolerance.")
+        lines.append(f'<b style="color: #b06000">{outside}</b> {_html(update.detail)}')
     return "<br>".join([*lines, *map(_html, update.warnings)])
 
 

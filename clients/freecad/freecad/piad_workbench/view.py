@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 import FreeCADGui
+from PySide.QtCore import QT_TRANSLATE_NOOP
 
 from . import feature
 from .drawing import PointCloud
@@ -15,7 +16,7 @@ class FitView:
     """The proxy of the view of a fitted shape, which can show its points coloured by their distances."""
 
     def __init__(self, view: Any):
-        text = "Shows the points, coloured by their distances: blue on the shape, yellow at the tolerance, red outside."
+        text = QT_TRANSLATE_NOOP("App::Property", "Shows the points in the colours of their distances.")
         view.addProperty("App::PropertyBool", "ShowErrors", "Fit", text)
         view.Proxy = self
 
