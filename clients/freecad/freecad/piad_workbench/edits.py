@@ -84,7 +84,9 @@ class Dragging:
     def _events(self, body: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         """The client of piad has no ephemeral edits: a line of JSON for each event."""
         path = f"/v1/jobs/{self._job}/edits/stream"
-        headers = {"Accept": "application/x-ndjson"}
+        # Older versions of httpx send a body after the head, and on a connection that was used before the system
+        # holds it back for 40 ms.
+        headers = {"Accept": "application/x-ndjson", "Connection": "close"}
         with self._http.stream("POST", path, params={"pace": "latest"}, json=body, headers=headers) as answer:
             if not answer.is_success:
                 raise RuntimeError(_detail(answer.read()))
