@@ -1,13 +1,9 @@
 """Servers that are not there, go away, or refuse."""
 
-import os
-import subprocess
-
-import FreeCAD as App
 from PySide import QtGui
 
 from freecad.piad_workbench import server
-from helpers import PROGRAM, Server, WorkbenchTest, button, dome, panel, preferences, until, wave
+from helpers import PROGRAM, Server, WorkbenchTest, dome, panel, preferences, until, wave
 
 
 class Servers(WorkbenchTest):

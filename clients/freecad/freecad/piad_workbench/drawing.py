@@ -103,10 +103,6 @@ class Overlay:
         add = _add_surface if hasattr(spline, "UDegree") else _add_curve
         add(self._shape, spline)
 
-    def clear(self) -> None:
-        """Shows no shape."""
-        self._shape.removeAllChildren()
-
     def remove(self) -> None:
         """Takes all of it away."""
         self._scene.removeChild(self._root)

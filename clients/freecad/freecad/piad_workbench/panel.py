@@ -9,12 +9,12 @@ import FreeCAD
 import FreeCADGui
 from PySide import QtCore, QtGui
 
-from . import drawing, feature, fitting, shape
+from . import drawing, feature, shape
 from .fitting import Update
 from .form import SettingsForm
 from .points import CURVE, Points
 from .preview import Preview
-from .settings import Settings, defaults
+from .settings import defaults
 
 translate = FreeCAD.Qt.translate
 
