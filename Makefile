@@ -1,4 +1,4 @@
-.PHONY: run test check library api database tokens postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp conformance browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database tokens postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp freecad conformance browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -20,7 +20,7 @@ INSTALL := $(RETRY) sh -c 'apt-get update && apt-get install -y --no-install-rec
 
 # Everything that a change must pass; installs what that needs. Of two clients at a time one at most installs something.
 test:
-	@tests/steps tools lint library api programs files interop contract deploy browser node "python csharp" "typescript cpp" conformance page
+	@tests/steps tools lint library api programs files interop contract deploy browser node "python csharp" "typescript cpp" "conformance freecad" page
 
 # What to run while working: a few minutes after a small change.
 check:
@@ -116,6 +116,10 @@ csharp:
 # The C++ client against real servers, with OpenCASCADE and gRPC, which it installs from Debian where they are missing.
 cpp:
 	PIAD_PROGRAM=$(CURDIR)/target/debug/piad clients/cpp/run
+
+# The workbench in FreeCAD, which it installs from Debian where it is missing.
+freecad:
+	PIAD_PROGRAM=$(CURDIR)/target/debug/piad clients/freecad/run
 
 # All clients in the same scenarios, with the numbers of the server to the bit.
 conformance: $(VENV)/installed node $(TYPESCRIPT)/node_modules/.package-lock.json

@@ -21,11 +21,24 @@ class Drags(WorkbenchTest):
         until(lambda: panel._dragging, what=panel.status.text())
         return panel
 
+    def place(self, point):
+        """Where a point is on the screen, once the view stands still: the panel takes room from it."""
+        seen = []
+
+        def stands_still():
+            turn(0.2)
+            seen.append(self.view.getPointOnScreen(App.Vector(*point)))
+            return len(seen) > 1 and seen[-1] == seen[-2]
+
+        until(stands_still, what=f"the view moves: {seen}")
+        return seen[-1]
+
     def drag(self, panel, index, by, steps=4):
         """Takes a point so many pixels along."""
-        x, y = self.view.getPointOnScreen(App.Vector(*panel.positions()[index]))
+        x, y = self.place(panel.positions()[index])
         mouse("move", (x, y))
         mouse("press", (x, y))
+        self.assertIsNotNone(panel._mouse._index)
         for i in range(1, steps + 1):
             mouse("move", (x + by[0] * i // steps, y + by[1] * i // steps))
             turn(0.05)

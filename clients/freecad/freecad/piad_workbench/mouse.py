@@ -10,6 +10,9 @@ import FreeCAD
 # Pixels within which a point is meant.
 _NEAR = 12
 
+# Points that are so many pixels apart are in one place, for who looks at them.
+_SAME = 2
+
 
 class PointMouse:
     """Tells a panel, which has `positions()`, `move(index, point)` and `release()`, of points that are dragged."""
@@ -41,17 +44,19 @@ class PointMouse:
             self._panel.move(self._index, self._under(event["Position"], point))
 
     def _nearest(self, position: Any) -> int | None:
-        """The number of the point under the mouse, of several the nearest to the eye."""
+        """The number of the point under the mouse, of several in one place the nearest to the eye."""
         x, y = position
         direction = self._view.getViewDirection()
-        best, found = math.inf, None
+        near = []
         for index, point in enumerate(self._panel.positions()):
             vector = FreeCAD.Vector(*point)
             px, py = self._view.getPointOnScreen(vector)
-            depth = vector.dot(direction)
-            if math.hypot(px - x, py - y) <= _NEAR and depth < best:
-                best, found = depth, index
-        return found
+            distance = math.hypot(px - x, py - y)
+            if distance <= _NEAR:
+                near.append((distance, vector.dot(direction), index))
+        least = min(near, default=(math.inf,))[0]
+        there = [(depth, index) for distance, depth, index in near if distance <= least + _SAME]
+        return min(there)[1] if there else None
 
     def _under(self, position: Any, point: Any) -> Any:
         """Where the mouse is, in the plane through a point that is parallel to the screen."""
