@@ -81,7 +81,10 @@ async def probes(connect) -> list[float]:
     return seconds
 
 
-async def measure(server: subprocess.Popen, port: int, trusted: ssl.SSLContext, arguments: argparse.Namespace) -> None:
+async def measure(server: subprocess.Popen, port: int, certificate: str, arguments: argparse.Namespace) -> None:
+    trusted, multiplexed = (ssl.create_default_context(cafile=certificate) for _ in range(2))
+    multiplexed.set_alpn_protocols(["h2"])
+
     async def connect() -> Connection:
         return await asyncio.open_connection("localhost", port, ssl=trusted)
 
@@ -103,9 +106,7 @@ async def measure(server: subprocess.Popen, port: int, trusted: ssl.SSLContext, 
         return reader, writer
 
     async def hundred() -> Connection:
-        trusted_for_2 = ssl.create_default_context(cafile=arguments.certificate)
-        trusted_for_2.set_alpn_protocols(["h2"])
-        reader, writer = await asyncio.open_connection("localhost", port, ssl=trusted_for_2)
+        reader, writer = await asyncio.open_connection("localhost", port, ssl=multiplexed)
         await streams_of_http2(reader, writer, quiet())
         return reader, writer
 
@@ -132,14 +133,14 @@ def main() -> None:
     parser.add_argument("--streams", type=int, default=5_000)
     parser.add_argument("--http2", action="store_true")
     arguments = parser.parse_args()
+    if arguments.http2 and arguments.streams % STREAMS_OF_ONE:
+        parser.error(f"--streams: with --http2 a multiple of {STREAMS_OF_ONE}")
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
     with tempfile.TemporaryDirectory() as folder:
         certificate, key = os.path.join(folder, "cert.pem"), os.path.join(folder, "key.pem")
         subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", key, "-out", certificate,
                         "-subj", "/CN=localhost", "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
-        arguments.certificate = certificate
-        trusted = ssl.create_default_context(cafile=certificate)
         most = str(2 * (arguments.idle + arguments.streams))
         command = [arguments.program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--tls-cert", certificate, "--tls-key", key, "--max-iterations", "1000000000",
                    "--idle-timeout", "3600", "--max-connections-per-peer", most, "--max-requests-per-peer", most]
@@ -149,7 +150,7 @@ def main() -> None:
         # A log that nobody reads would stop the server in the end.
         threading.Thread(target=server.stderr.read, daemon=True).start()
         try:
-            asyncio.run(measure(server, port, trusted, arguments))
+            asyncio.run(measure(server, port, certificate, arguments))
         finally:
             server.terminate()
             server.wait()

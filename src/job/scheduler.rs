@@ -31,8 +31,7 @@ use crate::trim;
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);
 
-/// How far large steps give way to small ones, as `nice` has it: they get a third of the time of a processor that both
-/// want.
+/// How far large steps give way to small ones, as `nice` has it: they get a quarter of a processor that both want.
 #[cfg(target_os = "linux")]
 const NICE: i32 = 5;
 

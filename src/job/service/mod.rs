@@ -245,6 +245,7 @@ impl Jobs {
             // In a store of one process, what has not ended is live, or has ended just now.
             let is_complete = record.status.state.is_final() || self.store.shared().is_some();
             let live = self.live(record.outline.id);
+            // The answer to the end of one that runs here may be on its way.
             if let Some(job) = &live {
                 job.follow(record.status.clone());
             }

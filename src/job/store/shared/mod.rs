@@ -3,7 +3,8 @@
 //!
 //! - [`connection`]: connections, and statements that are run again when one breaks;
 //! - [`opening`]: opens the database, and brings its schema up to date;
-//! - [`writes`]: what changes a job; [`within`]: new ones within a quota; [`reads`]: what is read of one; [`pieces`]: long values;
+//! - [`writes`]: what changes a job; [`within`]: new ones within a quota; [`reads`]: what is read of one;
+//!   [`pieces`]: long values;
 //! - [`order`]: changes of one job, one after the other;
 //! - [`leases`]: which replica runs a job, and what becomes of the jobs of one that is gone;
 //! - [`hints`]: what replicas tell each other at once.
