@@ -1,9 +1,11 @@
 //! Jobs that are asked for, in whatever language: what can be computed, and making it a job.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use bytes::Bytes;
 use sha2::{Digest, Sha256};
+use tokio::time::timeout;
 
 use crate::api::app::App;
 use crate::api::jobs;
@@ -39,6 +41,9 @@ pub(super) const PARSED_AT_ONCE: usize = 4 * 1024;
 
 /// Problems of up to so many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
+
+/// How long a request that starts from an iteration of another job waits for the first one.
+const BEGINS_WITHIN: Duration = Duration::from_secs(10);
 
 /// The most characters of an idempotency key.
 pub(super) const LONGEST_KEY: usize = 255;
@@ -320,23 +325,37 @@ async fn start(
     parent: &Arc<Job>,
     iteration: Option<usize>,
 ) -> Result<Result<Arc<Frame>, String>, Problem> {
-    let status = parent.status();
-    let Some(reached) = status.levels.map(|levels| levels.last.iteration) else {
+    let reached = reached(parent).await?;
+    let state = parent.status().state;
+    let Some(reached) = reached else {
         return Ok(Err(format!(
-            "the job is {} and has no iteration to start from",
-            status.state
+            "the job is {state} and has no iteration to start from"
         )));
     };
     let k = iteration.unwrap_or(reached);
     if k > reached {
         return Ok(Err(format!(
-            "the job is {} at iteration {reached}, before {k}",
-            status.state
+            "the job is {state} at iteration {reached}, before {k}"
         )));
     }
     Ok(match Cursor::new(Arc::clone(parent), k).next().await? {
         Next::Frame(frame) => Ok(frame),
         Next::End(status) => Err(format!("the job is {} before iteration {k}", status.state)),
+    })
+}
+
+/// How far a job is. One that has just been made is waited for.
+async fn reached(job: &Arc<Job>) -> Result<Option<usize>, Problem> {
+    let reached = || job.status().levels.map(|levels| levels.last.iteration);
+    if reached().is_some() {
+        return Ok(reached());
+    }
+    let mut first = Cursor::new(Arc::clone(job), 0);
+    Ok(match timeout(BEGINS_WITHIN, first.next()).await {
+        // Another replica may run the job and not have told yet how far it is.
+        Ok(Ok(Next::Frame(_))) => reached().or(Some(0)),
+        Ok(Ok(Next::End(_))) | Err(_) => reached(),
+        Ok(Err(error)) => return Err(error.into()),
     })
 }
 

@@ -1,5 +1,7 @@
 //! Edits: moving points, changing weights, methods and stop rules of a fit that is there.
 
+use std::time::Duration;
+
 use serde_json::{Value, json};
 
 use crate::data;
@@ -405,16 +407,10 @@ async fn a_fit_that_runs_is_edited_where_it_is() {
     let server = Server::start().await;
     let parent = server.create(&data::endless_job()).await;
     let body = json!({"stop": {"tolerance": 0, "max_iterations": 2}});
-    let mut request = server.post(&format!("{}/edits", path(&parent))).json(&body);
-    // It may not have begun.
-    let response = loop {
-        let again = request.try_clone().unwrap();
-        let response = request.send().await.unwrap();
-        if response.status() == 201 {
-            break response;
-        }
-        request = again;
-    };
+    // If it has not begun, the edit waits for its first iteration.
+    let request = server.post(&format!("{}/edits", path(&parent))).json(&body);
+    let response = request.send().await.unwrap();
+    assert_eq!(response.status(), 201);
     let child: Value = response.json().await.unwrap();
     let k = child["parent"]["iteration"].as_u64().unwrap();
     let theirs = server
@@ -425,6 +421,38 @@ async fn a_fit_that_runs_is_edited_where_it_is() {
     let ours = server.json(&format!("{}/iterations/0", path(&child))).await;
     assert_eq!(ours["control_points"], theirs["control_points"]);
     server.stop().await;
+}
+
+#[tokio::test]
+async fn an_edit_waits_for_a_parent_that_waits() {
+    // Room for one job.
+    let server = Server::with(|config| config.memory = Some("128KiB".parse().unwrap())).await;
+    let busy = server.create(&data::endless_job()).await;
+    let edit_of = |parent: &Value| {
+        let request = server.post(&format!("{}/edits", path(parent)));
+        let body = json!({"stop": {"tolerance": 0, "max_iterations": 2}});
+        tokio::spawn(request.json(&body).send())
+    };
+    let cancel = |job: &Value| server.post(&format!("{}/cancel", path(job))).send();
+    // A parent that never begins has nothing to start from.
+    let given_up = server.create(&data::small_job()).await;
+    let edit = edit_of(&given_up);
+    tokio::time::sleep(Duration::from_millis(100)).await;
+    assert_eq!(server.json(path(&given_up)).await["state"], "queued");
+    assert!(!edit.is_finished());
+    cancel(&given_up).await.unwrap();
+    let (status, body) = problem(edit.await.unwrap().unwrap()).await;
+    assert_eq!(status, 422);
+    let mistake = &body["errors"][0];
+    assert_eq!(mistake["pointer"], "/iteration");
+    let detail = "the job is cancelled and has no iteration to start from";
+    assert_eq!(mistake["detail"], detail);
+    let parent = server.create(&data::small_job()).await;
+    let edit = edit_of(&parent);
+    tokio::time::sleep(Duration::from_millis(100)).await;
+    assert!(!edit.is_finished());
+    cancel(&busy).await.unwrap();
+    assert_eq!(edit.await.unwrap().unwrap().status(), 201);
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -91,8 +91,11 @@ namespace Grasshopper.Kernel
         // Of the stub alone: what a solution does.
         public void Solve(IGH_DataAccess access)
         {
-            Messages.Clear();
-            SolveInstance(access);
+            lock (Rhino.RhinoApp.Window)
+            {
+                Messages.Clear();
+                SolveInstance(access);
+            }
         }
 
         public void Register(GH_InputParamManager inputs) { RegisterInputParams(inputs); }

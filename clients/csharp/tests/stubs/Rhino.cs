@@ -8,7 +8,13 @@ namespace Rhino
 {
     public static class RhinoApp
     {
-        public static void InvokeOnUiThread(Delegate method, params object[] args) { method.DynamicInvoke(args); }
+        // Of the stub alone: held by what runs on the thread of the window, one thing at a time.
+        public static readonly object Window = new object();
+
+        public static void InvokeOnUiThread(Delegate method, params object[] args)
+        {
+            lock (Window) method.DynamicInvoke(args);
+        }
     }
 }
 
