@@ -22,6 +22,7 @@ from freecad.piad_workbench.panel import FitPanel
 
 PROGRAM = os.environ["PIAD_PROGRAM"]
 PICTURES = os.environ["PIAD_PICTURES"]
+PATIENCE = 120.0
 
 
 def turn(seconds: float = 0.0) -> None:
@@ -34,16 +35,16 @@ def turn(seconds: float = 0.0) -> None:
         time.sleep(0.005)
 
 
-def until(condition: Callable[[], Any], seconds: float = 20.0, what: str = "") -> Any:
+def until(condition: Callable[[], Any], what: str = "") -> Any:
     """Lets FreeCAD work until something is the case."""
-    end = time.monotonic() + seconds
+    end = time.monotonic() + PATIENCE
     while True:
         turn()
         found = condition()
         if found:
             return found
         if time.monotonic() > end:
-            raise AssertionError(f"not within {seconds} s: {what or condition}")
+            raise AssertionError(f"not within {PATIENCE} s: {what or condition}")
         time.sleep(0.005)
 
 

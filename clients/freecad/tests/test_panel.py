@@ -156,7 +156,7 @@ class Curves(WorkbenchTest):
 
 class Surfaces(WorkbenchTest):
     def accepted(self, panel):
-        until(lambda: panel._ended, 40, panel.status.text())
+        until(lambda: panel._ended, what=panel.status.text())
         self.view.viewAxometric()
         self.view.fitAll()
         return panel._ended
@@ -215,7 +215,7 @@ class Surfaces(WorkbenchTest):
         until(lambda: first._follower and first._follower.job)
         self.assertFalse(panel.accept(), "the fit has not ended")
         panel.settings.widgets["tolerance"].setProperty("rawValue", 0.5)
-        until(lambda: not first.running, 3, "the fit before is cancelled")
+        until(lambda: not first.running, what="the fit before is cancelled")
         self.assertIsNone(first.error)
         update = self.accepted(panel)
         self.assertIsNot(panel._preview, first)

@@ -7,8 +7,8 @@ from helpers import PROGRAM, Server, WorkbenchTest, dome, panel, preferences, un
 
 
 class Servers(WorkbenchTest):
-    def failure(self, it, seconds=20):
-        return until(lambda: it._preview.error, seconds, it.status.text()) and until(it.again.isVisible) and it.status.text()
+    def failure(self, it):
+        return until(lambda: it._preview.error, what=it.status.text()) and until(it.again.isVisible) and it.status.text()
 
     def test_own_program_listens_on_the_loopback_only(self):
         it = self.open("Piad_FitCurve", self.polygon(wave()))
@@ -54,19 +54,19 @@ class Servers(WorkbenchTest):
     def test_address_that_is_none(self):
         preferences(Server="localhost:8080")
         it = self.open("Piad_FitCurve", self.polygon(wave()))
-        self.assertIn("http://localhost:8080", self.failure(it, 2))
+        self.assertIn("http://localhost:8080", self.failure(it))
         self.picture("address")
 
     def test_nobody_listens(self):
         preferences(Server="http://127.0.0.1:9")
         it = self.open("Piad_FitCurve", self.polygon(wave()))
-        self.assertIn("cannot reach http://127.0.0.1:9", self.failure(it, 5))
+        self.assertIn("cannot reach http://127.0.0.1:9", self.failure(it))
 
     def test_no_program(self):
         server._OWN.stop()
         preferences(Program="/nowhere/piad")
         it = self.open("Piad_FitCurve", self.polygon(wave()))
-        self.assertIn("/nowhere/piad", self.failure(it, 2))
+        self.assertIn("/nowhere/piad", self.failure(it))
         preferences(Program=PROGRAM)
         it.again.click()
         until(lambda: it._ended, what=it.status.text())
@@ -75,7 +75,7 @@ class Servers(WorkbenchTest):
         server._OWN.stop()
         preferences(Program="/bin/false")
         it = self.open("Piad_FitCurve", self.polygon(wave()))
-        self.assertIn("/bin/false did not start", self.failure(it, 2))
+        self.assertIn("/bin/false did not start", self.failure(it))
 
     def test_equal_points(self):
         wire = self.polygon(wave(10))
