@@ -122,6 +122,18 @@ impl Setup {
         self.v.as_ref()
     }
 
+    /// The parameters (u, v) of a data point; v of a curve is zero.
+    pub(super) fn parameters_of(&self, index: usize) -> [f64; 2] {
+        let Some(v) = &self.v else {
+            return [self.u.parameters[index], 0.0];
+        };
+        let (row, column) = match self.scattered {
+            true => (index, index),
+            false => (index / self.grid.columns, index % self.grid.columns),
+        };
+        [self.u.parameters[row], v.parameters[column]]
+    }
+
     /// One direction or both.
     pub fn directions(&self) -> impl Iterator<Item = &Direction> + Clone {
         std::iter::once(&self.u).chain(&self.v)

@@ -5,6 +5,7 @@ use tonic::Code;
 
 use crate::data;
 use crate::messages as pb;
+use crate::random::Random;
 use crate::rpc::connect;
 use crate::support::{Server, assert_query_refused, base, problem};
 
@@ -141,6 +142,33 @@ async fn surfaces_are_measured() {
     let told = deviation(&server, &server.fit(&job).await, "?list=true").await;
     assert_eq!(told["distances"].as_array().unwrap().len(), 300);
     assert!(told["at"].is_u64());
+}
+
+/// Noise and close knots bend a surface to and fro within its spans.
+#[tokio::test]
+async fn bent_surfaces_are_measured() {
+    let server = Server::start().await;
+    let mut random = Random(7);
+    let (mut points, mut parameters) = (Vec::new(), Vec::new());
+    for _ in 0..600 {
+        let [u, v, noise] = [(); 3].map(|()| random.part());
+        parameters.push(json!([u, v]));
+        points.push(json!([u, v, (3.0 * u).sin() * v + 0.4 * noise]));
+    }
+    let auto = json!({"kind": "least_squares", "control_points": "auto", "end_points": "free"});
+    let job = json!({
+        "surface": {"scattered": points, "parameters": parameters},
+        "method": auto, "stop": {"tolerance": 0.15},
+    });
+    let job = server.fit(&job).await;
+    let told = deviation(&server, &job, "").await;
+    for name in ["max", "rms"] {
+        let (distance, error) = (number(&told[name]), number(&job["error"][name]));
+        assert!(
+            distance <= error * (1.0 + 1e-12),
+            "{name}: {distance} {error}"
+        );
+    }
 }
 
 /// Closed, rational and Bézier curves, and data that a curve goes through.

@@ -120,6 +120,16 @@ impl Cells {
         }
     }
 
+    /// The number of the interval of a direction that has a parameter, and at which part of it.
+    fn place(&self, axis: usize, parameter: f64) -> (u32, f64) {
+        let intervals = &self.intervals[axis];
+        let number = intervals.partition_point(|interval| interval.high < parameter);
+        let number = number.min(intervals.len() - 1);
+        let Interval { low, high, .. } = intervals[number];
+        let part = ((parameter - low) / (high - low)).clamp(0.0, 1.0);
+        (number as u32, part)
+    }
+
     /// The parameter of a direction at a part of an interval. That of the end of a closed direction is
     /// that of its start.
     fn parameter(&self, axis: usize, number: u32, part: f64) -> f64 {
@@ -141,15 +151,30 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The parameters of the point of the surface that is nearest to a point, and its squared distance.
-    pub(super) fn foot_point(&mut self, point: [f64; 3]) -> ([f64; 2], f64) {
+    /// The parameters of the point of the surface that is nearest to a point, and its squared distance,
+    /// which is not larger than that at `known` parameters.
+    pub(super) fn foot_point(
+        &mut self,
+        point: [f64; 3],
+        known: Option<[f64; 2]>,
+    ) -> ([f64; 2], f64) {
         let (mut best, mut pair) = (f64::INFINITY, [f64::NAN; 2]);
+        if let Some(known) = known {
+            let places = [0, 1].map(|axis| self.cells.place(axis, known[axis]));
+            let cell = places.map(|(number, _)| number);
+            self.cells.load(cell, &mut self.patch);
+            let foot = self.patch.descend(places.map(|(_, part)| part), point);
+            best = foot.square;
+            pair = [0, 1].map(|axis| self.cells.parameter(axis, cell[axis], foot.at[axis]));
+        }
         for (cell, nearest) in self.cells.tree.nearest_neighbor_iter_with_distance_2(point) {
             if nearest > best * (1.0 + ROUNDING) {
                 break;
             }
             self.cells.load(cell.place, &mut self.patch);
-            let foot = self.patch.nearest(point);
+            let Some(foot) = self.patch.nearest(point, best) else {
+                continue;
+            };
             let parameter =
                 |axis: usize| self.cells.parameter(axis, cell.place[axis], foot.at[axis]);
             let here = [parameter(0), parameter(1)];

@@ -44,7 +44,9 @@ impl Deviation {
         if points.dimension() == 1 {
             return Err(NoFootPoints::OneCoordinate);
         }
-        let mut distances = nearest(&Nurbs::of(problem, control_points), points)?.distances;
+        let fit = Nurbs::of(problem, control_points);
+        let mut distances =
+            nearest(&fit, points, |index| Some(problem.parameters_of(index)))?.distances;
         if let Some(missing) = problem.missing() {
             let indices = (0..distances.len()).filter(|&index| missing.contains(index));
             indices.for_each(|index| distances[index] = f64::NAN);

@@ -8,13 +8,16 @@
 //! the convex hull of its control points (weights are positive), so that the box around them tells
 //! how near it can be at most. A search tree yields the cells by the distances of their boxes; in
 //! each of them Newton's method finds the nearest point, until boxes are farther away than the
-//! nearest point so far. Where several points are equally near, the least u counts, then the least v.
+//! nearest point so far. A cell that bends has several points that are nearer than those beside them:
+//! so Newton's method starts in its quarters again, and theirs, where the control points allow a point
+//! that is nearer. Where several points are equally near, the least u counts, then the least v.
 //!
 //! A point costs some patches of O((p + 1)(q + 1)(p + q)) and some steps of O((p + 1)(q + 1)), and the
 //! tree O(log n) for n cells.
 
 mod cells;
 pub(crate) mod deviation;
+mod parts;
 mod patch;
 
 use rayon::prelude::*;
@@ -86,13 +89,18 @@ pub(crate) fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, No
     if surface.v.is_none() {
         return Err(NoFootPoints::Curve);
     }
-    let found = nearest(surface, points)?;
+    let found = nearest(surface, points, |_| None)?;
     let lane = |k: usize| found.pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>();
     Ok(Points::from_lanes([lane(0), lane(1)]))
 }
 
-/// The nearest points of a curve or surface to all points. Points that are infinite or NaN have NaN.
-fn nearest(fit: &Nurbs, points: &Points) -> Result<FootPoints, NoFootPoints> {
+/// The nearest points of a curve or surface to all points. Points that are infinite or NaN have NaN. None
+/// is farther than the point at the parameters that are `known`.
+fn nearest(
+    fit: &Nurbs,
+    points: &Points,
+    known: impl Fn(usize) -> Option<[f64; 2]> + Sync,
+) -> Result<FootPoints, NoFootPoints> {
     // A curve is a surface that does not depend on v.
     let constant = KnotVector::constant();
     let v = fit.v.as_ref().unwrap_or(&constant);
@@ -122,9 +130,10 @@ fn nearest(fit: &Nurbs, points: &Points) -> Result<FootPoints, NoFootPoints> {
         .for_each(|(chunk, (pairs, distances))| {
             let mut search = cells.search();
             for (i, (pair, distance)) in pairs.iter_mut().zip(distances).enumerate() {
-                let point = place(points, chunk * CHUNK + i);
+                let index = chunk * CHUNK + i;
+                let point = place(points, index);
                 if point.iter().all(|x| x.is_finite()) {
-                    let (foot, square) = search.foot_point(point);
+                    let (foot, square) = search.foot_point(point, known(index));
                     (*pair, *distance) = (foot, square.sqrt() / scale);
                 }
             }

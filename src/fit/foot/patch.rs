@@ -10,6 +10,7 @@
 //! Newton steps stay within [0, 1]²; parameters at an end that want to leave it are fixed there. Where
 //! the Hessian is not positive, the second derivatives are left out (Gauss–Newton).
 
+use super::parts::{DEEPEST, Part, Parts};
 use crate::fit::basis::bernstein;
 
 /// A point in homogeneous coordinates `(w x, w y, w z, w)`.
@@ -26,9 +27,6 @@ const ROUNDING: f64 = 1e-14;
 
 /// Determinants below this part of the product of the diagonal are zero but for rounding.
 const SINGULAR: f64 = 1e-13;
-
-/// Where a search starts, along each direction.
-const STARTS: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
 /// A foot point in a patch.
 #[derive(Clone, Copy, Debug)]
@@ -104,39 +102,56 @@ pub(super) struct Patch {
     pub(super) net: Vec<Homogeneous>,
     /// Sums along s, with derivatives of the orders 0, 1 and 2, for each column.
     sums: Vec<[Homogeneous; 3]>,
+    /// The control nets of its parts.
+    parts: Parts,
 }
 
 impl Patch {
     /// A patch of these degrees, all zeros.
     pub(super) fn new(degrees: [usize; 2]) -> Self {
         let columns = degrees[1] + 1;
+        let net = vec![[0.0; 4]; (degrees[0] + 1) * columns];
         Self {
             functions: degrees.map(Functions::new),
-            net: vec![[0.0; 4]; (degrees[0] + 1) * columns],
             sums: vec![[[0.0; 4]; 3]; columns],
+            parts: Parts::new(degrees),
+            net,
         }
     }
 
-    /// The nearest point, as far as a search from the nearest of nine points leads to it.
-    pub(super) fn nearest(&mut self, point: [f64; 3]) -> Foot {
-        let mut start = Foot {
-            at: [0.5; 2],
-            square: f64::INFINITY,
+    /// The nearest point, if it is not farther than a squared distance; see [`Self::search`].
+    pub(super) fn nearest(&mut self, point: [f64; 3], square: f64) -> Option<Foot> {
+        let mut best = Foot {
+            at: [f64::NAN; 2],
+            square,
         };
-        for s in STARTS {
-            self.along(s);
-            for t in STARTS {
-                let square = self.across(t, point).square;
-                if square < start.square {
-                    start = Foot { at: [s, t], square };
-                }
+        let whole = self.parts.whole(&self.net);
+        self.search(whole, point, &mut best);
+        (!best.at[0].is_nan()).then_some(best)
+    }
+
+    /// Searches in a part of the patch: Newton's method starts from its middle, unless it has led into
+    /// the part before, and then from those of its quarters that can have a point that is nearer.
+    fn search(&mut self, part: Part, point: [f64; 3], best: &mut Foot) {
+        if !part.has(best.at) {
+            let foot = self.descend(part.middle(), point);
+            let is_first = best.at[0].is_nan() && foot.square <= best.square * (1.0 + ROUNDING);
+            if foot.square < best.square || is_first {
+                *best = foot;
             }
         }
-        self.descend(start.at, point)
+        if part.depth == DEEPEST {
+            return;
+        }
+        for quarter in self.parts.quarters(&part, point) {
+            if quarter.nearest < best.square * (1.0 - ROUNDING) {
+                self.search(quarter, point, best);
+            }
+        }
     }
 
-    /// Newton's method.
-    fn descend(&mut self, mut at: [f64; 2], point: [f64; 3]) -> Foot {
+    /// Newton's method, from these parameters on.
+    pub(super) fn descend(&mut self, mut at: [f64; 2], point: [f64; 3]) -> Foot {
         let mut jet = self.jet(at, point);
         for _ in 0..STEPS {
             let step = step(&jet, at);
@@ -303,6 +318,6 @@ fn add(sum: &mut Homogeneous, factor: f64, point: &Homogeneous) {
     }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -194,30 +194,44 @@ fn along_normals() {
     }
 }
 
-/// No point of a dense grid of the surface is nearer, wherever the points are.
+/// No point of a dense grid of the surface on [0, end]² is nearer, wherever the points are.
+fn assert_nothing_is_nearer(surface: &Nurbs, end: f64) {
+    let grid: Vec<[f64; 3]> = (0..=240)
+        .flat_map(|i| (0..=240).map(move |j| [i, j].map(|i| end * f64::from(i) / 240.0)))
+        .map(|at| evaluate(surface, at))
+        .collect();
+    let given: Vec<[f64; 3]> = (0..200)
+        .map(|i| {
+            let [x, y] = [random(i, 0.618), random(i, 0.755)].map(|t| end * (5.0 * t - 1.0) / 3.0);
+            [x, y, end * (random(i, 0.57) - 0.5)]
+        })
+        .collect();
+    for (&point, pair) in given.iter().zip(pairs(surface, given.clone())) {
+        let found = distance(evaluate(surface, pair), point);
+        let sampled = grid.iter().map(|&place| distance(place, point));
+        let nearest = sampled.fold(f64::INFINITY, f64::min);
+        assert!(found <= nearest + 1e-12, "{point:?} {found} {nearest}");
+    }
+}
+
 #[test]
 fn nothing_is_nearer() {
     for degree in [1, 2, 3, 5] {
-        let hills = hills(degree);
-        let grid: Vec<[f64; 3]> = (0..=240)
-            .flat_map(|i| (0..=240).map(move |j| [i, j].map(|i| f64::from(i) / 40.0)))
-            .map(|at| evaluate(&hills, at))
-            .collect();
-        let given: Vec<[f64; 3]> = (0..200)
-            .map(|i| {
-                let [x, y] = [random(i, 0.618), random(i, 0.755)].map(|t| 10.0 * t - 2.0);
-                [x, y, 6.0 * random(i, 0.57) - 3.0]
-            })
-            .collect();
-        for (&point, pair) in given.iter().zip(pairs(&hills, given.clone())) {
-            let found = distance(evaluate(&hills, pair), point);
-            let sampled = grid.iter().map(|&place| distance(place, point));
-            let nearest = sampled.fold(f64::INFINITY, f64::min);
-            assert!(
-                found <= nearest + 1e-12,
-                "degree {degree}: {point:?} {found} {nearest}"
-            );
-        }
+        assert_nothing_is_nearer(&hills(degree), 6.0);
+    }
+}
+
+/// Spans that bend to and fro have several points that are nearer than those beside them.
+#[test]
+fn strongly_bent_spans() {
+    let knots = clamped(3, &[0.0, 1.0, 2.0, 3.0]);
+    for (seed, height) in (0..12).zip([0.3, 1.0, 3.0].into_iter().cycle()) {
+        let number = |k: usize| random(1000 * seed + k, 0.618_033_988_749_895);
+        let at = |i: usize, j: usize| {
+            let up = number(31 * (6 * i + j)) - 0.5;
+            [i as f64 / 2.0, j as f64 / 2.0, height * up]
+        };
+        assert_nothing_is_nearer(&surface(knots.clone(), knots.clone(), at, None), 3.0);
     }
 }
 
