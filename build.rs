@@ -155,13 +155,13 @@ fn unpack_reference(out: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     Ok(unpacked)
 }
 
-/// Writes `{set}.rs`, a list of these files as `http::assets` has them: with their hashes, and
-/// compressed, so that the program need not do either.
+/// Writes `{set}.rs`, a list of these files as `http::assets` has them: compressed, with the hashes of
+/// what they are.
 fn embed(out: &Path, set: &str, mut files: Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
     files.sort();
     let folder = out.join(set);
     fs::create_dir_all(&folder)?;
-    let mut list = String::from("&[\n");
+    let mut list = format!("{{ static FILES: [Asset; {}] = [\n", files.len());
     for file in files {
         // A file that this run has made is always newer than the run.
         if !file.starts_with(out) {
@@ -185,10 +185,10 @@ fn embed(out: &Path, set: &str, mut files: Vec<PathBuf>) -> Result<(), Box<dyn E
             });
         writeln!(
             list,
-            "Asset {{ name: {name:?}, hash: {hash:?}, plain: include_bytes!({file:?}), gzip: include_bytes!({compressed:?}) }},"
+            "Asset::new({name:?}, {hash:?}, include_bytes!({compressed:?})),"
         )?;
     }
-    list.push(']');
+    list.push_str("]; &FILES }");
     fs::write(out.join(format!("{set}.rs")), list)?;
     Ok(())
 }

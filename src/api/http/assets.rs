@@ -3,9 +3,13 @@
 //! Browsers keep them, and ask each time whether theirs are still good: the next version of the program
 //! has others under the same names. That question costs one answer without a body (304).
 
+use std::io::{self, Read as _};
+use std::sync::OnceLock;
+
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
+use flate2::read::GzDecoder;
 
 use super::coding::{self, Coding};
 use crate::api::problem::{Kind, Problem};
@@ -16,14 +20,35 @@ pub(crate) struct Asset {
     /// What it is called.
     pub name: &'static str,
     /// Differs where its bytes differ.
-    pub hash: &'static str,
-    /// Its bytes.
-    pub plain: &'static [u8],
-    /// The same, compressed.
-    pub gzip: &'static [u8],
+    hash: &'static str,
+    /// Its bytes, compressed: the program would be two megabytes larger with the others.
+    gzip: &'static [u8],
+    /// Its bytes, once somebody has asked for them who does not unpack.
+    plain: OnceLock<Bytes>,
 }
 
 impl Asset {
+    /// A file that nobody has asked for yet.
+    pub(crate) const fn new(name: &'static str, hash: &'static str, gzip: &'static [u8]) -> Self {
+        let plain = OnceLock::new();
+        Self {
+            name,
+            hash,
+            gzip,
+            plain,
+        }
+    }
+
+    /// Its bytes.
+    fn plain(&self) -> io::Result<Bytes> {
+        if let Some(plain) = self.plain.get() {
+            return Ok(plain.clone());
+        }
+        let mut plain = Vec::new();
+        GzDecoder::new(self.gzip).read_to_end(&mut plain)?;
+        Ok(self.plain.get_or_init(|| plain.into()).clone())
+    }
+
     /// The media type, by the ending of the name.
     fn media_type(&self) -> &'static str {
         match self.name.rsplit_once('.').map(|(_, ending)| ending) {
@@ -73,20 +98,18 @@ impl Site {
         may: impl Fn(&str) -> bool,
     ) -> Result<Response, Problem> {
         let mut files = self.files.iter();
-        let file = files.find(|file| file.name == name && may(name));
-        file.map(|file| answer(headers, file, self.policy))
-            .ok_or_else(|| {
-                let detail = format!("{} has no {}", self.name, quoted(name));
-                Problem::new(Kind::NotFound, detail)
-            })
+        let Some(file) = files.find(|file| file.name == name && may(name)) else {
+            let detail = format!("{} has no {}", self.name, quoted(name));
+            return Err(Problem::new(Kind::NotFound, detail));
+        };
+        answer(headers, file, self.policy)
+            .map_err(|error| Problem::new(Kind::Internal, error.to_string()))
     }
 }
 
 /// The file as an answer to a request with these headers, under this Content-Security-Policy.
-fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> Response {
-    // What is hardly smaller is not worth unpacking.
-    let packed =
-        asset.gzip.len() < asset.plain.len() / 10 * 9 && coding::accepts(headers, Coding::Gzip);
+fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> io::Result<Response> {
+    let packed = coding::accepts(headers, Coding::Gzip);
     let tag = match packed {
         true => format!("\"{}-gzip\"", asset.hash),
         false => format!("\"{}\"", asset.hash),
@@ -103,7 +126,7 @@ fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> Response 
     let mut response = match (known, packed) {
         (true, _) => StatusCode::NOT_MODIFIED.into_response(),
         (false, true) => Bytes::from_static(asset.gzip).into_response(),
-        (false, false) => Bytes::from_static(asset.plain).into_response(),
+        (false, false) => asset.plain()?.into_response(),
     };
     let told = response.headers_mut();
     told.extend(fixed);
@@ -121,7 +144,7 @@ fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> Response 
             told.insert(header::CONTENT_ENCODING, coding);
         }
     }
-    response
+    Ok(response)
 }
 
 /// Whether the client has the representation with this tag (`If-None-Match`, RFC 9110, 13.1.2).

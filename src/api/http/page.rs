@@ -14,7 +14,7 @@ use crate::api::app::App;
 use crate::api::language::JSON;
 use crate::api::problem::Problem;
 
-const PAGE: Site = Site {
+static PAGE: Site = Site {
     name: "the page",
     files: include!(concat!(env!("OUT_DIR"), "/viewer.rs")),
     root: "index.html",

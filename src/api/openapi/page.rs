@@ -10,7 +10,7 @@ use crate::api::http::path::InPath;
 use crate::api::problem::Problem;
 
 /// Its files, with the licence of Swagger UI: Apache License 2.0.
-pub(super) const REFERENCE: Site = Site {
+pub(super) static REFERENCE: Site = Site {
     name: "the reference",
     files: include!(concat!(env!("OUT_DIR"), "/reference.rs")),
     root: "page.html",
