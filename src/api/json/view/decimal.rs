@@ -28,7 +28,7 @@ impl Rounding {
     }
 
     /// Writes a number rounded, or in full if the rounded one would have too many digits, to the start of
-    /// [`LONGEST`] bytes; returns how many it takes.
+    /// [`ROOM`] bytes; returns how many it takes.
     pub(super) fn write(self, x: f64, room: &mut [u8]) -> usize {
         let scaled = if self.places < 0 {
             x.abs() / self.power
@@ -38,24 +38,69 @@ impl Rounding {
         if scaled.is_nan() || scaled >= LARGEST {
             return write(x, room);
         }
-        let mut number = (scaled + 0.5) as u64;
+        let number = (scaled + 0.5) as u64;
         if number == 0 {
             room[0] = b'0';
             return 1;
         }
-        let mut exponent = -self.places;
-        while number.is_multiple_of(10) {
-            number /= 10;
-            exponent += 1;
-        }
         let sign = usize::from(x < 0.0);
         room[0] = b'-';
-        sign + write_scientific(number, exponent, &mut room[sign..])
+        let room = &mut room[sign..];
+        let length = write_fixed(number, self.places, room);
+        sign + length.unwrap_or_else(|| write_short(number, -self.places, room))
     }
 }
 
-/// Writes `number · 10^exponent`, without an exponent where that is short. The last digit is not 0.
-fn write_scientific(mut number: u64, exponent: i32, room: &mut [u8]) -> usize {
+/// Writes `number · 10^-places` for numbers of at most 16 digits, if that takes a decimal point and no
+/// exponent; returns how many bytes it is. Copies have constant sizes, which is fast: more is written
+/// than counts.
+fn write_fixed(number: u64, places: i32, room: &mut [u8]) -> Option<usize> {
+    const HALF: u64 = 100_000_000;
+    const ZEROS: usize = 8;
+    let halves = [number / HALF, number % HALF].map(eight_digits);
+    // Where its first digit and the end of its last one that is not 0 are among sixteen, and the point.
+    let first = match halves {
+        [0, low] => 8 + low.trailing_zeros() as usize / 8,
+        [high, _] => high.trailing_zeros() as usize / 8,
+    };
+    let end = match halves {
+        [high, 0] => 8 - high.leading_zeros() as usize / 8,
+        [_, low] => 16 - low.leading_zeros() as usize / 8,
+    };
+    let point = 16_usize.checked_sub(usize::try_from(places).ok()?)?;
+    if end <= point || first > point + 3 {
+        return None;
+    }
+    let mut text = [b'0'; 48];
+    for (k, half) in halves.into_iter().enumerate() {
+        let characters = (half | 0x3030_3030_3030_3030).to_le_bytes();
+        text[ZEROS + 8 * k..ZEROS + 8 * k + 8].copy_from_slice(&characters);
+    }
+    let start = (ZEROS + first).min(ZEROS + point - 1);
+    let point = ZEROS + point;
+    let before = point - start;
+    room[..16].copy_from_slice(&text[start..start + 16]);
+    room[before] = b'.';
+    room[before + 1..before + 17].copy_from_slice(&text[point..point + 16]);
+    Some(before + 1 + ZEROS + end - point)
+}
+
+/// The eight decimal digits of a number below 10⁸, the first in the lowest byte: pairs of four, of two and
+/// of one digit are divided at the same time.
+fn eight_digits(number: u64) -> u64 {
+    let fours = (number / 10_000) | ((number % 10_000) << 32);
+    let hundreds = ((fours * 10_486) >> 20) & 0x7f_0000_007f;
+    let twos = hundreds | ((fours - 100 * hundreds) << 16);
+    let tens = ((twos * 103) >> 10) & 0x000f_000f_000f_000f;
+    tens | ((twos - 10 * tens) << 8)
+}
+
+/// Writes `number · 10^exponent`, without an exponent where that is short.
+fn write_short(mut number: u64, mut exponent: i32, room: &mut [u8]) -> usize {
+    while number.is_multiple_of(10) {
+        number /= 10;
+        exponent += 1;
+    }
     let mut digits = [0; 20];
     let mut start = digits.len();
     while number > 0 {
@@ -93,6 +138,9 @@ fn join(room: &mut [u8], parts: [&[u8]; 3]) -> usize {
     at
 }
 
+/// The bytes that are there when a number is written: more than it takes.
+pub(super) const ROOM: usize = 40;
+
 /// The most bytes that a number takes.
 pub(super) const LONGEST: usize = 2 * HALF + 1;
 
@@ -100,7 +148,7 @@ pub(super) const LONGEST: usize = 2 * HALF + 1;
 const HALF: usize = 12;
 
 /// Writes a number with as many digits as it takes to read it back exactly, or `null` if it is not
-/// finite, to the start of [`LONGEST`] bytes; returns how many it takes.
+/// finite, to the start of [`ROOM`] bytes; returns how many it takes.
 pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
     if !x.is_finite() {
         return join(room, [b"null", b"", b""]);
@@ -125,7 +173,7 @@ mod tests {
     use super::*;
 
     fn text(write: impl FnOnce(&mut [u8]) -> usize) -> String {
-        let mut json = [0; LONGEST];
+        let mut json = [0; ROOM];
         let length = write(&mut json);
         String::from_utf8(json[..length].to_vec()).unwrap()
     }
@@ -176,6 +224,15 @@ mod tests {
         });
         let any = (any::<f64>(), any::<f64>()).prop_map(|(x, error)| (x, error.abs()));
         prop_oneof![4 => near, 1 => any]
+    }
+
+    #[test]
+    fn eight_digits_are_those_of_the_number() {
+        let numbers = (0..10_000).flat_map(|k| [k, 9_999 - k + 10_000 * k, 99_999_999 - k]);
+        for number in numbers.chain([12_345_678, 90_000_000]) {
+            let digits = (eight_digits(number) | 0x3030_3030_3030_3030).to_le_bytes();
+            assert_eq!(format!("{number:08}").as_bytes(), digits);
+        }
     }
 
     proptest! {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use base64_simd::STANDARD;
 use bytes::Bytes;
 
-use super::decimal::{self, LONGEST, Rounding};
+use super::decimal::{self, LONGEST, ROOM, Rounding};
 use super::shape::NestedShape;
 use super::source::Source;
 use crate::job::content::{Content, Piece, Pieces};
@@ -184,7 +184,7 @@ fn lists(
     let length = text.len();
     let runs = numbers.len() / innermost + 2;
     text.resize(
-        length + numbers.len() * (LONGEST + 1) + runs * 2 * shape.depth(),
+        length + numbers.len() * (LONGEST + 1) + runs * 2 * shape.depth() + ROOM,
         0,
     );
     let mut room = FixedBuffer {
