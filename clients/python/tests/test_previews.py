@@ -47,6 +47,8 @@ def test_previews_of_surfaces_from_an_iteration(client: piad.Client) -> None:
     assert [level.number for level in levels] == list(range(6))
     (last,) = job.preview({(1, 2): [1.0, 2.0, 0.5]}, start=start, method=method, max_iterations=5, every=1_000_000)
     assert np.array_equal(last.control_points, levels[-1].control_points)  # type: ignore[arg-type]
+    *_, last = job.preview({(1, 2): [1.0, 2.0, 0.5]}, start=start, method=method, max_iterations=5, pace="latest")
+    assert np.array_equal(last.control_points, levels[-1].control_points)  # type: ignore[arg-type]
 
 
 def test_previews_start_from_iterations_without_control_points(client: piad.Client) -> None:

@@ -22,9 +22,6 @@ PREFERENCES = "User parameter:BaseApp/Preferences/Mod/piad"
 # A server that is gone is known after one attempt more, about three seconds.
 _ATTEMPTS = 2
 
-# Seconds without a sign of life, after which an edit is given up. Servers send something every 15 seconds.
-_TIMEOUT = 60.0
-
 # Seconds within which a program that is started has to listen.
 _START = 10.0
 
@@ -45,20 +42,13 @@ def piad() -> ModuleType:
         raise ServerError(text.format(error.name)) from error
 
 
-def client() -> Any:
+def client(headers: dict[str, str] | None = None) -> Any:
     """A client of the server, which is started if it is this workbench's own and does not run."""
     url, token = _address()
     try:
-        return piad().Client(url, attempts=_ATTEMPTS, token=token)
+        return piad().Client(url, attempts=_ATTEMPTS, token=token, headers=headers)
     except ValueError as error:
         raise ServerError(translate("piad", "The server in the preferences: {}").format(error)) from error
-
-
-def connection() -> Any:
-    """The same without the client, for what it cannot do."""
-    url, token = _address()
-    headers = {"Authorization": f"Bearer {token}"} if token else {}
-    return importlib.import_module("httpx").Client(base_url=url, headers=headers, timeout=_TIMEOUT)
 
 
 def _address() -> tuple[str, str | None]:

@@ -260,6 +260,7 @@ class AsyncJob:
         start: Optional[Iteration] = None,
         session: Optional[str] = None,
         every: int = 1,
+        pace: Literal["all", "latest"] = "all",
         point_weights: Optional[Mapping[Index, float]] = None,
         method: Optional[Method] = None,
         tolerance: Optional[float] = None,
@@ -271,7 +272,7 @@ class AsyncJob:
         The fit ends with the iterator. One with a `session` replaces the one before of that session,
         whose iterator ends where it is. `start` is the iteration of this job to begin with, by
         default the last; with it, only control points that move are sent. `every=1000000` gives the
-        last iteration alone. Where the connection breaks after the first one there is nothing to go
+        last iteration alone, `pace="latest"` leaves out those that come faster than they are read. Where the connection breaks after the first one there is nothing to go
         on with (`ConnectionLost`): ask for the newest position again.
         """
         body = _request.edit(
@@ -284,9 +285,10 @@ class AsyncJob:
             session=session,
         )
         # Changes are relative to the iteration before, of which none may be left out.
-        before = start if every == 1 and start is not None and start.control_points is not None else None
+        complete = (every, pace) == (1, "all") and start is not None and start.control_points is not None
+        before = start if complete else None
         shape = None if before is None else before.shape
-        parameters = {**_COMPLETE, "every": str(every)} if before is None else _CHANGES
+        parameters = {**_COMPLETE, "every": str(every), "pace": pace} if before is None else _CHANGES
         stream, id = EventStream(self._transport, f"{self._path}/edits/stream", parameters, body=body), ""
         async with stream.open() as events:
             async for name, data in events:
