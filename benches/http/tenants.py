@@ -4,6 +4,7 @@
 """
 
 import argparse
+import contextlib
 import http.client
 import json
 import math
@@ -14,6 +15,7 @@ import subprocess
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
 
 SMALL = 100
 WARM = 50
@@ -27,6 +29,22 @@ def curve(points: int, **stop: float) -> bytes:
 def token(program: str, file: str, tenant: str) -> str:
     command = [program, "token", "create", "--tokens", file, "--tenant", tenant]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+
+
+@contextlib.contextmanager
+def started(program: str, folder: str, tokens: str) -> Iterator[str]:
+    """The address of a server that asks for tokens."""
+    command = [program, "--listen", "127.0.0.1:0", "--store", folder, "--tokens", tokens]
+    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert server.stderr is not None
+    address = next(found[1] for line in server.stderr if (found := re.search(r"listening on http://(\S+)", line)))
+    # A log that nobody reads would stop the server in the end.
+    threading.Thread(target=server.stderr.read, daemon=True).start()
+    try:
+        yield address
+    finally:
+        server.terminate()
+        server.wait()
 
 
 class Client:
@@ -68,17 +86,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "tokens.toml")
         tokens = [token(arguments.program, file, tenant) for tenant in ("large", "small")]
-        command = [arguments.program, "--listen", "127.0.0.1:0", "--store", folder, "--tokens", file]
-        server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-        assert server.stderr is not None
-        address = next(found[1] for line in server.stderr if (found := re.search(r"listening on http://(\S+)", line)))
-        # A log that nobody reads would stop the server in the end.
-        threading.Thread(target=server.stderr.read, daemon=True).start()
-        try:
+        with started(arguments.program, folder, file) as address:
             measure(Client(address, tokens[0]), Client(address, tokens[1]), arguments)
-        finally:
-            server.terminate()
-            server.wait()
 
 
 def measure(large: Client, small: Client, arguments: argparse.Namespace) -> None:
