@@ -32,6 +32,8 @@ struct ConnectionState {
     head: Option<Instant>,
     /// When something was last written, and how many bytes in all.
     written: (Instant, u64),
+    /// The client takes nothing of what is being written.
+    blocked: bool,
     /// There has been a request.
     served: bool,
     /// A request was answered before all of its body had come.
@@ -58,6 +60,7 @@ impl Activity {
             idle: now,
             head: None,
             written: (now, 0),
+            blocked: false,
             served: false,
             cut_short: false,
             multiplexed: false,
@@ -76,6 +79,11 @@ impl Activity {
     pub(super) fn wrote(&self, bytes: usize) {
         let mut state = self.0.lock();
         state.written = (Instant::now(), state.written.1 + bytes as u64);
+    }
+
+    /// Notes whether the client takes nothing of what is being written.
+    pub(super) fn set_blocked(&self, blocked: bool) {
+        self.0.lock().blocked = blocked;
     }
 
     /// Notes a request, which is open until the guard is dropped.
@@ -117,6 +125,19 @@ impl Activity {
         }
     }
 
+    /// Completes when there has been nothing on a connection with HTTP/1.1 for a time: all answers have
+    /// been taken, and nothing of a request has come.
+    pub(super) async fn quiet(&self, time: Duration) {
+        loop {
+            let now = Instant::now();
+            let end = self.0.lock().quiet_since().map(|since| since + time);
+            match end {
+                Some(end) if end <= now => return,
+                end => sleep_until(end.unwrap_or(now + time)).await,
+            }
+        }
+    }
+
     /// Completes when no request is open and nothing has been written for a time.
     pub(super) async fn silence(&self, time: Duration) {
         let of = |state: &ConnectionState| (state.open == 0).then_some(state.written.1);
@@ -131,6 +152,13 @@ impl Activity {
 }
 
 impl ConnectionState {
+    /// Since when there has been nothing on a connection with HTTP/1.1.
+    fn quiet_since(&self) -> Option<Instant> {
+        let is_busy = self.open > 0 || self.head.is_some() || self.blocked;
+        let is_quiet = self.served && !is_busy && !self.cut_short && !self.multiplexed;
+        is_quiet.then(|| self.idle.max(self.written.0))
+    }
+
     /// When and why the connection times out if nothing happens on it.
     fn end(&self, times: Times) -> Option<(Instant, Overdue)> {
         if self.open > 0 {
@@ -200,6 +228,26 @@ mod tests {
         assert_eq!(left(&activity, now), Some((100, Overdue::Idle)));
         activity.read();
         assert_eq!(left(&activity, now), Some((10, Overdue::Half)));
+    }
+
+    #[test]
+    fn a_connection_is_quiet_when_all_is_said_and_taken() {
+        let activity = Arc::new(Activity::new());
+        let is_quiet = || activity.0.lock().quiet_since().is_some();
+        activity.read();
+        assert!(!is_quiet(), "a head is coming");
+        let request = activity.open(false);
+        assert!(!is_quiet(), "it is not answered");
+        activity.set_blocked(true);
+        drop(request);
+        assert!(!is_quiet(), "the answer is not taken");
+        activity.set_blocked(false);
+        assert!(is_quiet());
+        activity.read();
+        assert!(!is_quiet(), "the next one is coming");
+        drop(activity.open(false));
+        activity.cut_short();
+        assert!(!is_quiet(), "the rest of a body may come");
     }
 
     #[test]

@@ -1,41 +1,22 @@
-//! Serves one connection with HTTP/1.1 or HTTP/2.
+//! A connection: whose it is, and how a request on it is answered.
 
 use std::convert::Infallible;
-use std::pin::pin;
 use std::sync::Arc;
 
 use axum::body::Body;
 use axum::http::{HeaderValue, Request, Version, header};
 use hyper::body::Incoming;
-use hyper::rt::Executor;
-use hyper::service::service_fn;
-use hyper_util::rt::TokioIo;
-use hyper_util::server::conn::auto::Builder;
-use tokio::time::Duration;
 use tower::Service;
-use tracing::debug;
 
 use super::accept::Doors;
-use super::activity::{Activity, Overdue, Times};
+use super::activity::{Activity, Times};
+use super::conversation;
 use super::limits::Crowded;
 use super::listener::Stream;
 use super::proxy;
 use super::request_body::RequestBody;
 use super::response_body::{ResponseBody, Served};
-use super::stream_timeout::unless_stalled;
-use super::write_timeout::TimedStream;
 use crate::job::peer::Peer;
-
-/// How long a connection that is being shut down may be silent before it is cut off.
-const LINGER: Duration = Duration::from_secs(2);
-
-/// The most requests at a time on an HTTP/2 connection.
-const STREAMS: u32 = 100;
-
-/// How much an HTTP/2 client may send of a request before the server takes it, and of all requests of a
-/// connection: what waits there is counted nowhere else.
-const STREAM_WINDOW: u32 = 64 << 10;
-const CONNECTION_WINDOW: u32 = 256 << 10;
 
 /// Where a connection comes from.
 #[derive(Clone, Copy)]
@@ -73,56 +54,12 @@ impl Caller {
 
 /// Serves a connection until it ends, is told to stop, or does nothing for too long.
 pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
-    let served = converse(stream, caller, doors, times);
+    let served = conversation::converse(stream, caller, doors, times);
     Peer::scope(Some(caller.peer), served).await;
 }
 
-async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
-    let mut stopping = doors.stopping.clone();
-    let activity = Arc::new(Activity::new());
-    let io = TimedStream::new(stream, Arc::clone(&activity), times.write);
-    let requests = Arc::clone(&activity);
-    let service = service_fn(move |request: Request<Incoming>| {
-        let (doors, activity) = (Arc::clone(&doors), Arc::clone(&requests));
-        answer(doors, activity, caller, request)
-    });
-    let peer = caller.peer;
-    let mut builder = Builder::new(Streams {
-        peer,
-        write: times.write,
-    });
-    // The time for heads is checked with the other timeouts: see `activity`.
-    builder.http1().header_read_timeout(None);
-    builder
-        .http2()
-        .max_concurrent_streams(STREAMS)
-        .initial_stream_window_size(STREAM_WINDOW)
-        .initial_connection_window_size(CONNECTION_WINDOW);
-    let mut connection = pin!(builder.serve_connection(TokioIo::new(io), service));
-    tokio::select! {
-        ended = connection.as_mut() => return told(ended),
-        overdue = activity.overdue(times) => {
-            debug!(%peer, "a connection is closed: {overdue:?}");
-            if overdue == Overdue::Half {
-                return;
-            }
-        }
-        _ = stopping.wait_for(|stopping| *stopping) => {}
-    }
-    connection.as_mut().graceful_shutdown();
-    tokio::select! {
-        ended = connection => told(ended),
-        () = activity.silence(LINGER) => {}
-    }
-}
-
-fn told<E: std::fmt::Display>(ended: Result<(), E>) {
-    if let Err(reason) = ended {
-        debug!("a connection has ended: {reason}");
-    }
-}
-
-async fn answer(
+/// Answers a request.
+pub(super) async fn answer(
     doors: Arc<Doors>,
     activity: Arc<Activity>,
     caller: Caller,
@@ -159,21 +96,4 @@ async fn answer(
         _slot: slot,
     };
     Ok(response.map(|body| ResponseBody::new(body, served, multiplexed)))
-}
-
-/// Spawns the tasks of HTTP/2 streams.
-#[derive(Clone, Copy)]
-struct Streams {
-    peer: Peer,
-    write: Duration,
-}
-
-impl<F> Executor<F> for Streams
-where
-    F: Future<Output = ()> + Send + 'static,
-{
-    fn execute(&self, task: F) {
-        let task = unless_stalled(self.write, task);
-        tokio::spawn(Peer::scope(Some(self.peer), task));
-    }
 }

@@ -11,6 +11,7 @@
 mod accept;
 mod activity;
 mod connection;
+mod conversation;
 pub(crate) mod limits;
 pub mod listen;
 pub mod listener;

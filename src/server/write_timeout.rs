@@ -5,7 +5,8 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, ready};
 
-use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use bytes::Bytes;
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, ReadBuf};
 use tokio::time::{Duration, Sleep, sleep};
 
 use super::activity::Activity;
@@ -16,6 +17,8 @@ pub(super) struct TimedStream<S> {
     stream: S,
     activity: Arc<Activity>,
     limit: Duration,
+    /// What was received and is to be read again.
+    unread: Bytes,
     /// The timeout while the other side takes nothing.
     stalled: Option<Pin<Box<Sleep>>>,
     /// After everything is written: how long what still comes is ignored.
@@ -34,10 +37,52 @@ impl<S> TimedStream<S> {
             stream,
             activity,
             limit,
+            unread: Bytes::new(),
             stalled: None,
             closing: None,
             ignored: 0,
         }
+    }
+
+    /// What is read next, before what is received.
+    pub(super) fn unread(&mut self, bytes: Bytes) {
+        self.unread = bytes;
+    }
+
+    /// Whether these are the first bytes of what comes, as soon as there is an answer to that; `None` if nothing
+    /// more comes. What is looked at is read again. A future that is dropped loses nothing.
+    pub(super) async fn begins_with(&mut self, bytes: &[u8]) -> Option<bool>
+    where
+        S: AsyncRead + Unpin,
+    {
+        loop {
+            let known = self.unread.len().min(bytes.len());
+            if self.unread[..known] != bytes[..known] {
+                return Some(false);
+            }
+            if known == bytes.len() {
+                return Some(true);
+            }
+            let mut room = [0; 64];
+            let count = self
+                .receive(&mut room)
+                .await
+                .ok()
+                .filter(|&count| count > 0)?;
+            self.unread = [&self.unread, &room[..count]].concat().into();
+        }
+    }
+
+    /// Reads from the connection itself.
+    async fn receive(&mut self, room: &mut [u8]) -> io::Result<usize>
+    where
+        S: AsyncRead + Unpin,
+    {
+        let count = self.stream.read(room).await?;
+        if count > 0 {
+            self.activity.read();
+        }
+        Ok(count)
     }
 
     /// The outcome of an attempt to write; an error if it is pending and the timeout has passed.
@@ -46,6 +91,7 @@ impl<S> TimedStream<S> {
         attempt: Poll<io::Result<T>>,
         context: &mut Context<'_>,
     ) -> Poll<io::Result<T>> {
+        self.activity.set_blocked(attempt.is_pending());
         if attempt.is_ready() {
             self.stalled = None;
             return attempt;
@@ -97,6 +143,11 @@ impl<S: AsyncRead + Unpin> AsyncRead for TimedStream<S> {
         context: &mut Context<'_>,
         buffer: &mut ReadBuf<'_>,
     ) -> Poll<io::Result<()>> {
+        if !self.unread.is_empty() {
+            let count = self.unread.len().min(buffer.remaining());
+            buffer.put_slice(&self.unread.split_to(count));
+            return Poll::Ready(Ok(()));
+        }
         let before = buffer.filled().len();
         let read = Pin::new(&mut self.stream).poll_read(context, buffer);
         if buffer.filled().len() > before {

@@ -1,0 +1,175 @@
+//! HTTP on a connection, in the version that the client speaks.
+//!
+//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So one
+//! on which nothing is asked for some time is taken back from hyper, which gets it again with the next
+//! request.
+
+use std::pin::{Pin, pin};
+use std::sync::Arc;
+
+use axum::http::Request;
+use hyper::body::Incoming;
+use hyper::rt::Executor;
+use hyper::server::conn::{http1, http2};
+use hyper::service::service_fn;
+use hyper_util::rt::TokioIo;
+use hyper_util::server::graceful::GracefulConnection;
+use tokio::io::AsyncWriteExt;
+use tokio::sync::watch;
+use tokio::time::{Duration, timeout};
+use tracing::debug;
+
+use super::accept::Doors;
+use super::activity::{Activity, Overdue, Times};
+use super::connection::{self, Caller};
+use super::listener::Stream;
+use super::stream_timeout::unless_stalled;
+use super::write_timeout::TimedStream;
+use crate::job::peer::Peer;
+use crate::trim;
+
+/// How long nothing is asked on a connection before it is taken back.
+const QUIET: Duration = Duration::from_secs(5);
+
+/// How long a connection that is being shut down may be silent before it is cut off.
+const LINGER: Duration = Duration::from_secs(2);
+
+/// What each connection with HTTP/2 begins with (RFC 9113, 3.4).
+const PREFACE: &[u8] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
+
+/// The most requests at a time on an HTTP/2 connection.
+const STREAMS: u32 = 100;
+
+/// How much an HTTP/2 client may send of a request before the server takes it, and of all requests of a
+/// connection: what waits there is counted nowhere else.
+const STREAM_WINDOW: u32 = 64 << 10;
+const CONNECTION_WINDOW: u32 = 256 << 10;
+
+/// Serves a connection until it ends, is told to stop, or does nothing for too long.
+pub(super) async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
+    let activity = Arc::new(Activity::new());
+    let mut watch = Watch {
+        peer: caller.peer,
+        activity: Arc::clone(&activity),
+        times,
+        stopping: doors.stopping.clone(),
+    };
+    let mut io = TimedStream::new(stream, Arc::clone(&activity), times.write);
+    let service = service_fn(move |request: Request<Incoming>| {
+        connection::answer(Arc::clone(&doors), Arc::clone(&activity), caller, request)
+    });
+    loop {
+        let begins = tokio::select! {
+            begins = io.begins_with(PREFACE) => begins,
+            _ = watch.end() => None,
+        };
+        match begins {
+            // Whoever does not take the end of the connection gets none.
+            None => return drop(timeout(LINGER, io.shutdown()).await),
+            Some(true) => {
+                let streams = Streams {
+                    peer: caller.peer,
+                    write: times.write,
+                };
+                let connection = http2::Builder::new(streams)
+                    .max_concurrent_streams(STREAMS)
+                    .initial_stream_window_size(STREAM_WINDOW)
+                    .initial_connection_window_size(CONNECTION_WINDOW)
+                    .serve_connection(TokioIo::new(io), service);
+                watch.serve(pin!(connection)).await;
+                return;
+            }
+            Some(false) => {
+                // The time for heads is checked with the other timeouts: see `activity`.
+                let connection = http1::Builder::new()
+                    .header_read_timeout(None)
+                    .serve_connection(TokioIo::new(io), service.clone());
+                let mut connection = Box::new(connection);
+                if watch.serve(Pin::new(&mut *connection)).await == Served::ToItsEnd {
+                    return;
+                }
+                let parts = connection.into_parts();
+                io = parts.io.into_inner();
+                io.unread(parts.read_buf);
+                trim::soon();
+            }
+        }
+    }
+}
+
+/// What ends a connection besides itself.
+struct Watch {
+    peer: Peer,
+    activity: Arc<Activity>,
+    times: Times,
+    stopping: watch::Receiver<bool>,
+}
+
+/// How far a connection was served.
+#[derive(PartialEq, Eq)]
+enum Served {
+    ToItsEnd,
+    UntilQuiet,
+}
+
+impl Watch {
+    /// Completes when the connection has timed out, or the server stops.
+    async fn end(&mut self) -> Option<Overdue> {
+        tokio::select! {
+            overdue = self.activity.overdue(self.times) => {
+                debug!(peer = %self.peer, "a connection is closed: {overdue:?}");
+                Some(overdue)
+            }
+            _ = self.stopping.wait_for(|stopping| *stopping) => None,
+        }
+    }
+
+    /// Serves requests until the connection ends, or nothing is asked for some time.
+    async fn serve<C>(&mut self, mut connection: Pin<&mut C>) -> Served
+    where
+        C: GracefulConnection<Error = hyper::Error>,
+    {
+        let activity = Arc::clone(&self.activity);
+        tokio::select! {
+            ended = connection.as_mut() => {
+                told(ended);
+                return Served::ToItsEnd;
+            }
+            () = activity.quiet(QUIET) => return Served::UntilQuiet,
+            end = self.end() => {
+                if end == Some(Overdue::Half) {
+                    return Served::ToItsEnd;
+                }
+            }
+        }
+        connection.as_mut().graceful_shutdown();
+        tokio::select! {
+            ended = connection => told(ended),
+            () = activity.silence(LINGER) => {}
+        }
+        Served::ToItsEnd
+    }
+}
+
+fn told(ended: Result<(), hyper::Error>) {
+    if let Err(reason) = ended {
+        debug!("a connection has ended: {reason}");
+    }
+}
+
+/// Spawns the tasks of HTTP/2 streams.
+#[derive(Clone, Copy)]
+struct Streams {
+    peer: Peer,
+    write: Duration,
+}
+
+impl<F> Executor<F> for Streams
+where
+    F: Future<Output = ()> + Send + 'static,
+{
+    fn execute(&self, task: F) {
+        let task = unless_stalled(self.write, task);
+        tokio::spawn(Peer::scope(Some(self.peer), task));
+    }
+}
