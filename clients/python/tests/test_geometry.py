@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -9,6 +13,8 @@ import pytest
 from shapes import CURVE, FITS
 
 import piad
+from piad.geometry import occ
+from piad.geometry._optional import load
 from piad.geometry.ball import to_bezier
 
 KINDS = ["piad", "scipy", "geomdl", "rhino", "occ"]
@@ -117,6 +123,27 @@ def test_what_packages_cannot_say_is_refused(client: piad.Client) -> None:
     points = [[i, i % 3] for i in range(30)]
     with pytest.raises(ValueError, match="degree 29"):
         client.fit(points, basis="bernstein", method="direct").curve.to_occ()
+
+
+@pytest.mark.parametrize("name", ["fixed", "fixed_surface"])
+def test_arrays_have_other_names_in_ocp_8(client: piad.Client, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    geometry = client.fit(**FITS[name]).geometry
+    arrays = ModuleType("OCP.collections")
+    for newer, (module, former) in occ._ARRAYS.items():
+        setattr(arrays, newer, getattr(import_module(module), former))
+        monkeypatch.delattr(f"{module}.{former}")
+    monkeypatch.setitem(sys.modules, "OCP.collections", arrays)
+    made = geometry.to_occ()
+    assert made.IsRational() if isinstance(geometry, piad.Curve) else made.IsURational()
+
+
+def test_a_package_that_cannot_be_loaded_is_not_called_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "kernel_without_screen.py").write_text("raise ImportError('libGL.so.1: cannot open')")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(piad.MissingPackage, match=r"libGL\.so\.1: cannot open$"):
+        load("kernel_without_screen", "kernel")
+    with pytest.raises(piad.MissingPackage, match="pip install kernel$"):
+        load("kernel_that_is_not_there", "kernel")
 
 
 @pytest.mark.parametrize("kind", ["said_ball", "wang_ball"])

@@ -112,9 +112,9 @@ class WaitTimeout(PiadError, TimeoutError):
 
 
 class MissingPackage(PiadError, ImportError):
-    """An optional package is not installed."""
+    """An optional package is not installed, or cannot be loaded."""
 
-    def __init__(self, module: str, package: str):
-        super().__init__(f"{module} is needed for this and cannot be imported: pip install {package}", name=module)
+    def __init__(self, module: str, package: str, why: str | None = None):
+        super().__init__(f"{module} is needed for this and cannot be imported: {why or f'pip install {package}'}", name=module)
         self.package = package
         """The package that has it."""

@@ -9,8 +9,10 @@ from ..errors import MissingPackage
 
 
 def load(module: str, package: str) -> Any:
-    """A module; without it, an error that says which package has it."""
+    """A module; without it, an error that says which package has it, or why that cannot be loaded."""
     try:
         return import_module(module)
     except ImportError as error:
-        raise MissingPackage(module, package) from error
+        # Those that are there may lack a library of the system, such as libGL.so.1.
+        why = None if isinstance(error, ModuleNotFoundError) else str(error)
+        raise MissingPackage(module, package, why) from error

@@ -16,6 +16,15 @@ if TYPE_CHECKING:
 _MOST_DEGREE = 25
 _PACKAGE = "cadquery-ocp"
 
+# Arrays by their names in OCP 8, which has all in one module: where OCP 7 has each.
+_ARRAYS = {
+    "Array1_gp_Pnt": ("OCP.TColgp", "TColgp_Array1OfPnt"),
+    "Array2_gp_Pnt": ("OCP.TColgp", "TColgp_Array2OfPnt"),
+    "Array1_double": ("OCP.TColStd", "TColStd_Array1OfReal"),
+    "Array2_double": ("OCP.TColStd", "TColStd_Array2OfReal"),
+    "Array1_int": ("OCP.TColStd", "TColStd_Array1OfInteger"),
+}
+
 
 def curve(it: Curve) -> Any:
     """Distinct knots with their multiplicities. Points of the plane get z = 0."""
@@ -23,7 +32,7 @@ def curve(it: Curve) -> Any:
     spline = it.as_bspline()
     _check_degree(spline.degree)
     points = as_lists(spline.control_points)
-    poles = load("OCP.TColgp", _PACKAGE).TColgp_Array1OfPnt(1, len(points))
+    poles = _array("Array1_gp_Pnt", 1, len(points))
     for i, point in enumerate(points, 1):
         poles.SetValue(i, _point(point))
     knots, counts = _knots(spline.knots)
@@ -40,7 +49,7 @@ def surface(it: Surface) -> Any:
     for degree in spline.degrees:
         _check_degree(degree)
     rows = as_lists(spline.control_points)
-    poles = load("OCP.TColgp", _PACKAGE).TColgp_Array2OfPnt(1, len(rows), 1, len(rows[0]))
+    poles = _array("Array2_gp_Pnt", 1, len(rows), 1, len(rows[0]))
     for i, row in enumerate(rows, 1):
         for j, point in enumerate(row, 1):
             poles.SetValue(i, j, _point(point))
@@ -48,7 +57,7 @@ def surface(it: Surface) -> Any:
     numbers = (u, v, counts_u, counts_v, *spline.degrees)
     if spline.weights is None:
         return geom.Geom_BSplineSurface(poles, *numbers)
-    weights = load("OCP.TColStd", _PACKAGE).TColStd_Array2OfReal(1, len(rows), 1, len(rows[0]))
+    weights = _array("Array2_double", 1, len(rows), 1, len(rows[0]))
     for i, line in enumerate(as_lists(spline.weights), 1):
         for j, weight in enumerate(line, 1):
             weights.SetValue(i, j, weight)
@@ -60,12 +69,18 @@ def _check_degree(degree: int) -> None:
         raise ValueError(f"OpenCASCADE has no degree {degree}: {_MOST_DEGREE} is the highest")
 
 
+def _array(name: str, *bounds: int) -> Any:
+    module, former = _ARRAYS[name]
+    kind = getattr(load(module, _PACKAGE), former, None)
+    return (kind or getattr(load("OCP.collections", _PACKAGE), name))(*bounds)
+
+
 def _point(point: list[float]) -> Any:
     return load("OCP.gp", _PACKAGE).gp_Pnt(*in_space(point))
 
 
 def _reals(values: list[float]) -> Any:
-    array = load("OCP.TColStd", _PACKAGE).TColStd_Array1OfReal(1, len(values))
+    array = _array("Array1_double", 1, len(values))
     for i, value in enumerate(values, 1):
         array.SetValue(i, value)
     return array
@@ -73,7 +88,7 @@ def _reals(values: list[float]) -> Any:
 
 def _knots(knots: tuple[float, ...]) -> tuple[Any, Any]:
     distinct = multiplicities(knots)
-    counts = load("OCP.TColStd", _PACKAGE).TColStd_Array1OfInteger(1, len(distinct))
+    counts = _array("Array1_int", 1, len(distinct))
     for i, (_, count) in enumerate(distinct, 1):
         counts.SetValue(i, count)
     return _reals([knot for knot, _ in distinct]), counts
