@@ -3,9 +3,13 @@
 Install the client into Blender's Python (`python -m pip install ./clients/python`), start a server,
 and run this in the Text Editor. Blender's NURBS have no knots of one's own, so each iteration is
 sampled into a mesh with a shape key.
+
+Without a window, `blender --background --python blender_fit.py` or, with `pip install bpy`,
+`python blender_fit.py` writes piad.blend.
 """
 
 import math
+import os
 
 import bpy
 
@@ -39,7 +43,10 @@ def main():
             if frame < len(levels):
                 key.value = value
                 key.keyframe_insert("value", frame=frame)
-    bpy.context.scene.frame_end = len(levels) - 1
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 0, len(levels) - 1
+    print(f"{len(levels)} frames of {SAMPLES} vertices")
+    if bpy.app.background:
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("piad.blend"))
 
 
 main()

@@ -1,7 +1,8 @@
 """FreeCAD macro: a B-spline through the points of the selected wire or sketch, or through a helix.
 
-Install the client into FreeCAD's Python (`pip install ./clients/python`), start a server, put this
-file into the macro folder and run it. The spline appears in the active document.
+Install the workbench (clients/freecad/README.md), which brings the client, or the client alone into
+FreeCAD's Python (`pip install ./clients/python`). Start a server, put this file into the macro folder
+and run it. The spline appears in the active document. Without a window: `freecadcmd freecad_fit.py`.
 """
 
 import math
@@ -17,9 +18,10 @@ SERVER = "http://127.0.0.1:8080"
 
 def data_points():
     """The vertices of what is selected, in order; in millimetres."""
-    points = [v.Point for part in Gui.Selection.getSelection() for v in part.Shape.OrderedVertexes]
-    if points:
-        return [[p.x, p.y, p.z] for p in points]
+    if App.GuiUp:
+        points = [v.Point for part in Gui.Selection.getSelection() for v in part.Shape.OrderedVertexes]
+        if points:
+            return [[p.x, p.y, p.z] for p in points]
     return [[20 * math.cos(0.5 * i), 20 * math.sin(0.5 * i), 2 * i] for i in range(26)]
 
 
@@ -39,8 +41,10 @@ def main():
     with piad.Client(SERVER) as client:
         result = client.fit(data_points(), tolerance=1e-6, name="FreeCAD")
     document = App.ActiveDocument or App.newDocument()
-    Part.show(spline_of(result.curve).toShape())
+    shape = spline_of(result.curve).toShape()
+    Part.show(shape)
     document.recompute()
+    print(f"{result.state}: {len(result.curve.control_points)} control points, {shape.Length:.3f} mm long")
 
 
 main()

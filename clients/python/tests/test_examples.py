@@ -37,7 +37,8 @@ def run(name: str, **names: Any) -> dict[str, Any]:
 
 def test_freecad(monkeypatch: pytest.MonkeyPatch) -> None:
     spline = MagicMock()
-    install(monkeypatch, "FreeCAD", Vector=lambda x, y, z: (x, y, z), ActiveDocument=MagicMock())
+    spline.toShape.return_value.Length = 100.0
+    install(monkeypatch, "FreeCAD", Vector=lambda x, y, z: (x, y, z), ActiveDocument=MagicMock(), GuiUp=1)
     install(monkeypatch, "FreeCADGui", Selection=SimpleNamespace(getSelection=lambda: []))
     install(monkeypatch, "Part", BSplineCurve=lambda: spline, show=MagicMock())
     run("freecad_fit.py")
@@ -96,12 +97,15 @@ def test_cadquery(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 def test_blender(monkeypatch: pytest.MonkeyPatch) -> None:
-    thing, mesh, scene = MagicMock(), MagicMock(), SimpleNamespace(frame_end=0)
+    thing, mesh, scene, ops = MagicMock(), MagicMock(), SimpleNamespace(frame_start=1, frame_end=0), MagicMock()
     thing.shape_key_add.side_effect = lambda name: MagicMock(data=[SimpleNamespace(co=None) for _ in range(200)])
     data = SimpleNamespace(meshes=MagicMock(), objects=MagicMock())
     data.meshes.new.return_value, data.objects.new.return_value = mesh, thing
-    install(monkeypatch, "bpy", data=data, context=SimpleNamespace(collection=MagicMock(), scene=scene))
+    context, app = SimpleNamespace(collection=MagicMock(), scene=scene), SimpleNamespace(background=True)
+    install(monkeypatch, "bpy", data=data, context=context, app=app, ops=ops)
     run("blender_fit.py")
     vertices, edges, faces = mesh.from_pydata.call_args.args
     assert len(vertices) == 200 and len(edges) == 199 and not faces
     assert thing.shape_key_add.call_count == scene.frame_end + 1 > 10
+    # Each iteration is a frame that is played, the first one too.
+    assert scene.frame_start == 0 and ops.wm.save_as_mainfile.called
