@@ -119,7 +119,8 @@ async def measure(server: subprocess.Popen, port: int, certificate: str, argumen
     streams = (arguments.streams // STREAMS_OF_ONE, hundred) if arguments.http2 else (arguments.streams, stream)
     for name, count, make in (("none", 0, idle), (f"{arguments.idle} idle", arguments.idle, idle), (f"and {arguments.streams} streams", *streams)):
         kept += await many(count, make)
-        await asyncio.sleep(2)
+        # Connections are taken back after five seconds, and memory is returned a little later.
+        await asyncio.sleep(10)
         cuts = statistics.quantiles(await probes(connect), n=100)
         print(f"| {name} | {memory(server):.0f} MB | {1e3 * cuts[49]:.1f} ms | {1e3 * cuts[98]:.1f} ms |", flush=True)
     for _, writer in kept:

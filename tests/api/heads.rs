@@ -4,7 +4,7 @@ use piad::config::Config;
 use serde_json::Value;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::time::timeout;
+use tokio::time::{Duration, sleep, timeout};
 
 use crate::data;
 use crate::support::{PATIENCE, Server};
@@ -195,6 +195,34 @@ async fn ids_of_requests_are_short_words() {
             true => assert_eq!(id, ids[0]),
             false => assert_eq!(id.len(), 36, "{id} is a UUID"),
         }
+    }
+}
+
+/// A connection on which nothing is asked for five seconds is laid aside: the next request is answered all the
+/// same, however it comes.
+#[tokio::test]
+async fn connections_go_on_after_a_pause() {
+    let server = Server::start().await;
+    let request = "GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let (mut used, mut left) = (connect(&server).await, connect(&server).await);
+    for stream in [&mut used, &mut left] {
+        assert_eq!(exchange(stream, request).await.status(), 200);
+    }
+    sleep(Duration::from_secs(6)).await;
+    let (first, rest) = request.split_at(1);
+    used.write_all(first.as_bytes()).await.unwrap();
+    sleep(Duration::from_millis(100)).await;
+    assert_eq!(exchange(&mut used, rest).await.status(), 200);
+    let form = "{\"curve\": {\"points\": [[0, 0], [1, 1]]}}";
+    let head = format!(
+        "POST /v1/fit HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: {}\r\n\r\n",
+        form.len()
+    );
+    assert_eq!(exchange(&mut used, &(head + form)).await.status(), 200);
+    // One that is laid aside ends with the server.
+    timeout(PATIENCE, server.stop()).await.unwrap();
+    for stream in [&mut used, &mut left] {
+        assert_eq!(stream.read(&mut [0]).await.unwrap(), 0);
     }
 }
 
