@@ -68,9 +68,9 @@ describe("data", () => {
 
   test("that are in files are read by the server, which knows airfoils and grids", PATIENT, async () => {
     const visit = await visitArch();
-    const text = "NACA\n1 0\n0.5 0.06\n0 0\n0.5 -0.06\n1 0\n";
+    const text = "NACA\n1 0\n0.8 0.03\n0.5 0.06\n0 0\n0.5 -0.06\n1 0\n";
     await choose(visit.page, "naca.dat", text);
-    await until(async () => /^Curve, 5 points in the plane/.test(await words(visit.page)) && visit.sent.some(({ path }) => path === "/v1/points"), "the airfoil is read");
+    await until(async () => /^Curve, 6 points in the plane/.test(await words(visit.page)), "the airfoil is read");
     assert.equal(visit.sent.find(({ path }) => path === "/v1/points")?.body, text);
     await visit.page.getByRole("button", { name: "Fit", exact: true }).click();
     await until(async () => (await visit.page.locator(".label h2").textContent()) === "NACA", "the file names the job");
