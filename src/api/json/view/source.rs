@@ -172,6 +172,30 @@ impl Source for NetPoints {
             }
         });
     }
+
+    /// All free control points are in the net: no need to put them in its order first.
+    fn fits_32_bits(&self) -> Option<bool> {
+        if self.problem.is_homogeneous() {
+            return None;
+        }
+        let geometry = self.geometry();
+        let functions = self.problem.directions().map(|it| it.basis.functions());
+        let lanes = self.control_points.lanes();
+        let mut fits = lanes.iter().all(|lane| all_fit_32_bits(lane));
+        self.each(0, functions.product(), |_, part| {
+            if let Part::Single(row, column) = part {
+                fits &= geometry.place(row, column).all(|x| all_fit_32_bits(&[x]));
+            }
+        });
+        Some(fits)
+    }
+}
+
+/// Whether all finite numbers stay finite in 32 bits.
+pub(super) fn all_fit_32_bits(numbers: &[f64]) -> bool {
+    // Without branches, so that the loop is vectorised.
+    let fits = |x: f64| (x as f32).is_finite() | !x.is_finite();
+    numbers.iter().fold(true, |all, &x| all & fits(x))
 }
 
 /// Coordinates lane by lane become coordinates point by point.

@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::decimal::{self, LONGEST, ROOM, Rounding};
 use super::shape::NestedShape;
-use super::source::Source;
+use super::source::{Source, all_fit_32_bits};
 use crate::job::content::{Content, Piece, Pieces};
 
 /// How many numbers are written at a time: a multiple of 3, so that only the end of an array needs
@@ -120,10 +120,7 @@ pub(super) fn fits_32_bits(count: usize, source: &impl Source) -> bool {
     }
     let mut fits = true;
     each_chunk(0..count, source, |_, numbers| {
-        // Without branches, so that the loop is vectorised.
-        fits &= numbers.iter().fold(true, |fits, &x| {
-            fits & ((x as f32).is_finite() | !x.is_finite())
-        });
+        fits &= all_fit_32_bits(numbers)
     });
     fits
 }
