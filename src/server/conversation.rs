@@ -4,10 +4,11 @@
 //! on which nothing is asked for some time is taken back from hyper, which gets it again with the next
 //! request.
 
-use std::pin::{Pin, pin};
+use std::pin::Pin;
 use std::sync::Arc;
 
 use axum::http::Request;
+use bytes::Bytes;
 use hyper::body::Incoming;
 use hyper::rt::Executor;
 use hyper::server::conn::{http1, http2};
@@ -76,7 +77,8 @@ pub(super) async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, 
                     .initial_stream_window_size(STREAM_WINDOW)
                     .initial_connection_window_size(CONNECTION_WINDOW)
                     .serve_connection(TokioIo::new(io), service);
-                watch.serve(pin!(connection)).await;
+                // In a box: connections with HTTP/1.1 would have room for it, too.
+                watch.serve(Box::pin(connection).as_mut()).await;
                 return;
             }
             Some(false) => {
@@ -90,7 +92,8 @@ pub(super) async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, 
                 }
                 let parts = connection.into_parts();
                 io = parts.io.into_inner();
-                io.unread(parts.read_buf);
+                // A copy: even nothing would keep the buffer that it is a part of.
+                io.unread(Bytes::copy_from_slice(&parts.read_buf));
                 trim::soon();
             }
         }
