@@ -16,7 +16,7 @@ run:
 
 # What fetches something is tried three times.
 RETRY := $(CURDIR)/tests/retry
-INSTALL := $(RETRY) sh -c 'apt-get update && apt-get install -y --no-install-recommends "$$@"' install
+INSTALL := $(CURDIR)/tests/install
 
 # Everything that a change must pass; installs what that needs. Of two clients at a time one at most installs something.
 test:
