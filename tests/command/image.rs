@@ -34,9 +34,23 @@ fn is_there(file: &Path) -> bool {
         && !ignored.any(|line| file.starts_with(line))
 }
 
-/// The files of the project that this program was built from, as the compiler has noted them beside
-/// what it made. Cargo itself writes such a note only for `cargo build`, not for tests.
+/// The files of the project that this program was built from: those that the compiler has noted beside
+/// what it made, and those that the build script has told. Cargo itself writes one note of all only for
+/// `cargo build`, not for tests.
 fn sources() -> BTreeSet<PathBuf> {
+    let mut files = compiled();
+    files.extend(embedded());
+    let inside = files.into_iter().filter_map(|file| {
+        let file = Path::new(PROJECT).join(file);
+        let inside = file.strip_prefix(PROJECT).ok()?;
+        // Older notes may name files that are gone.
+        (!inside.starts_with("target") && file.is_file()).then(|| inside.to_owned())
+    });
+    inside.collect()
+}
+
+/// What the compiler has read.
+fn compiled() -> Vec<PathBuf> {
     let made = Path::new(PROGRAM).parent().unwrap().join("deps");
     let notes = fs::read_dir(&made).unwrap().filter_map(|entry| {
         let path = entry.unwrap().path();
@@ -49,19 +63,21 @@ fn sources() -> BTreeSet<PathBuf> {
     notes.flat_map(|note| noted(&note)).collect()
 }
 
-/// The files inside the project that are named by a note and are still there: older notes may name
-/// files that are gone.
+/// The files that a note of the compiler names.
 fn noted(note: &str) -> Vec<PathBuf> {
     let (_, files) = note.lines().next().unwrap().split_once(": ").unwrap();
     let files = files.replace("\\ ", "\0");
-    let files = files.split_whitespace().map(|file| file.replace('\0', " "));
-    let inside = |file: String| {
-        let file = Path::new(PROJECT).join(file);
-        let inside = file.strip_prefix(PROJECT).ok()?;
-        let made = inside.starts_with("target");
-        (!made && file.is_file()).then(|| inside.to_owned())
-    };
-    files.filter_map(inside).collect()
+    let files = files.split_whitespace();
+    files.map(|file| file.replace('\0', " ").into()).collect()
+}
+
+/// What the build script has made part of the program.
+fn embedded() -> Vec<PathBuf> {
+    let told = Path::new(env!("OUT_DIR")).with_file_name("output");
+    let told = fs::read_to_string(told).unwrap();
+    let files = told.lines();
+    let files = files.filter_map(|line| line.strip_prefix("cargo::rerun-if-changed="));
+    files.map(PathBuf::from).collect()
 }
 
 #[test]
