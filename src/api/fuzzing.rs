@@ -38,6 +38,9 @@ const MOST_POINTS: usize = 50;
 /// Nor are those that take more multiplications before the first level.
 const MOST_WORK: usize = 1_000_000;
 
+/// Lists of points are read in parts of so many bytes.
+const SHORT: usize = 50;
+
 /// The levels that are computed after the first.
 const LEVELS: usize = 3;
 
@@ -111,8 +114,20 @@ fn config() -> &'static Config {
 }
 
 fn job_of_json(bytes: &[u8]) -> Result<ValidJob, Refusal> {
+    check_quick(bytes);
     let (request, places) = json_job::read(Bytes::copy_from_slice(bytes))?;
     valid(request, &places)
+}
+
+/// What is read quickly is what serde reads, to the last bit.
+fn check_quick(bytes: &[u8]) {
+    if let Some(quick) = json_job::read_quickly(bytes, SHORT) {
+        let read = json_job::read_by_serde(bytes).map_err(|problem| problem.detail().to_owned());
+        assert_eq!(
+            view::to_bytes(&quick),
+            view::to_bytes(&read.unwrap_or_default())
+        );
+    }
 }
 
 fn job_of_message(bytes: &[u8]) -> Result<ValidJob, Refusal> {

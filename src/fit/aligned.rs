@@ -64,7 +64,7 @@ impl Lane {
     }
 
     /// A lane without numbers, and with room for `count` of them.
-    fn with_room(count: usize) -> Self {
+    pub(super) fn with_room(count: usize) -> Self {
         let start = match count {
             LONG.. => LANES.fetch_add(1, Ordering::Relaxed) % 3 * THIRD,
             _ => 0,

@@ -61,8 +61,24 @@ impl Points {
 
     /// Points whose coordinates follow one another, point by point.
     pub fn from_flat(dimension: usize, flat: &[f64]) -> Self {
-        let lane = |c| -> Lane { flat.iter().skip(c).step_by(dimension).copied().collect() };
-        Self::from_lanes((0..dimension).map(lane))
+        Self::from_parts(dimension, &[flat])
+    }
+
+    /// The same of parts that follow one another, each of whole points.
+    pub(crate) fn from_parts(dimension: usize, parts: &[&[f64]]) -> Self {
+        let numbers: usize = parts.iter().map(|part| part.len()).sum();
+        let count = numbers / dimension;
+        let lane = |c| {
+            let mut lane = Lane::with_room(count);
+            for part in parts {
+                let numbers = part.iter().skip(c).step_by(dimension);
+                numbers.for_each(|x| lane.push(*x));
+            }
+            lane
+        };
+        Self {
+            lanes: aligned::lanes(dimension, count, lane),
+        }
     }
 
     /// Appends one point; coordinates beyond the dimension are not looked at.

@@ -1,21 +1,48 @@
 //! The JSON of a job.
 
-use std::sync::Arc;
-
 use bytes::Bytes;
 
 use super::places::Places;
+use super::points;
 use crate::api::json::read::parse;
 use crate::api::problem::Problem;
 use crate::fit::points::{Grid, Points};
 use crate::model::job::JobRequest;
 use crate::model::points::{PointGrid, PointList};
 
+/// Shorter bodies are read by serde alone, which takes no time to speak of.
+const LONG: usize = 2 * 1024;
+
+/// How many bytes of points one thread reads at a time.
+const PART: usize = 1 << 20;
+
 /// The job that a body asks for, and where its parts stand.
 pub(crate) fn read(body: Bytes) -> Result<(JobRequest, Places), Problem> {
-    let request: JobRequest = parse(&body)?;
+    let quick = (body.len() >= LONG)
+        .then(|| read_quickly(&body, PART))
+        .flatten();
+    match quick {
+        Some(request) => Ok(placed(request)),
+        None => read_by_serde(&body).map(placed),
+    }
+}
+
+/// The request that [`read_by_serde`] reads, or nothing for a body that is in some way unusual.
+pub(crate) fn read_quickly(body: &[u8], part: usize) -> Option<JobRequest> {
+    let (fields, data) = points::take_out(body, part)?;
+    let mut request: JobRequest = parse(&fields).ok()?;
+    let is_one = request.curve.is_some() != request.surface.is_some();
+    (is_one && request.take(data)).then_some(request)
+}
+
+/// The request of any body, or what is wrong with it.
+pub(crate) fn read_by_serde(body: &[u8]) -> Result<JobRequest, Problem> {
+    parse(body)
+}
+
+fn placed(request: JobRequest) -> (JobRequest, Places) {
     let places = Places::of_job(&request);
-    Ok((request, places))
+    (request, places)
 }
 
 /// Points that are not a part of the JSON of a job.
@@ -32,21 +59,37 @@ pub(crate) enum Data {
 /// The job that these fields ask for, with these points in the place of the ones that are empty there.
 pub(crate) fn read_with(fields: &[u8], data: Data) -> Result<(JobRequest, Places), Problem> {
     let mut request: JobRequest = parse(fields)?;
-    match (data, &mut request.curve, &mut request.surface) {
-        (Data::Curve(points), Some(curve), _) => curve.points = PointList(Arc::new(points)),
-        (Data::Grid(points, grid), _, Some(surface)) => {
-            surface.points = Some(PointGrid {
-                points: Arc::new(points),
-                missing: Vec::new(),
-                grid,
-            });
+    // Without a curve or a surface that is an object nothing was read.
+    request.take(data);
+    Ok(placed(request))
+}
+
+impl JobRequest {
+    /// Puts points in the place of those that are empty; returns whether there is one for them.
+    fn take(&mut self, data: Data) -> bool {
+        let (curve, surface) = (self.curve.as_mut(), self.surface.as_mut());
+        match data {
+            Data::Curve(points) => {
+                let place = curve.map(|curve| &mut curve.points);
+                put(place.filter(|it| it.0.is_empty()), PointList(points.into()))
+            }
+            Data::Grid(points, grid) => {
+                let place = surface.and_then(|surface| surface.points.as_mut());
+                let points = PointGrid {
+                    points: points.into(),
+                    missing: Vec::new(),
+                    grid,
+                };
+                put(place.filter(|it| it.points.is_empty()), points)
+            }
+            Data::Scattered(points) => {
+                let place = surface.and_then(|surface| surface.scattered.as_mut());
+                put(place.filter(|it| it.0.is_empty()), PointList(points.into()))
+            }
         }
-        (Data::Scattered(points), _, Some(surface)) => {
-            surface.scattered = Some(PointList(Arc::new(points)));
-        }
-        // Without a curve or a surface that is an object nothing was read.
-        _ => {}
     }
-    let places = Places::of_job(&request);
-    Ok((request, places))
+}
+
+fn put<T>(place: Option<&mut T>, value: T) -> bool {
+    place.map(|place| *place = value).is_some()
 }

@@ -1,6 +1,6 @@
 //! The bodies of jobs and edits in JSON.
 //!
-//! - [`job`]: a job; [`file`]: a job whose points are in a file, with fields by their [`path`]; [`edit`]: changes of
+//! - [`job`]: a job, whose [`points`] are read quickly; [`file`]: a job whose points are in a file, with fields by their [`path`]; [`edit`]: changes of
 //!   another one;
 //! - [`places`]: where a part of the model stands.
 
@@ -9,3 +9,4 @@ pub(crate) mod file;
 pub(crate) mod job;
 pub(crate) mod path;
 pub(crate) mod places;
+mod points;

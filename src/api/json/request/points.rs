@@ -1,0 +1,367 @@
+//! The points of large jobs, read several times as fast as by serde.
+//!
+//! Nearly all of a large job are its points: lists of numbers within lists. They are taken out of the
+//! body, which is then small, and read with the number parser of `fast_float2`, which gives the same bits
+//! as serde_json. Whatever is unusual about a body, right or wrong, is left to serde, which knows what to
+//! say of it.
+
+use std::iter;
+use std::ops::Range;
+
+use memchr::memmem;
+use rayon::prelude::*;
+
+use super::job::Data;
+use crate::fit::points::{Grid, Points};
+use crate::model::shape::MAX_DIMENSION;
+
+/// The most lists within each other that are told apart.
+const DEEP: usize = 4;
+
+/// The fields that have points. No other field of a job, nor of anything in it, is called so.
+const POINTS: &[u8] = b"\"points\"";
+const SCATTERED: &[u8] = b"\"scattered\"";
+
+/// Takes the points out of the JSON of a job: what is left has an empty list in their place. Lists that
+/// are longer than `part`, in bytes, are read in parts by several threads.
+pub(super) fn take_out(body: &[u8], part: usize) -> Option<(Vec<u8>, Data)> {
+    let after = |name: &[u8]| Some(memmem::find(body, name)? + name.len());
+    let points = after(POINTS);
+    let mut reader = Reader::at(body, points.or_else(|| after(SCATTERED))?);
+    reader.eat(b':')?;
+    reader.skip_blanks();
+    let start = body.len() - reader.rest.len();
+    let data = match (reader.lists(part)?, points) {
+        (Lists::Points(points), Some(_)) => Data::Curve(points),
+        (Lists::Points(points), None) => Data::Scattered(points),
+        (Lists::Rows(points, grid), Some(_)) => Data::Grid(points, grid),
+        (Lists::Rows(..), None) => return None,
+    };
+    let end = body.len() - reader.rest.len();
+    let fields = [&body[..start], b"[]", &body[end..]].concat();
+    Some((fields, data))
+}
+
+/// Lists of numbers in lists.
+enum Lists {
+    /// Of points, which have a few coordinates each.
+    Points(Points),
+    /// Of rows of points or of heights.
+    Rows(Points, Grid),
+}
+
+/// Reads from the start of what is left; every part gives nothing where that is not what it should be.
+struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    fn at(text: &'a [u8], place: usize) -> Self {
+        let rest = text.get(place..).unwrap_or_default();
+        Self { rest }
+    }
+
+    fn skip_blanks(&mut self) {
+        while let [b' ' | b'\t' | b'\n' | b'\r', rest @ ..] = self.rest {
+            self.rest = rest;
+        }
+    }
+
+    /// Skips a character, with the blanks before it.
+    fn eat(&mut self, character: u8) -> Option<()> {
+        self.skip_blanks();
+        self.rest = self.rest.strip_prefix(&[character])?;
+        Some(())
+    }
+
+    /// Skips what stands behind an element of a list; returns whether that is the end of the list.
+    fn has_ended(&mut self) -> Option<bool> {
+        self.skip_blanks();
+        let (character, rest) = self.rest.split_first()?;
+        self.rest = rest;
+        self.skip_blanks();
+        match character {
+            b',' => Some(false),
+            b']' => Some(true),
+            _ => None,
+        }
+    }
+
+    /// Reads a list of at least one element; gives how many there are.
+    #[inline(always)]
+    fn list(&mut self, mut element: impl FnMut(&mut Self) -> Option<()>) -> Option<usize> {
+        self.eat(b'[')?;
+        let mut count = 0;
+        loop {
+            element(self)?;
+            count += 1;
+            if self.has_ended()? {
+                return Some(count);
+            }
+        }
+    }
+
+    /// Reads a finite number in the notation of JSON, which is narrower than that of the parser.
+    #[inline(always)]
+    fn number(&mut self) -> Option<f64> {
+        self.skip_blanks();
+        let (x, length) = fast_float2::parse_partial::<f64, _>(self.rest).ok()?;
+        let (text, rest) = self.rest.split_at_checked(length)?;
+        let digits = text.strip_prefix(b"-").unwrap_or(text);
+        let whole = digits.iter().take_while(|it| it.is_ascii_digit()).count();
+        let is_whole = whole == 1 || (whole > 1 && !digits.starts_with(b"0"));
+        let is_part = digits.get(whole) != Some(&b'.')
+            || digits.get(whole + 1).is_some_and(u8::is_ascii_digit);
+        self.rest = rest;
+        (is_whole && is_part && x.is_finite()).then_some(x)
+    }
+
+    /// How many lists begin here, one in the other; of many some.
+    fn depth(&self) -> usize {
+        let mut ahead = Reader { rest: self.rest };
+        iter::from_fn(|| ahead.eat(b'[')).take(DEEP).count()
+    }
+
+    /// Reads lists, all of a level of the same length.
+    fn lists(&mut self, part: usize) -> Option<Lists> {
+        let depth = self.depth();
+        self.eat(b'[')?;
+        let text = self.rest;
+        let ranges = ranges(text, depth, part);
+        let read = |range| Part::read(text, range, depth);
+        // A short list does not wait for what others compute in parallel.
+        let parts: Vec<_> = match ranges.len() {
+            1 => ranges.into_iter().map(read).collect(),
+            _ => ranges.into_par_iter().map(read).collect(),
+        };
+        // What was begun behind the end of the list is no part of it.
+        let count = 1 + parts
+            .iter()
+            .position(|part| part.as_ref().is_none_or(Part::is_last))?;
+        let parts = parts.into_iter().take(count).collect::<Option<Vec<_>>>()?;
+        self.rest = text.get(parts.last()?.end?..)?;
+
+        let (mut innermost, mut columns) = (None, None);
+        for part in &parts {
+            same(&mut innermost, part.innermost?)?;
+            part.columns
+                .map_or(Some(()), |count| same(&mut columns, count))?;
+        }
+        let rows = parts.iter().map(|part| part.rows).sum();
+        let numbers: Vec<&[f64]> = parts.iter().map(|part| &part.numbers[..]).collect();
+        let points = |dimension| Points::from_parts(dimension, &numbers);
+        match (columns, innermost?) {
+            (None, dimension @ 1..=MAX_DIMENSION) => Some(Lists::Points(points(dimension))),
+            (None, columns) => Some(Lists::Rows(points(1), Grid { rows, columns })),
+            (Some(columns), dimension @ 1..=MAX_DIMENSION) => {
+                Some(Lists::Rows(points(dimension), Grid { rows, columns }))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The parts of a list whose elements are lists of this depth less one. Where they begin is guessed: only
+/// [`Part::read`] shows whether it is right.
+fn ranges(text: &[u8], depth: usize, part: usize) -> Vec<Range<usize>> {
+    let begins = |place: &usize| Reader::at(text, *place).depth() + 1 == depth;
+    let first = |(index, bytes): (usize, &[u8])| {
+        let mut brackets = memchr::memchr_iter(b'[', bytes).map(|place| index * part + place);
+        brackets.find(begins)
+    };
+    let mut starts = vec![0];
+    starts.extend(text.chunks(part).enumerate().skip(1).filter_map(first));
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    iter::zip(&starts, ends)
+        .map(|(start, end)| *start..end)
+        .collect()
+}
+
+/// Elements of a list that follow one another.
+struct Part {
+    /// How many there are.
+    rows: usize,
+    numbers: Vec<f64>,
+    /// The length of the lists of numbers.
+    innermost: Option<usize>,
+    /// The length of the lists of such lists, if the elements are such.
+    columns: Option<usize>,
+    /// Where the list ends, if it is the last part.
+    end: Option<usize>,
+}
+
+impl Part {
+    /// Reads the elements that begin in this range, up to the end of the list.
+    fn read(text: &[u8], range: Range<usize>, depth: usize) -> Option<Self> {
+        let mut reader = Reader::at(text, range.start);
+        let (mut numbers, mut innermost, mut columns) = (Vec::new(), None, None);
+        let mut innermost_list = |reader: &mut Reader| {
+            let number = |reader: &mut Reader| reader.number().map(|x| numbers.push(x));
+            same(&mut innermost, reader.list(number)?)
+        };
+        let (mut rows, mut is_last, mut at) = (0, false, range.start);
+        while !is_last && at < range.end {
+            match depth {
+                2 => innermost_list(&mut reader)?,
+                3 => same(&mut columns, reader.list(&mut innermost_list)?)?,
+                _ => return None,
+            }
+            rows += 1;
+            is_last = reader.has_ended()?;
+            at = text.len() - reader.rest.len();
+        }
+        let is_whole = is_last || at == range.end;
+        is_whole.then_some(Self {
+            rows,
+            numbers,
+            innermost,
+            columns,
+            end: is_last.then_some(at),
+        })
+    }
+
+    fn is_last(&self) -> bool {
+        self.end.is_some()
+    }
+}
+
+/// Notes the length of a list, which is that of the others.
+fn same(known: &mut Option<usize>, length: usize) -> Option<()> {
+    (*known.get_or_insert(length) == length).then_some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::job::{read_by_serde, read_quickly};
+
+    /// A part of a few points.
+    const PART: usize = 40;
+
+    /// Numbers as programs write them, and others that are JSON: large, tiny, or with many digits.
+    fn number() -> impl Strategy<Value = String> {
+        prop_oneof![
+            4 => any::<f64>().prop_filter_map("finite", |x| x.is_finite().then(|| format!("{x:?}"))),
+            2 => (-1e3..1e3).prop_map(|x: f64| format!("{x:?}")),
+            1 => any::<i64>().prop_map(|x| x.to_string()),
+            1 => any::<u64>().prop_map(|x| x.to_string()),
+            1 => (-1e300..1e300).prop_map(|x: f64| format!("{x:E}")),
+            1 => "-?(0|[1-9][0-9]{0,25})(\\.[0-9]{1,30})?([eE][+-]?[0-9]{1,2})?",
+        ]
+    }
+
+    /// What stands between numbers and brackets.
+    fn blank() -> impl Strategy<Value = &'static str> {
+        prop_oneof![4 => Just(""), 1 => Just(" "), 1 => Just("\r\n\t ")]
+    }
+
+    fn list(elements: Vec<String>, blank: &str) -> String {
+        format!(
+            "[{blank}{}{blank}]",
+            elements.join(&format!("{blank},{blank}"))
+        )
+    }
+
+    fn lists(
+        element: impl Strategy<Value = String>,
+        count: usize,
+    ) -> impl Strategy<Value = String> {
+        let elements = prop::collection::vec(element, count);
+        (elements, blank()).prop_map(|(elements, blank)| list(elements, blank))
+    }
+
+    /// A job of which nothing is unusual.
+    fn usual() -> impl Strategy<Value = String> {
+        let counts = (1..=3_usize, 2..12_usize, 2..6_usize);
+        let curve = counts
+            .clone()
+            .prop_flat_map(|(d, n, _)| lists(lists(number(), d), n));
+        let rows = counts
+            .clone()
+            .prop_flat_map(|(d, n, m)| lists(lists(lists(number(), d), m), n));
+        let heights = counts.prop_flat_map(|(_, n, m)| lists(lists(number(), m + 2), n));
+        prop_oneof![
+            curve
+                .clone()
+                .prop_map(|list| format!(r#"{{"curve":{{"degree":2,"points":{list}}}}}"#)),
+            curve.prop_map(|list| format!(
+                r#"{{"surface":{{"scattered" : {list},"degree":2}},"name":"[[1]]"}}"#
+            )),
+            prop_oneof![rows, heights].prop_map(|list| format!(
+                r#"{{ "surface": {{ "points" :{list} }} , "method": "global"}}"#
+            )),
+        ]
+    }
+
+    /// The same by serde, if it is taken at all.
+    fn agrees(body: &str) -> bool {
+        let Some(quick) = read_quickly(body.as_bytes(), PART) else {
+            return false;
+        };
+        let read = read_by_serde(body.as_bytes()).unwrap();
+        assert_eq!(
+            serde_json::to_string(&quick).unwrap(),
+            serde_json::to_string(&read).unwrap()
+        );
+        true
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+        #[test]
+        fn usual_bodies_are_read_to_the_bit(body in usual()) {
+            prop_assert!(agrees(&body), "{}", body);
+        }
+
+        #[test]
+        fn what_is_changed_anywhere_is_read_as_by_serde(
+            body in usual(),
+            at in any::<prop::sample::Index>(),
+            length in 0..3_usize,
+            put in "[-+0-9.eE,\\[\\]{}\" :a-z\\\\]{0,3}",
+        ) {
+            let at = at.index(body.len());
+            let end = body.len().min(at + length);
+            agrees(&format!("{}{put}{}", &body[..at], &body[end..]));
+        }
+    }
+
+    #[test]
+    fn what_is_unusual_is_left_to_serde() {
+        for body in [
+            // Other numbers than JSON has.
+            r#"{"curve":{"points":[[01,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[1.,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[.5,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[+5,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[nan,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[-inf,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[1e,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[1e999,2],[3,4]]}}"#,
+            // Other lists.
+            r#"{"curve":{"points":[]}}"#,
+            r#"{"curve":{"points":[[]]}}"#,
+            r#"{"curve":{"points":[[1,2],[3]]}}"#,
+            r#"{"curve":{"points":[[1,2],[3,4],]}}"#,
+            r#"{"curve":{"points":[[1,2,3,4],[3,4,5,6]]}}"#,
+            r#"{"curve":{"points":[[[1,2]],[[3,4]]]}}"#,
+            r#"{"surface":{"points":[[1,2],[3,4]]}}"#,
+            r#"{"surface":{"points":[[[1],[2]],[[3]]]}}"#,
+            r#"{"surface":{"points":[[[1],null],[[3],[4]]]}}"#,
+            r#"{"surface":{"scattered":[[1,2,3,4],[3,4,5,6]]}}"#,
+            r#"{"surface":{"points":[[[[1]]]]}}"#,
+            // Other places.
+            r#"{"name":"\"points\":[[1,2],[3,4]]","curve":{"points":[]}}"#,
+            r#"{"points":[[1,2],[3,4]],"curve":{"points":[]}}"#,
+            r#"{"curve":{"points":[]},"method":{"points":[[1,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[1,2],[3,4]],"points":[[1,2],[3,4]]}}"#,
+            r#"{"curve":{"points":[[1,2],[3,4]]},"surface":{"points":[]}}"#,
+            r#"{"curve":{"points":[[1,2],[3,4]]"#,
+            r#"{"curve":{"points""#,
+        ] {
+            assert!(!agrees(body), "{body}");
+        }
+    }
+}
