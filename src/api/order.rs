@@ -37,7 +37,7 @@ use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
-pub(super) const PARSED_AT_ONCE: usize = 4 * 1024;
+pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;
 
 /// Problems of up to so many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
