@@ -93,6 +93,8 @@ pub(crate) struct Pieces {
     pieces: Vec<Piece>,
     /// The number of bytes, if it is known without making them.
     length: Option<usize>,
+    /// Making a piece takes about as long as sending it.
+    are_quick: bool,
     /// The last pieces that were made, in order.
     recent: Mutex<VecDeque<(usize, Making)>>,
     /// The cache in which made pieces are counted.
@@ -113,9 +115,21 @@ impl Pieces {
         Self {
             pieces,
             length,
+            are_quick: false,
             recent: Mutex::default(),
             cache: OnceLock::new(),
         }
+    }
+
+    /// The same pieces, which are made where they are sent if they are quick to make: to hand them over
+    /// from another thread would take longer.
+    pub(crate) fn quick(self, are_quick: bool) -> Self {
+        Self { are_quick, ..self }
+    }
+
+    /// Whether they are quick to make.
+    pub(crate) fn are_quick(&self) -> bool {
+        self.are_quick
     }
 
     /// How many pieces there are.
@@ -123,7 +137,7 @@ impl Pieces {
         self.pieces.len()
     }
 
-    /// The bytes of a piece, made on the compute pool unless they are cached.
+    /// The bytes of a piece, made on the compute pool unless they are cached, or quick to make.
     pub(crate) async fn piece(
         self: &Arc<Self>,
         index: usize,
@@ -133,10 +147,14 @@ impl Pieces {
             return Ok(bytes.clone());
         }
         let make = || async {
-            let pieces = Arc::clone(self);
-            let bytes = pool
-                .compute(WorkLane::Wire, move || pieces.make(index))
-                .await?;
+            let bytes = match self.are_quick {
+                true => self.make(index),
+                false => {
+                    let pieces = Arc::clone(self);
+                    let make = move || pieces.make(index);
+                    pool.compute(WorkLane::Wire, make).await?
+                }
+            };
             let charge = self.cache.get().map(|cache| cache.charge(bytes.len()));
             Ok(CachedPiece {
                 bytes,

@@ -118,15 +118,20 @@ impl Outgoing {
                 Some(Ok(part))
             }
             Unsent::Pieces(pieces, index) => {
+                if index + 1 < pieces.count() {
+                    let rest = Unsent::Pieces(Arc::clone(&pieces), index + 1);
+                    self.unsent.push_front(rest);
+                }
+                if pieces.are_quick() {
+                    let pool = &self.job.resources().scheduler;
+                    return Some(pieces.piece(index, pool).await);
+                }
                 let last = pieces.count().min(index + 1 + AHEAD);
                 for next in index + self.ahead.len()..last {
                     let made = self.make(&pieces, next);
                     self.ahead.push_back(made);
                 }
                 let piece = self.ahead.pop_front()?;
-                if index + 1 < pieces.count() {
-                    self.unsent.push_front(Unsent::Pieces(pieces, index + 1));
-                }
                 Some(piece.await.unwrap_or(Err(Broken)))
             }
         }

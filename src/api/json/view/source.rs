@@ -16,6 +16,11 @@ pub(crate) trait Source: Send + Sync + 'static {
     /// Copies the numbers from `start` on, as many as there is room for.
     fn fill(&self, start: usize, numbers: &mut [f64]);
 
+    /// Whether numbers are computed when they are copied, rather than at hand.
+    fn is_computed(&self) -> bool {
+        false
+    }
+
     /// Whether all finite numbers stay finite in 32 bits, if that can be told without looking at each of
     /// them.
     fn fits_32_bits(&self) -> Option<bool> {
@@ -26,6 +31,10 @@ pub(crate) trait Source: Send + Sync + 'static {
 impl Source for Box<dyn Source> {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         self.as_ref().fill(start, numbers);
+    }
+
+    fn is_computed(&self) -> bool {
+        self.as_ref().is_computed()
     }
 
     fn fits_32_bits(&self) -> Option<bool> {
@@ -54,6 +63,10 @@ impl Source for Points {
 impl Source for Samples {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
         Samples::fill(self, start / self.dimension(), numbers);
+    }
+
+    fn is_computed(&self) -> bool {
+        true
     }
 
     /// Samples lie in the convex hull of the control points if all weights are positive.

@@ -50,6 +50,8 @@ pub(crate) struct ArrayWriter {
     pieces: Vec<Piece>,
     /// The bytes of all pieces, as long as they are known.
     length: Option<usize>,
+    /// Some pieces take longer to write than to send.
+    is_slow: bool,
 }
 
 impl ArrayWriter {
@@ -59,6 +61,7 @@ impl ArrayWriter {
             text: Vec::with_capacity(bytes.min(512 + PIECE * Digits::Decimal(None).size())),
             pieces: Vec::new(),
             length: Some(0),
+            is_slow: false,
         }
     }
 
@@ -78,6 +81,7 @@ impl ArrayWriter {
             Digits::Raw => self.length.map(|length| length + 8 * count),
             _ => None,
         };
+        self.is_slow |= matches!(digits, Digits::Decimal(_)) || source.is_computed();
         let source = Arc::new(source);
         for start in (0..count).step_by(PIECE) {
             let source = Arc::clone(&source);
@@ -108,8 +112,8 @@ impl ArrayWriter {
             return Bytes::new().into();
         };
         let length = self.length.map(|length| length - head.len());
-        let rest = Some(Arc::new(Pieces::new(pieces.collect(), length)));
-        Content::new(head, rest)
+        let pieces = Pieces::new(pieces.collect(), length).quick(!self.is_slow);
+        Content::new(head, Some(Arc::new(pieces)))
     }
 }
 
