@@ -23,6 +23,7 @@ use tracing::debug;
 use super::accept::Doors;
 use super::activity::{Activity, Overdue, Times};
 use super::connection::{self, Caller};
+use super::gathered_writes::GatheredWrites;
 use super::listener::Stream;
 use super::stream_timeout::unless_stalled;
 use super::write_timeout::TimedStream;
@@ -76,7 +77,7 @@ pub(super) async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, 
                     .max_concurrent_streams(STREAMS)
                     .initial_stream_window_size(STREAM_WINDOW)
                     .initial_connection_window_size(CONNECTION_WINDOW)
-                    .serve_connection(TokioIo::new(io), service);
+                    .serve_connection(TokioIo::new(GatheredWrites::new(io)), service);
                 // In a box: connections with HTTP/1.1 would have room for it, too.
                 watch.serve(Box::pin(connection).as_mut()).await;
                 return;

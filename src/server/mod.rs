@@ -12,6 +12,7 @@ mod accept;
 mod activity;
 mod connection;
 mod conversation;
+mod gathered_writes;
 pub(crate) mod limits;
 pub mod listen;
 pub mod listener;
