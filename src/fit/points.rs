@@ -81,6 +81,30 @@ impl Points {
         }
     }
 
+    /// Copies the coordinates of the points from `start` on, point by point, as many as there is room for.
+    pub(crate) fn copy_flat(&self, start: usize, numbers: &mut [f64]) {
+        let points = start..start + numbers.len() / self.dimension().max(1);
+        let part = |c: usize| &self.lanes[c][points.clone()];
+        match self.lanes.len() {
+            1 => numbers.copy_from_slice(part(0)),
+            2 => interleave([part(0), part(1)], numbers),
+            3 => interleave([part(0), part(1), part(2)], numbers),
+            dimension => {
+                for c in 0..dimension {
+                    let to = numbers.iter_mut().skip(c).step_by(dimension);
+                    to.zip(part(c)).for_each(|(to, x)| *to = *x);
+                }
+            }
+        }
+    }
+
+    /// The coordinates, point by point.
+    pub(crate) fn to_flat(&self) -> Vec<f64> {
+        let mut flat = vec![0.0; self.len() * self.dimension()];
+        self.copy_flat(0, &mut flat);
+        flat
+    }
+
     /// Appends one point; coordinates beyond the dimension are not looked at.
     pub fn push(&mut self, coordinates: &[f64]) {
         for (lane, &x) in self.lanes.iter_mut().zip(coordinates) {
@@ -210,6 +234,16 @@ impl Points {
     /// Gives back memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
         self.lanes.iter_mut().for_each(Lane::shrink_to_fit);
+    }
+}
+
+/// Coordinates lane by lane become coordinates point by point.
+fn interleave<const D: usize>(lanes: [&[f64]; D], numbers: &mut [f64]) {
+    let (points, _) = numbers.as_chunks_mut::<D>();
+    // Slices of one length, so that the compiler can leave out bounds checks.
+    let lanes = lanes.map(|lane| &lane[..points.len()]);
+    for (i, point) in points.iter_mut().enumerate() {
+        *point = std::array::from_fn(|c| lanes[c][i]);
     }
 }
 

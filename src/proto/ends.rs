@@ -94,9 +94,9 @@ pub(super) fn message(ends: &Ends) -> pb::Ends {
         };
         match end {
             End::Derivatives(orders) => {
-                message.derivatives = orders.iter().flat_map(|it| flat(it)).collect();
+                message.derivatives = orders.iter().flat_map(|it| it.to_flat()).collect();
             }
-            End::Tangent(vectors) => message.tangents = flat(vectors),
+            End::Tangent(vectors) => message.tangents = vectors.to_flat(),
             End::Estimated | End::Repeated | End::Natural => {}
         }
         Some(message)
@@ -116,13 +116,6 @@ pub(crate) fn rule(end: &End) -> pb::EndRule {
         End::Derivatives(_) => pb::EndRule::Derivatives,
         End::Tangent(_) => pb::EndRule::Tangent,
     }
-}
-
-/// Coordinates point by point.
-pub(super) fn flat(points: &Points) -> Vec<f64> {
-    let mut flat = Vec::with_capacity(points.len() * points.dimension());
-    flat.extend((0..points.len()).flat_map(|index| points.point(index)));
-    flat
 }
 
 /// Where the vectors of ends stand in a message.

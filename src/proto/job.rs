@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::basis;
-use super::ends::{self, flat};
+use super::ends;
 use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
 use super::method;
 use super::stream;
@@ -207,7 +207,7 @@ fn scattered(
 
 fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
     let (projection, values) = match scattered {
-        Scattered::Given(pairs) => (pb::Projection::Unspecified, flat(pairs)),
+        Scattered::Given(pairs) => (pb::Projection::Unspecified, pairs.to_flat()),
         Scattered::Plane => (pb::Projection::Nearest, Vec::new()),
         Scattered::Coordinates => (pb::Projection::Xy, Vec::new()),
     };
@@ -334,7 +334,7 @@ fn curve_message(request: &Request) -> pb::Curve {
     let fixed = request.u.weights.clone();
     pb::Curve {
         dimension: count(request.points.dimension()),
-        points: flat(&request.points),
+        points: request.points.to_flat(),
         basis: Some(basis::message(&request.u.basis)),
         parameters: Some(basis::parameters_message(&request.u.parameters)),
         weights: grid_weights(&request.weights).or(fixed).unwrap_or_default(),
@@ -349,7 +349,7 @@ fn surface_message(request: &Request, v: &DirectionChoice) -> pb::Surface {
         dimension: count(request.points.dimension()),
         rows: count(request.grid.rows),
         columns: count(request.grid.columns),
-        points: flat(&request.points),
+        points: request.points.to_flat(),
         missing: request.missing.iter().map(|&index| count(index)).collect(),
         scattered: request.scattered.as_ref().map(scattered_message),
         u: Some(direction(&request.u, scattered)),

@@ -51,11 +51,7 @@ impl Source for Vec<f64> {
 /// The coordinates of points, point by point.
 impl Source for Points {
     fn fill(&self, start: usize, numbers: &mut [f64]) {
-        let dimension = self.dimension();
-        for (k, numbers) in numbers.chunks_mut(dimension).enumerate() {
-            let point = self.point(start / dimension + k);
-            numbers.iter_mut().zip(point).for_each(|(to, x)| *to = x);
-        }
+        self.copy_flat(start / self.dimension(), numbers);
     }
 }
 
@@ -169,19 +165,15 @@ impl Source for NetPoints {
                 }
             };
             let places = &mut numbers[k * dimension..][..points.len() * dimension];
+            if lanes.len() == dimension {
+                return self.control_points.copy_flat(points.start, places);
+            }
+            // The last coordinate of homogeneous ones is the weight.
             let part = |c: usize| &lanes[c][points.clone()];
-            match (dimension, lanes.len()) {
-                (1, 1) => interleave([part(0)], places),
-                (2, 2) => interleave([part(0), part(1)], places),
-                (3, 3) => interleave([part(0), part(1), part(2)], places),
-                _ => {
-                    // The last coordinate of homogeneous ones is the weight.
-                    for c in 0..dimension {
-                        let to = places.iter_mut().skip(c).step_by(dimension);
-                        let from = part(c).iter().zip(part(dimension));
-                        to.zip(from).for_each(|(to, (x, weight))| *to = x / weight);
-                    }
-                }
+            for c in 0..dimension {
+                let to = places.iter_mut().skip(c).step_by(dimension);
+                let from = part(c).iter().zip(part(dimension));
+                to.zip(from).for_each(|(to, (x, weight))| *to = x / weight);
             }
         });
     }
@@ -209,16 +201,6 @@ pub(super) fn all_fit_32_bits(numbers: &[f64]) -> bool {
     // Without branches, so that the loop is vectorised.
     let fits = |x: f64| (x as f32).is_finite() | !x.is_finite();
     numbers.iter().fold(true, |all, &x| all & fits(x))
-}
-
-/// Coordinates lane by lane become coordinates point by point.
-fn interleave<const D: usize>(lanes: [&[f64]; D], places: &mut [f64]) {
-    let (points, _) = places.as_chunks_mut::<D>();
-    // Slices of one length, so that the compiler can leave out bounds checks.
-    let lanes = lanes.map(|lane| &lane[..points.len()]);
-    for (i, point) in points.iter_mut().enumerate() {
-        *point = std::array::from_fn(|c| lanes[c][i]);
-    }
 }
 
 /// The weights of the control net of a homogeneous fit.
