@@ -1,5 +1,7 @@
 //! Decimal numbers as JSON: with all digits, or rounded according to an error.
 
+use std::array;
+
 /// The bound of scaled numbers that are rounded: below it, multiplying by a power of ten and parsing the
 /// result are each accurate to a hundredth of the last digit.
 const LARGEST: f64 = 1e14;
@@ -52,37 +54,33 @@ impl Rounding {
 }
 
 /// Writes `number · 10^-places` for numbers of at most 16 digits, if that takes a decimal point and no
-/// exponent; returns how many bytes it is. Copies have constant sizes, which is fast: more is written
-/// than counts.
+/// exponent; returns how many bytes it is. All digits stay in one register, the first in the lowest byte;
+/// what is stored has a constant size, which is fast: more is written than counts.
 fn write_fixed(number: u64, places: i32, room: &mut [u8]) -> Option<usize> {
     const HALF: u64 = 100_000_000;
-    const ZEROS: usize = 8;
-    let halves = [number / HALF, number % HALF].map(eight_digits);
-    // Where its first digit and the end of its last one that is not 0 are among sixteen, and the point.
-    let first = match halves {
-        [0, low] => 8 + low.trailing_zeros() as usize / 8,
-        [high, _] => high.trailing_zeros() as usize / 8,
-    };
-    let end = match halves {
-        [high, 0] => 8 - high.leading_zeros() as usize / 8,
-        [_, low] => 16 - low.leading_zeros() as usize / 8,
-    };
+    const ZEROS: u128 = u128::from_le_bytes([b'0'; 16]);
+    let [high, low] = [number / HALF, number % HALF].map(|half| u128::from(eight_digits(half)));
+    let digits = high | (low << 64);
+    // Where the first digit that is not 0 and the end of the last one are among sixteen, and the point.
+    let first = digits.trailing_zeros() as usize / 8;
+    let end = 16 - digits.leading_zeros() as usize / 8;
     let point = 16_usize.checked_sub(usize::try_from(places).ok()?)?;
     if end <= point || first > point + 3 {
         return None;
     }
-    let mut text = [b'0'; 48];
-    for (k, half) in halves.into_iter().enumerate() {
-        let characters = (half | 0x3030_3030_3030_3030).to_le_bytes();
-        text[ZEROS + 8 * k..ZEROS + 8 * k + 8].copy_from_slice(&characters);
-    }
-    let start = (ZEROS + first).min(ZEROS + point - 1);
-    let point = ZEROS + point;
-    let before = point - start;
-    room[..16].copy_from_slice(&text[start..start + 16]);
+    let characters = digits | ZEROS;
+    let (whole, before) = match point {
+        0 => (ZEROS, 1),
+        _ => {
+            let start = first.min(point - 1);
+            (characters >> (8 * start), point - start)
+        }
+    };
+    room[..16].copy_from_slice(&whole.to_le_bytes());
     room[before] = b'.';
-    room[before + 1..before + 17].copy_from_slice(&text[point..point + 16]);
-    Some(before + 1 + ZEROS + end - point)
+    let part = characters >> (8 * point);
+    room[before + 1..before + 17].copy_from_slice(&part.to_le_bytes());
+    Some(before + 1 + end - point)
 }
 
 /// The eight decimal digits of a number below 10⁸, the first in the lowest byte: pairs of four, of two and
@@ -147,14 +145,28 @@ pub(super) const LONGEST: usize = 2 * HALF + 1;
 /// Most numbers have between one and two times this many characters, and none has more.
 const HALF: usize = 12;
 
-/// Writes a number with as many digits as it takes to read it back exactly, or `null` if it is not
-/// finite, to the start of [`ROOM`] bytes; returns how many it takes.
-pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
-    if !x.is_finite() {
-        return join(room, [b"null", b"", b""]);
+/// Numbers that are written in full at a time.
+pub(super) const BATCH: usize = 96;
+
+/// The texts of numbers, with as many digits as it takes to read them back exactly; `null` for those that
+/// are not finite. They are copied once all are there: a text that was only just written takes several
+/// times as long to read.
+pub(super) fn in_full<R>(numbers: &[f64], use_texts: impl FnOnce(&[&str]) -> R) -> R {
+    let mut buffers: [_; BATCH] = array::from_fn(|_| zmij::Buffer::new());
+    let mut texts = ["null"; BATCH];
+    let places = texts.iter_mut().zip(&mut buffers);
+    for ((text, buffer), x) in places.zip(numbers) {
+        if x.is_finite() {
+            *text = buffer.format_finite(*x);
+        }
     }
-    let mut buffer = zmij::Buffer::new();
-    let digits = buffer.format_finite(x).as_bytes();
+    use_texts(&texts[..numbers.len().min(BATCH)])
+}
+
+/// Writes a text of a number to the start of [`ROOM`] bytes; returns how many it takes.
+#[inline(always)]
+pub(super) fn copy(text: &str, room: &mut [u8]) -> usize {
+    let digits = text.as_bytes();
     let length = digits.len();
     if (HALF..=2 * HALF).contains(&length) {
         // Two overlapping copies of a constant size are faster than one of variable size.
@@ -164,6 +176,14 @@ pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
         room[..length].copy_from_slice(digits);
     }
     length
+}
+
+/// Writes one number in full to the start of [`ROOM`] bytes; returns how many it takes.
+pub(super) fn write(x: f64, room: &mut [u8]) -> usize {
+    match x.is_finite() {
+        true => copy(zmij::Buffer::new().format_finite(x), room),
+        false => copy("null", room),
+    }
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::job::content::{Content, Piece, Pieces};
 const CHUNK: usize = 768;
 
 /// How many numbers a piece of an array has; arrays that are not longer are written at once.
-const PIECE: usize = 16 * CHUNK;
+const PIECE: usize = 32 * CHUNK;
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug)]
@@ -146,7 +146,14 @@ fn write(
         return text.extend_from_slice(b"[]");
     }
     each_chunk(range, source, |start, numbers| match digits {
-        Digits::Decimal(None) => lists(shape, start, numbers, text, decimal::write),
+        Digits::Decimal(None) => {
+            for (index, numbers) in numbers.chunks(decimal::BATCH).enumerate() {
+                let start = start + index * decimal::BATCH;
+                decimal::in_full(numbers, |texts| {
+                    lists(shape, start, texts, text, decimal::copy)
+                });
+            }
+        }
         Digits::Decimal(Some(rounding)) => {
             lists(shape, start, numbers, text, |x, room| {
                 rounding.write(x, room)
@@ -173,12 +180,12 @@ fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(u
 /// Writes the numbers from `start` on as nested lists, with the brackets and commas between and after
 /// them. A part may begin and end anywhere in a list.
 #[inline(always)]
-fn lists(
+fn lists<T: Copy>(
     shape: NestedShape,
     start: usize,
-    numbers: &[f64],
+    numbers: &[T],
     text: &mut Vec<u8>,
-    write: impl Fn(f64, &mut [u8]) -> usize,
+    write: impl Fn(T, &mut [u8]) -> usize,
 ) {
     let (total, innermost) = (shape.count(), shape.innermost());
     // Room for everything at once: numbers with commas, and brackets around innermost lists.
