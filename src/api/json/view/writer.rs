@@ -16,7 +16,7 @@ use crate::job::content::{Content, Piece, Pieces};
 const CHUNK: usize = 768;
 
 /// How many numbers a piece of an array has; arrays that are not longer are written at once.
-const PIECE: usize = 32 * CHUNK;
+const PIECE: usize = 16 * CHUNK;
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug)]
