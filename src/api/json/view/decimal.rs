@@ -54,33 +54,37 @@ impl Rounding {
 }
 
 /// Writes `number · 10^-places` for numbers of at most 16 digits, if that takes a decimal point and no
-/// exponent; returns how many bytes it is. All digits stay in one register, the first in the lowest byte;
-/// what is stored has a constant size, which is fast: more is written than counts.
+/// exponent; returns how many bytes it is. Copies have constant sizes, which is fast: more is written
+/// than counts.
 fn write_fixed(number: u64, places: i32, room: &mut [u8]) -> Option<usize> {
     const HALF: u64 = 100_000_000;
-    const ZEROS: u128 = u128::from_le_bytes([b'0'; 16]);
-    let [high, low] = [number / HALF, number % HALF].map(|half| u128::from(eight_digits(half)));
-    let digits = high | (low << 64);
-    // Where the first digit that is not 0 and the end of the last one are among sixteen, and the point.
-    let first = digits.trailing_zeros() as usize / 8;
-    let end = 16 - digits.leading_zeros() as usize / 8;
+    const ZEROS: usize = 8;
+    let halves = [number / HALF, number % HALF].map(eight_digits);
+    // Where its first digit and the end of its last one that is not 0 are among sixteen, and the point.
+    let first = match halves {
+        [0, low] => 8 + low.trailing_zeros() as usize / 8,
+        [high, _] => high.trailing_zeros() as usize / 8,
+    };
+    let end = match halves {
+        [high, 0] => 8 - high.leading_zeros() as usize / 8,
+        [_, low] => 16 - low.leading_zeros() as usize / 8,
+    };
     let point = 16_usize.checked_sub(usize::try_from(places).ok()?)?;
     if end <= point || first > point + 3 {
         return None;
     }
-    let characters = digits | ZEROS;
-    let (whole, before) = match point {
-        0 => (ZEROS, 1),
-        _ => {
-            let start = first.min(point - 1);
-            (characters >> (8 * start), point - start)
-        }
-    };
-    room[..16].copy_from_slice(&whole.to_le_bytes());
+    let mut text = [b'0'; 48];
+    for (k, half) in halves.into_iter().enumerate() {
+        let characters = (half | 0x3030_3030_3030_3030).to_le_bytes();
+        text[ZEROS + 8 * k..ZEROS + 8 * k + 8].copy_from_slice(&characters);
+    }
+    let start = (ZEROS + first).min(ZEROS + point - 1);
+    let point = ZEROS + point;
+    let before = point - start;
+    room[..16].copy_from_slice(&text[start..start + 16]);
     room[before] = b'.';
-    let part = characters >> (8 * point);
-    room[before + 1..before + 17].copy_from_slice(&part.to_le_bytes());
-    Some(before + 1 + end - point)
+    room[before + 1..before + 17].copy_from_slice(&text[point..point + 16]);
+    Some(before + 1 + ZEROS + end - point)
 }
 
 /// The eight decimal digits of a number below 10⁸, the first in the lowest byte: pairs of four, of two and
