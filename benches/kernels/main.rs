@@ -14,6 +14,7 @@
     reason = "a bench prints, and stops where it cannot go on"
 )]
 
+mod digits;
 mod problems;
 mod setup;
 mod timing;
@@ -63,6 +64,7 @@ fn main() {
         pool.build().expect("threads").install(|| sweeps(time));
     }
     setup::report(time);
+    digits::report(time);
 }
 
 fn sweeps(time: Duration) {

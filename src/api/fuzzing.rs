@@ -1,8 +1,9 @@
 //! What the fuzz targets call (`fuzz/`): each decoder with any bytes, and what must hold of all that it
 //! accepts. Tests give it the seeds.
 //!
-//! A job that is accepted is written again, in JSON, as a message and as it is kept in the store, and each
-//! is read again: the problem is the same to the last bit. Then its first levels are computed.
+//! Points that are read quickly are those that serde reads. A job that is accepted is written again, in
+//! JSON, as a message and as it is kept in the store, and each is read again: the problem is the same to
+//! the last bit. Then its first levels are computed.
 
 mod made;
 #[cfg(test)]

@@ -143,7 +143,10 @@ impl Doors {
     /// Serves a connection, from the network with TLS if there is any.
     async fn serve_connection(self: &Arc<Self>, incoming: Incoming, caller: Caller, times: Times) {
         let stream = match &self.tls {
-            Some(tls) if incoming.is_network => self.encrypted(tls, incoming.stream, times).await,
+            // In a box: the connection would have room for its handshake as long as it is open.
+            Some(tls) if incoming.is_network => {
+                Box::pin(self.encrypted(tls, incoming.stream, times)).await
+            }
             _ => Ok(incoming.stream),
         };
         match stream {
