@@ -8,7 +8,7 @@ use tonic_health::pb::health_check_response::ServingStatus;
 use tonic_health::pb::health_client::HealthClient;
 use tonic_reflection::pb::{v1, v1alpha};
 
-use crate::support::{NEVER, Server, eventually};
+use crate::support::{NEVER, Server, authorization, eventually};
 
 const SERVICE: &str = "piad.v1.FittingService";
 
@@ -116,11 +116,13 @@ async fn call(server: &Server, path: &str, message: &[u8]) -> (Code, bool) {
     let stream = tokio::net::TcpStream::connect(address).await.unwrap();
     let (mut client, connection) = h2::client::handshake(stream).await.unwrap();
     let connection = tokio::spawn(connection);
-    let request = axum::http::Request::post(format!("{}{path}", server.url))
+    let mut request = axum::http::Request::post(format!("{}{path}", server.url))
         .header("content-type", "application/grpc")
-        .header("te", "trailers")
-        .body(())
-        .unwrap();
+        .header("te", "trailers");
+    if let Some(token) = authorization() {
+        request = request.header("authorization", token);
+    }
+    let request = request.body(()).unwrap();
     let (response, mut body) = client.send_request(request, false).unwrap();
     body.send_data(message.to_vec().into(), true).unwrap();
     let (head, mut body) = response.await.unwrap().into_parts();
