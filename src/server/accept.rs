@@ -143,7 +143,7 @@ impl Doors {
     /// Serves a connection, from the network with TLS if there is any.
     async fn serve_connection(self: &Arc<Self>, incoming: Incoming, caller: Caller, times: Times) {
         let stream = match &self.tls {
-            // In a box: the connection would have room for its handshake as long as it is open.
+            // In a box: else the task would keep room for the handshake as long as the connection is open.
             Some(tls) if incoming.is_network => {
                 Box::pin(self.encrypted(tls, incoming.stream, times)).await
             }

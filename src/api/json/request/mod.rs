@@ -1,7 +1,8 @@
 //! The bodies of jobs and edits in JSON.
 //!
-//! - [`job`]: a job, whose [`points`] are read quickly; [`file`]: a job whose points are in a file, with fields by their [`path`]; [`edit`]: changes of
-//!   another one;
+//! - [`job`]: a job, whose [`points`] are read quickly;
+//! - [`file`]: a job whose points are in a file, with fields by their [`path`];
+//! - [`edit`]: changes of another one;
 //! - [`places`]: where a part of the model stands.
 
 pub(crate) mod edit;
