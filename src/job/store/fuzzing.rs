@@ -3,14 +3,15 @@
 use uuid::Uuid;
 
 use super::embedded::tables::{self, Header};
-use super::record;
+use super::record::{self, Input};
 use super::{IdempotencyEntry, Record, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 
 /// A problem as it is kept.
 pub(crate) fn kept(problem: &Problem) -> Vec<u8> {
-    record::input(problem).unwrap_or_default()
+    let input = Input::new(problem);
+    input.and_then(|it| it.to_bytes()).unwrap_or_default()
 }
 
 /// The problem that is kept in these bytes.

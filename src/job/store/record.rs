@@ -6,6 +6,7 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
+use bytes::BufMut;
 use prost::Message;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
@@ -84,21 +85,44 @@ pub(super) fn entry(bytes: &[u8]) -> Result<IdempotencyEntry, StoreError> {
     read("the entry of an idempotency key", bytes)
 }
 
-/// The bytes of a problem: the length of its start, the start, and the message that would ask for the rest.
-pub(super) fn input(problem: &Problem) -> Result<Vec<u8>, StoreError> {
-    let request = problem.request();
-    let start = write(&Start {
-        control_points: request.start.clone(),
-        breaks: lanes(request.start_breaks.as_deref().unwrap_or_default()),
-        lambda_min: request.lambda_min,
-    })?;
-    let message = job::message(None, request, None);
-    let mut bytes = Vec::with_capacity(8 + start.len() + message.encoded_len());
-    bytes.extend((start.len() as u64).to_le_bytes());
-    bytes.extend(start);
-    let encoded = message.encode(&mut bytes);
-    encoded.map_err(|error| StoreError::Failed(error.to_string()))?;
-    Ok(bytes)
+/// A problem as it is kept: the length of its start, the start, and the message that would ask for the rest.
+pub(super) struct Input {
+    start: Vec<u8>,
+    message: pb::JobInput,
+}
+
+impl Input {
+    /// What is kept of a problem.
+    pub(super) fn new(problem: &Problem) -> Result<Self, StoreError> {
+        let request = problem.request();
+        let start = write(&Start {
+            control_points: request.start.clone(),
+            breaks: lanes(request.start_breaks.as_deref().unwrap_or_default()),
+            lambda_min: request.lambda_min,
+        })?;
+        let message = job::message(None, request, None);
+        Ok(Self { start, message })
+    }
+
+    /// The number of bytes.
+    pub(super) fn len(&self) -> usize {
+        size_of::<u64>() + self.start.len() + self.message.encoded_len()
+    }
+
+    /// Writes them, where there is room for all.
+    pub(super) fn write(&self, place: &mut impl BufMut) -> Result<(), StoreError> {
+        place.put_u64_le(self.start.len() as u64);
+        place.put_slice(&self.start);
+        let encoded = self.message.encode(place);
+        encoded.map_err(|error| StoreError::Failed(error.to_string()))
+    }
+
+    /// All of them.
+    pub(super) fn to_bytes(&self) -> Result<Vec<u8>, StoreError> {
+        let mut bytes = Vec::with_capacity(self.len());
+        self.write(&mut bytes)?;
+        Ok(bytes)
+    }
 }
 
 /// The problem of this job: what follows from what was asked for is computed again.
@@ -200,7 +224,8 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_together_is_damage() {
-        let kept = input(&samples::problem()).unwrap();
+        let kept = Input::new(&samples::problem()).unwrap();
+        let kept = kept.to_bytes().unwrap();
         let (_, message) = parts(&kept).unwrap();
         let start = &kept[..kept.len() - message.len()];
         let message = pb::JobInput::decode(message).unwrap();

@@ -14,7 +14,7 @@ use crate::fit::problem::Problem;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
-use crate::job::store::record;
+use crate::job::store::record::{self, Input};
 use crate::job::store::{
     IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, StoreError,
 };
@@ -91,7 +91,7 @@ impl<'a> Transaction<'a> {
         {
             return Ok(Insertion::Known(entry));
         }
-        let input = record::input(problem)?;
+        let input = Input::new(problem)?;
         let header = Header {
             record: record.clone(),
             bytes: input.len() as u64,
@@ -106,9 +106,11 @@ impl<'a> Transaction<'a> {
                 digest: key.digest,
                 created: record.outline.created,
             })?;
-            keep(&mut self.keys, key.name.as_str(), Kind::Key, id, &entry)?;
+            keep(&mut self.keys, key.name.as_str(), (Kind::Key, id), &entry)?;
         }
-        keep(&mut self.inputs, id.as_u128(), Kind::Input, id, &input)?;
+        let write = |mut place: &mut [u8]| input.write(&mut place);
+        let kind = (Kind::Input, id);
+        keep_written(&mut self.inputs, id.as_u128(), kind, input.len(), write)?;
         self.usage.add(&header);
         self.put(id, &header)?;
         Ok(Insertion::New)
@@ -144,7 +146,7 @@ impl<'a> Transaction<'a> {
         if let Some(result) = result {
             let bytes = record::geometry(result)?;
             header.bytes += bytes.len() as u64;
-            keep(&mut self.results, id.as_u128(), Kind::Result, id, &bytes)?;
+            keep(&mut self.results, id.as_u128(), (Kind::Result, id), &bytes)?;
         }
         self.usage.add(&header);
         self.put(id, &header)
@@ -208,7 +210,7 @@ impl<'a> Transaction<'a> {
     /// Writes a header.
     pub(super) fn put(&mut self, id: Uuid, header: &Header) -> Result<(), StoreError> {
         let bytes = record::write(header)?;
-        keep(&mut self.headers, id.as_u128(), Kind::Header, id, &bytes)?;
+        keep(&mut self.headers, id.as_u128(), (Kind::Header, id), &bytes)?;
         if let Some(at) = header.record.status.finished {
             let bytes = header.bytes;
             self.changes.push(EndedChange::Add { at, id, bytes });
@@ -227,13 +229,27 @@ impl<'a> Transaction<'a> {
 fn keep<'k, K: Key + 'static>(
     table: &mut Table<'_, K, &'static [u8]>,
     key: K::SelfType<'k>,
-    kind: Kind,
-    id: Uuid,
+    (kind, id): (Kind, Uuid),
     value: &[u8],
 ) -> Result<(), StoreError> {
-    let mut place = table.insert_reserve(key, envelope::BYTES + value.len())?;
+    let copy = |place: &mut [u8]| {
+        place.copy_from_slice(value);
+        Ok(())
+    };
+    keep_written(table, key, (kind, id), value.len(), copy)
+}
+
+/// Has a value of some length written in its envelope.
+fn keep_written<'k, K: Key + 'static>(
+    table: &mut Table<'_, K, &'static [u8]>,
+    key: K::SelfType<'k>,
+    (kind, id): (Kind, Uuid),
+    length: usize,
+    write: impl FnOnce(&mut [u8]) -> Result<(), StoreError>,
+) -> Result<(), StoreError> {
+    let mut place = table.insert_reserve(key, envelope::BYTES + length)?;
     let (outside, inside) = place.as_mut().split_at_mut(envelope::BYTES);
-    outside.copy_from_slice(&envelope(kind, id, value));
-    inside.copy_from_slice(value);
+    write(inside)?;
+    outside.copy_from_slice(&envelope(kind, id, inside));
     Ok(())
 }

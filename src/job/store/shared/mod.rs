@@ -35,7 +35,8 @@ use uuid::Uuid;
 
 use super::{
     Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Selection,
-    StoreError, record,
+    StoreError,
+    record::{self, Input},
 };
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
@@ -110,7 +111,7 @@ impl Shared {
         quota: Quota,
     ) -> Acknowledgement<Insertion> {
         self.change(record.outline.id, async move |store| {
-            let input = blocking(move || record::input(&problem)).await?;
+            let input = blocking(move || Input::new(&problem)?.to_bytes()).await?;
             store.write_job(&record, &input, key.as_ref(), &quota).await
         })
     }
