@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::construction::first_line;
 use super::direction::{BasisChoice, Direction, DirectionChoice};
+use super::interrupt;
 use super::invalid::{Axis, Invalid};
 use super::method::{Automatic as Settings, LeastSquares, Obeying, ObeyingSurface};
 use super::norms::FitError;
@@ -16,12 +17,13 @@ use super::problem::Problem;
 use super::request::Request;
 use super::setup::Setup;
 use super::termination::Outcome;
-use super::tolerance::equations::{self, Distances, Minimum};
+use super::tolerance::distances::Distances;
+use super::tolerance::equations::{self, Minimum};
 use super::tolerance::line::KnotLine;
 use super::tolerance::placed::{in_directions, in_lines};
 use super::tolerance::schedule::Schedule;
 use super::tolerance::surface::{Data, GridData, ScatteredData, SurfaceOptions, SurfaceSchedule};
-use super::tolerance::values::Values;
+use super::tolerance::values::{MANY, Values};
 use super::tolerance::{Level, Options};
 
 /// The fit at some level, and the schedule that leads on.
@@ -174,7 +176,7 @@ impl Schedules {
         let minimum = Obeying::new(problem.setup(), settings);
         if let (None, Some(line)) = (&options.first, lines.into_iter().next()) {
             let values = Values::new(&line, &parameters);
-            let Some(coarsest) = Minimum::minimum(&minimum, &line, &values, None) else {
+            let Some(coarsest) = Minimum::minimum(&minimum, &values, None) else {
                 return Self::Nowhere;
             };
             options.first = Some((line, coarsest));
@@ -186,6 +188,9 @@ impl Schedules {
 
     fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
         let level = match self {
+            Self::Curve(schedule) if whole.data().len() >= MANY => {
+                among_threads(|| schedule.next_level())
+            }
             Self::Curve(schedule) => schedule.next_level(),
             Self::Obeying(schedule) => schedule.next_level(),
             Self::Nowhere => return None,
@@ -224,6 +229,16 @@ impl Schedules {
             Self::Nowhere => Some(Outcome::Overflow),
         }
     }
+}
+
+/// Computes something on one of the threads that share long loops. Any other one would fall asleep
+/// and be woken up again for each of these loops.
+fn among_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let rule = interrupt::rule();
+    rayon::scope(|_| match rule {
+        Some(rule) => interrupt::until(rule, work),
+        None => work(),
+    })
 }
 
 impl Fit {

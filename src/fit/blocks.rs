@@ -214,7 +214,7 @@ impl Block {
 
 /// The sum of all lanes, pair by pair.
 #[inline(always)]
-fn add_up(lanes: [f64; LANES]) -> f64 {
+pub(super) fn add_up(lanes: [f64; LANES]) -> f64 {
     let [a, b, c, d, e, f, g, h] = lanes;
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }

@@ -21,7 +21,7 @@ use super::aligned::Lane;
 use super::blocks::{BLOCK, Block, Blocks};
 use super::points::{self, Points, normalizing_scale};
 use super::setup::Setup;
-use super::tolerance::equations::Distances;
+use super::tolerance::distances::Distances;
 
 /// Distances of the curve from the data, in data units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,12 +50,11 @@ pub struct FitError {
 impl FitError {
     /// The distances of a fit that chooses its knots.
     pub(super) fn of(distances: &Distances) -> Self {
-        let Distances { each, max, rms } = distances;
         Self {
-            max: *max,
-            at: each.iter().position(|it| it == max).unwrap_or(0),
-            rms: *rms,
-            sum: each.iter().sum(),
+            max: distances.max,
+            at: distances.at,
+            rms: distances.rms,
+            sum: distances.sum,
             fixed_max: None,
             homogeneous: None,
             gradient: None,
@@ -68,7 +67,9 @@ impl FitError {
         Self::of(&Distances {
             each: Vec::new(),
             max: f64::INFINITY,
+            at: 0,
             rms: f64::INFINITY,
+            sum: 0.0,
         })
     }
 

@@ -192,6 +192,11 @@ impl Points {
         }
     }
 
+    /// Whether all coordinates are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.extents().iter().all(|extent| extent.is_finite)
+    }
+
     /// Diagonal of the axis-aligned bounding box; infinite if the extent exceeds the number range.
     pub fn bounding_diagonal(&self) -> f64 {
         diagonal(&self.extents())

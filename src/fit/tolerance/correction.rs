@@ -16,23 +16,22 @@ use crate::fit::points::Points;
 const PART: f64 = 0.4;
 
 /// The parameters after one step.
-pub(crate) fn corrected(
-    line: &KnotLine,
-    values: &Values,
-    control_points: &Points,
-    points: &Points,
-    t: &[f64],
-) -> Vec<f64> {
+pub(crate) fn corrected(values: &Values, control_points: &Points, points: &Points) -> Vec<f64> {
+    let (line, t) = (values.line(), values.parameters());
     let Some(lower) = KnotLine::new(line.degree() - 1, line.is_closed(), line.breaks().to_vec())
     else {
         return t.to_vec();
     };
     let slopes = Values::new(&lower, t);
     let (mut along, mut square) = (vec![0.0; t.len()], vec![0.0; t.len()]);
-    let (mut fit, mut slope) = (vec![0.0; t.len()], vec![0.0; t.len()]);
-    for (x, data) in control_points.lanes().iter().zip(points.lanes()) {
-        values.apply(line, x, &mut fit);
-        slopes.apply(&lower, &derivative(line, &lower, x), &mut slope);
+    let mut fit = Points::zeros(points.dimension(), t.len());
+    values.apply(control_points.lanes(), fit.lanes_mut());
+    let derivatives = control_points.lanes().iter();
+    let derivatives: Vec<Vec<f64>> = derivatives.map(|x| derivative(line, &lower, x)).collect();
+    let mut slope = Points::zeros(points.dimension(), t.len());
+    slopes.apply(&derivatives, slope.lanes_mut());
+    for (c, data) in points.lanes().iter().enumerate() {
+        let (fit, slope) = (fit.lane(c), slope.lane(c));
         for i in 0..t.len() {
             along[i] += (data[i] - fit[i]) * slope[i];
             square[i] += slope[i] * slope[i];

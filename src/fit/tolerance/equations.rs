@@ -11,17 +11,17 @@
 
 use std::sync::Arc;
 
-use super::gram::Gram;
+use super::gram::{Cholesky, Gram};
 use super::line::KnotLine;
 use super::values::Values;
-use crate::fit::points::{Points, normalizing_scale};
+use crate::fit::points::Points;
 
 /// A minimum over some knots. What else it has to obey or to weigh, as constraints or fairness, is
 /// the business of an implementation: the schedule only compares distances.
 pub(crate) trait Minimum {
     /// The control points that are nearest to the data by the sum of squared distances, each
     /// multiplied with its weight, or `None` if the data do not determine them.
-    fn minimum(&self, line: &KnotLine, values: &Values, weights: Option<&[f64]>) -> Option<Points>;
+    fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points>;
 }
 
 /// Least squares of a curve with interpolated ends.
@@ -34,7 +34,7 @@ pub(crate) struct LeastSquares {
 }
 
 impl Minimum for LeastSquares {
-    fn minimum(&self, line: &KnotLine, values: &Values, weights: Option<&[f64]>) -> Option<Points> {
+    fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points> {
         let product: Vec<f64>;
         let weights = match (weights, self.data_weights.as_deref()) {
             (Some(weights), Some(own)) => {
@@ -43,132 +43,68 @@ impl Minimum for LeastSquares {
             }
             (given, own) => given.or(own.map(Vec::as_slice)),
         };
-        let factor = gram(line, values, weights).factor()?;
-        let mut control_points = start(line, &self.points);
+        let mut control_points = start(values.line(), &self.points);
+        let factor = gram(values, weights).factor()?;
         // Where there are few data for each control point, rounding matters: one step of refinement.
-        let steps = 1 + usize::from(2 * line.control_points() > self.points.len());
-        let fixed = fixed_ends(line);
-        let count = line.control_points();
-        let (mut right, mut fit) = (vec![0.0; count], vec![0.0; self.points.len()]);
-        for (x, data) in control_points
-            .lanes_mut()
-            .iter_mut()
-            .zip(self.points.lanes())
-        {
-            for _ in 0..steps {
-                values.apply(line, x, &mut fit);
-                residual(&mut fit, data, weights);
-                values.apply_transposed(line, &fit, &mut right);
-                factor.solve(&mut right[fixed..count - fixed]);
-                let moved = x[fixed..count - fixed].iter_mut();
-                moved.zip(&right[fixed..]).for_each(|(x, step)| *x += step);
+        let steps = 1 + usize::from(2 * control_points.len() > self.points.len());
+        for _ in 0..steps {
+            self.step(values, weights, &factor, &mut control_points);
+        }
+        control_points.is_finite().then_some(control_points)
+    }
+}
+
+impl LeastSquares {
+    /// Adds the solution of the normal equations to control points.
+    fn step(&self, values: &Values, weights: Option<&[f64]>, factor: &Cholesky, x: &mut Points) {
+        let (width, data) = (values.width(), self.points.lanes());
+        let (fixed, count) = (fixed_ends(values.line()), x.len());
+        let sums = values.right_sides(data, x.lanes(), weights);
+        for (c, x) in x.lanes_mut().iter_mut().enumerate() {
+            let mut right = vec![0.0; count];
+            for (part, sums) in values
+                .parts()
+                .iter()
+                .zip(sums.chunks_exact(data.len() * width))
+            {
+                values.add_to(&mut right, part, &sums[c * width..(c + 1) * width]);
             }
-            if !x.iter().all(|x| x.is_finite()) {
-                return None;
+            factor.solve(&mut right[fixed..count - fixed]);
+            let moved = x[fixed..count - fixed].iter_mut();
+            moved.zip(&right[fixed..]).for_each(|(x, step)| *x += step);
+        }
+    }
+}
+
+/// `AᵀWA` of the control points that move.
+fn gram(values: &Values, weights: Option<&[f64]>) -> Gram {
+    let (line, width) = (values.line(), values.width());
+    let (fixed, count) = (fixed_ends(line), line.control_points());
+    let mut gram = Gram::new(count - 2 * fixed, line.degree(), line.is_closed());
+    let products = values.products(weights);
+    for (part, products) in values
+        .parts()
+        .iter()
+        .zip(products.chunks_exact(width * width))
+    {
+        let place = |k: usize| {
+            let j = line.control_point(part.span + k);
+            (fixed..count - fixed).contains(&j).then(|| j - fixed)
+        };
+        for a in 0..width {
+            for b in 0..=a {
+                if let (Some(i), Some(j)) = (place(a), place(b)) {
+                    gram.add(i, j, products[a * width + b]);
+                }
             }
         }
-        Some(control_points)
     }
+    gram
 }
 
 /// How many control points are fixed at each end.
 pub(super) fn fixed_ends(line: &KnotLine) -> usize {
     usize::from(!line.is_closed())
-}
-
-/// `fit ← w (data − fit)`.
-fn residual(fit: &mut [f64], data: &[f64], weights: Option<&[f64]>) {
-    fit.iter_mut()
-        .zip(data)
-        .for_each(|(fit, data)| *fit = data - *fit);
-    if let Some(weights) = weights {
-        fit.iter_mut().zip(weights).for_each(|(fit, w)| *fit *= w);
-    }
-}
-
-/// `AᵀWA` of the control points that move.
-fn gram(line: &KnotLine, values: &Values, weights: Option<&[f64]>) -> Gram {
-    match values.width() {
-        3 => gram_of_width::<3>(line, values, weights),
-        4 => gram_of_width::<4>(line, values, weights),
-        5 => gram_of_width::<5>(line, values, weights),
-        6 => gram_of_width::<6>(line, values, weights),
-        _ => gram_of_any_width(line, values, weights),
-    }
-}
-
-/// The same, with the sums of a span in registers.
-fn gram_of_width<const W: usize>(
-    line: &KnotLine,
-    values: &Values,
-    weights: Option<&[f64]>,
-) -> Gram {
-    let mut gram = empty(line);
-    for (span, range, rows) in values.spans() {
-        let mut sums = [[0.0; W]; W];
-        let (rows, _) = rows.as_chunks::<W>();
-        for (row, i) in rows.iter().zip(range) {
-            let w = weights.map_or(1.0, |weights| weights[i]);
-            for a in 0..W {
-                let value = w * row[a];
-                for b in 0..=a {
-                    sums[a][b] += value * row[b];
-                }
-            }
-        }
-        add_span(line, &mut gram, span, W, |a, b| sums[a][b]);
-    }
-    gram
-}
-
-/// The same for every degree.
-fn gram_of_any_width(line: &KnotLine, values: &Values, weights: Option<&[f64]>) -> Gram {
-    let width = values.width();
-    let mut gram = empty(line);
-    let mut sums = vec![0.0; width * width];
-    for (span, range, rows) in values.spans() {
-        sums.fill(0.0);
-        for (row, i) in rows.chunks_exact(width).zip(range) {
-            let w = weights.map_or(1.0, |weights| weights[i]);
-            for (a, sums) in sums.chunks_exact_mut(width).enumerate() {
-                let value = w * row[a];
-                sums[..=a]
-                    .iter_mut()
-                    .zip(row)
-                    .for_each(|(sum, b)| *sum += value * b);
-            }
-        }
-        add_span(line, &mut gram, span, width, |a, b| sums[a * width + b]);
-    }
-    gram
-}
-
-/// No equations yet.
-fn empty(line: &KnotLine) -> Gram {
-    let count = line.control_points() - 2 * fixed_ends(line);
-    Gram::new(count, line.degree(), line.is_closed())
-}
-
-/// Adds the products of the functions of a span, but those of fixed control points.
-fn add_span(
-    line: &KnotLine,
-    gram: &mut Gram,
-    span: usize,
-    width: usize,
-    sum: impl Fn(usize, usize) -> f64,
-) {
-    let (fixed, count) = (fixed_ends(line), line.control_points());
-    let place = |k: usize| {
-        let j = line.control_point(span + k);
-        (fixed..count - fixed).contains(&j).then(|| j - fixed)
-    };
-    for a in 0..width {
-        for b in 0..=a {
-            if let (Some(i), Some(j)) = (place(a), place(b)) {
-                gram.add(i, j, sum(a, b));
-            }
-        }
-    }
 }
 
 /// The control points of the segment from the first datum to the last one, at the speed of the
@@ -201,52 +137,4 @@ pub(super) fn start(line: &KnotLine, points: &Points) -> Points {
         };
         (0..count).map(at).collect::<Vec<f64>>()
     }))
-}
-
-/// How far a curve is from the data.
-#[derive(Clone, Debug)]
-pub(crate) struct Distances {
-    /// `‖P_i − C(t_i)‖`.
-    pub each: Vec<f64>,
-    /// The largest.
-    pub max: f64,
-    /// The root of the mean of the squared ones.
-    pub rms: f64,
-}
-
-impl Distances {
-    /// Of the curve of some control points.
-    pub(crate) fn new(
-        line: &KnotLine,
-        values: &Values,
-        control_points: &Points,
-        points: &Points,
-    ) -> Self {
-        let count = points.len();
-        let unit = normalizing_scale(points.magnitude());
-        let mut each = vec![0.0; count];
-        let mut fit = vec![0.0; count];
-        for (x, data) in control_points.lanes().iter().zip(points.lanes()) {
-            values.apply(line, x, &mut fit);
-            for ((sum, fit), data) in each.iter_mut().zip(&fit).zip(&**data) {
-                let distance = (data - fit) * unit;
-                *sum += distance * distance;
-            }
-        }
-        Self::of_squares(each, unit)
-    }
-
-    /// Of squares of distances that are scaled by `unit`.
-    pub(super) fn of_squares(mut each: Vec<f64>, unit: f64) -> Self {
-        let sum: f64 = each.iter().sum();
-        let rms = (sum / each.len() as f64).sqrt() / unit;
-        each.iter_mut()
-            .for_each(|square| *square = square.sqrt() / unit);
-        let larger = |most: f64, &distance: &f64| match distance {
-            _ if distance.is_nan() || most.is_nan() => f64::NAN,
-            _ => most.max(distance),
-        };
-        let max = each.iter().fold(0.0, larger);
-        Self { each, max, rms }
-    }
 }

@@ -104,7 +104,7 @@ impl KnotLine {
         let mut starts = Vec::with_capacity(self.breaks.len());
         let mut at = 0;
         for &knot in &self.breaks[..self.spans()] {
-            at += t[at..].partition_point(|&t| t < knot);
+            at += run_length(&t[at..], |t| t < knot);
             starts.push(at);
         }
         starts[0] = 0;
@@ -129,9 +129,7 @@ impl KnotLine {
                 self.knot(j as isize),
                 self.knot((j + self.degree + 1) as isize),
             );
-            while i + 1 < t.len() && t[i] <= low {
-                i += 1;
-            }
+            i += run_length(t.get(i..t.len() - 1).unwrap_or_default(), |t| t <= low);
             let inside = i + 1 < t.len() && t[i] < high;
             i += 1;
             inside
@@ -165,4 +163,16 @@ impl KnotLine {
 /// How many more control points than spans there are.
 pub(crate) fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
     if closed { 0 } else { degree }
+}
+
+/// How many of increasing parameters satisfy a condition, which the first ones do. Most runs are
+/// short beside what is left: steps that double find about where one ends.
+fn run_length(t: &[f64], is_within: impl Fn(f64) -> bool) -> usize {
+    let mut step = 1;
+    while step < t.len() && is_within(t[step]) {
+        step *= 2;
+    }
+    let from = if step == 1 { 0 } else { step / 2 };
+    let to = t.len().min(step + 1);
+    from + t[from..to].partition_point(|&t| is_within(t))
 }

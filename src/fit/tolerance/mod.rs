@@ -46,6 +46,7 @@
 
 mod attempt;
 pub(crate) mod correction;
+pub(crate) mod distances;
 pub(crate) mod equations;
 mod gram;
 pub(crate) mod growth;
@@ -65,7 +66,7 @@ pub(crate) mod values;
 
 use std::sync::Arc;
 
-use self::equations::Distances;
+use self::distances::Distances;
 use self::line::KnotLine;
 use super::points::Points;
 

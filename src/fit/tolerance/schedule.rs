@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::attempt::Attempt;
 use super::correction::corrected;
-use super::equations::{Distances, Minimum};
+use super::equations::Minimum;
 use super::line::{KnotLine, control_points_beyond_spans};
 use super::minimax::Weights;
 use super::monitor::{Monitor, needed, span_maxima};
@@ -21,7 +21,7 @@ use super::placement::place;
 use super::steps::Steps;
 use super::values::Values;
 use super::{Level, Options};
-use crate::fit::points::Points;
+use crate::fit::points::{Points, normalizing_scale};
 use crate::fit::termination::Outcome;
 
 /// The most steps of conjugate gradients over the same knots.
@@ -56,6 +56,8 @@ const BUDGET: usize = 120;
 pub(crate) struct Schedule<M> {
     minimum: M,
     points: Arc<Points>,
+    /// A power of two that brings squares of distances to the order of one.
+    unit: f64,
     options: Options,
     parameters: Arc<Vec<f64>>,
     stage: Stage,
@@ -113,6 +115,7 @@ impl<M: Minimum> Schedule<M> {
                 + 1,
             prunings: pruning::budget(points.len()),
             minimum,
+            unit: normalizing_scale(points.magnitude()),
             points,
             options,
             parameters,
@@ -208,15 +211,9 @@ impl<M: Minimum> Schedule<M> {
     fn redistributed(&mut self, attempt: &Attempt) -> Option<(Arc<Level>, Values)> {
         let line = place(attempt.monitor(), &self.parameters, attempt.count())?;
         let mut values = Values::new(&line, &self.parameters);
-        let control_points = self.minimum.minimum(&line, &values, None)?;
+        let control_points = self.minimum.minimum(&values, None)?;
         if self.options.correct_parameters {
-            let moved = corrected(
-                &line,
-                &values,
-                &control_points,
-                &self.points,
-                &self.parameters,
-            );
+            let moved = corrected(&values, &control_points, &self.points);
             self.parameters = Arc::new(moved);
             values = Values::new(&line, &self.parameters);
         }
@@ -236,9 +233,7 @@ impl<M: Minimum> Schedule<M> {
         let values = Values::new(&base.line, &base.parameters);
         let from = attempt.weighed().unwrap_or(&base);
         weights.raise(&from.distances.each, from.distances.max);
-        let minimum = self
-            .minimum
-            .minimum(&base.line, &values, Some(weights.values()));
+        let minimum = self.minimum.minimum(&values, Some(weights.values()));
         let Some(control_points) = minimum.filter(|_| left > 0) else {
             self.fail(attempt);
             return;
@@ -324,7 +319,8 @@ impl<M: Minimum> Schedule<M> {
         control_points: Points,
         parameters: Arc<Vec<f64>>,
     ) -> Arc<Level> {
-        let distances = Distances::new(&line, values, &control_points, &self.points);
+        let lanes = (control_points.lanes(), self.points.lanes());
+        let distances = values.distances(lanes.0, lanes.1, self.unit);
         Arc::new(Level {
             line,
             control_points,

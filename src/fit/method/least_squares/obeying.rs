@@ -118,7 +118,7 @@ impl Obeying {
 }
 
 impl Minimum for Obeying {
-    fn minimum(&self, line: &KnotLine, _: &Values, weights: Option<&[f64]>) -> Option<Points> {
-        self.minimum(std::slice::from_ref(line), None, weights)
+    fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points> {
+        self.minimum(std::slice::from_ref(values.line()), None, weights)
     }
 }

@@ -8,7 +8,7 @@ use super::obeying::Obeying;
 use super::settings::LeastSquares;
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
-use crate::fit::tolerance::equations::Distances;
+use crate::fit::tolerance::distances::Distances;
 use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
 

@@ -8,7 +8,7 @@ use super::super::insertion::refine;
 use super::super::line::KnotLine;
 use super::super::steps::Steps;
 use super::super::values::Values;
-use super::{GAIN, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
+use super::{GAIN, Level, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
 use crate::fit::points::Points;
 use crate::fit::termination::Outcome;
 
@@ -61,7 +61,7 @@ impl<M: Minimum> Schedule<M> {
         if self.options.minima_alone {
             return Stage::Growth(values);
         }
-        let steps = Steps::new(&last.line, &values, &last.control_points, &self.points);
+        let steps = Steps::new(&values, &last.control_points, &self.points, self.unit);
         Stage::Steps(Box::new(steps), values, 0)
     }
 
@@ -71,13 +71,19 @@ impl<M: Minimum> Schedule<M> {
             return;
         };
         let mut control_points = last.control_points.clone();
-        steps.step(&last.line, &values, &mut control_points);
-        let level = self.level(last.line.clone(), &values, control_points);
+        steps.step(&values, &mut control_points);
+        let level = Arc::new(Level {
+            line: last.line.clone(),
+            control_points,
+            distances: steps.distances(),
+            parameters: Arc::clone(&self.parameters),
+        });
         let distances = &level.distances;
         let alone = last.line.control_points() > self.points.len();
         let most = if alone { STEPS_ALONE } else { STEPS };
         let falls = distances.max <= last.distances.max * (1.0 + ROUNDING)
-            && distances.rms < last.distances.rms * (1.0 - GAIN);
+            && distances.rms < last.distances.rms * (1.0 - GAIN)
+            && level.control_points.is_finite();
         let slow = distances.rms > SLOW * last.distances.rms && !alone;
         if falls {
             self.issue(level);
@@ -96,7 +102,7 @@ impl<M: Minimum> Schedule<M> {
             return;
         };
         let mut nearest = Arc::clone(&last);
-        if let Some(control_points) = self.minimum.minimum(&last.line, values, None) {
+        if let Some(control_points) = self.minimum.minimum(values, None) {
             nearest = self.level(last.line.clone(), values, control_points);
             if nearest.distances.max < last.distances.max * (1.0 - GAIN) {
                 self.issue(Arc::clone(&nearest));

@@ -67,7 +67,7 @@ impl<M: Minimum> Schedule<M> {
             return None;
         }
         let values = Values::new(&line, &best.parameters);
-        let control_points = self.minimum.minimum(&line, &values, weights)?;
+        let control_points = self.minimum.minimum(&values, weights)?;
         let parameters = Arc::clone(&best.parameters);
         Some(self.level_at(line, &values, control_points, parameters))
     }

@@ -4,6 +4,8 @@
 //! surface at its Greville abscissae (means of p successive knots): a surface near the one before
 //! (Schoenberg's operator), which keeps planes.
 
+use std::sync::Arc;
+
 use super::SurfaceLevel;
 use super::lines::flipped;
 use crate::fit::points::Points;
@@ -26,22 +28,21 @@ pub(super) fn following(level: &SurfaceLevel, lines: &[KnotLine; 2]) -> Points {
 }
 
 /// From the control points of one line to those of another.
-struct Map<'a> {
-    from: &'a KnotLine,
+struct Map {
     /// The values at the Greville abscissae in increasing order; without it the lines are the same.
     values: Option<(Values, Vec<usize>)>,
 }
 
-impl<'a> Map<'a> {
-    fn new(from: &'a KnotLine, to: &KnotLine) -> Self {
+impl Map {
+    fn new(from: &KnotLine, to: &KnotLine) -> Self {
         let values = (from != to).then(|| {
             let sites = greville(to);
             let mut order: Vec<usize> = (0..sites.len()).collect();
             order.sort_by(|&a, &b| sites[a].total_cmp(&sites[b]));
             let sorted: Vec<f64> = order.iter().map(|&j| sites[j]).collect();
-            (Values::new(from, &sorted), order)
+            (Values::new(from, &Arc::new(sorted)), order)
         });
-        Self { from, values }
+        Self { values }
     }
 
     /// Maps each of `count` lines to one of `length` numbers.
@@ -49,15 +50,13 @@ impl<'a> Map<'a> {
         let Some((values, order)) = &self.values else {
             return lane.to_vec();
         };
+        let mut sorted = vec![0.0; count * length];
+        values.apply_to_lines(lane, &mut sorted);
         let mut all = vec![0.0; count * length];
-        let mut sorted = vec![0.0; length];
-        let lines = lane.chunks_exact(lane.len() / count);
-        for (x, y) in lines.zip(all.chunks_exact_mut(length)) {
-            values.apply(self.from, x, &mut sorted);
-            order
-                .iter()
-                .zip(&sorted)
-                .for_each(|(&j, value)| y[j] = *value);
+        let lines = sorted.chunks_exact(length);
+        for (sorted, y) in lines.zip(all.chunks_exact_mut(length)) {
+            let places = order.iter().zip(sorted);
+            places.for_each(|(&j, value)| y[j] = *value);
         }
         all
     }

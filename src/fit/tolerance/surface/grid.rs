@@ -17,7 +17,8 @@ use std::sync::Arc;
 use super::lines::{flipped, joined, lines_of, transposed};
 use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
 use crate::fit::points::{Grid, Points, normalizing_scale};
-use crate::fit::tolerance::equations::{Distances, LeastSquares, Minimum};
+use crate::fit::tolerance::distances::Distances;
+use crate::fit::tolerance::equations::{LeastSquares, Minimum};
 use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::values::Values;
 
@@ -53,16 +54,17 @@ impl GridData {
     fn project(&self, axis: usize, line: &KnotLine) -> Option<(Points, Vec<f64>)> {
         let (points, t) = (&self.curves[axis], &self.parameters[axis]);
         let values = Values::new(line, t);
-        let fits = minimum(points, line, &values)?;
+        let fits = minimum(points, &values)?;
         let dimension = self.points.dimension();
         let lines = points.dimension() / dimension;
         let mut left = vec![0.0; t.len()];
-        let mut fit = vec![0.0; t.len()];
+        let mut fit = Points::zeros(points.dimension(), t.len());
+        values.apply(fits.lanes(), fit.lanes_mut());
         for k in 0..lines {
             let mut distances = vec![0.0; t.len()];
             for c in 0..dimension {
-                values.apply(line, fits.lane(c * lines + k), &mut fit);
-                let pairs = fit.iter().zip(points.lane(c * lines + k));
+                let lane = c * lines + k;
+                let pairs = fit.lane(lane).iter().zip(points.lane(lane));
                 for (sum, (fit, datum)) in distances.iter_mut().zip(pairs) {
                     *sum = f64::hypot(*sum, datum - fit);
                 }
@@ -99,7 +101,7 @@ impl Data for GridData {
         let turned = transposed(&between, columns, rows);
         let curves = Arc::new(lines_of(&turned, rows, columns));
         let values = Values::new(&lines[1], &self.parameters[1]);
-        let across = minimum(&curves, &lines[1], &values)?;
+        let across = minimum(&curves, &values)?;
         Some(Nearest {
             control_points: joined(&across, dimension, rows, lines[1].control_points()),
             left: [left_u, left_v],
@@ -112,22 +114,18 @@ impl Data for GridData {
             columns: width,
         } = self.grid;
         let values = [0, 1].map(|axis| Values::new(&lines[axis], &self.parameters[axis]));
-        let (rows, columns) = (lines[0].control_points(), lines[1].control_points());
+        let rows = lines[0].control_points();
         let mut squares = vec![0.0; self.points.len()];
         let unit = normalizing_scale(self.points.magnitude());
-        let mut fit = vec![0.0; height];
+        let mut fit = vec![0.0; width * height];
         for (x, data) in control_points.lanes().iter().zip(self.points.lanes()) {
             let mut across = vec![0.0; rows * width];
-            let both = x.chunks_exact(columns).zip(across.chunks_exact_mut(width));
-            both.for_each(|(x, y)| values[1].apply(&lines[1], x, y));
-            let across = flipped(&across, rows, width);
-            for (j, x) in across.chunks_exact(rows).enumerate() {
-                values[0].apply(&lines[0], x, &mut fit);
-                for (i, fit) in fit.iter().enumerate() {
-                    let place = i * width + j;
-                    let distance = (data[place] - fit) * unit;
-                    squares[place] += distance * distance;
-                }
+            values[1].apply_to_lines(x, &mut across);
+            values[0].apply_to_lines(&flipped(&across, rows, width), &mut fit);
+            let fit = flipped(&fit, width, height);
+            for ((square, fit), data) in squares.iter_mut().zip(&fit).zip(&**data) {
+                let distance = (data - fit) * unit;
+                *square += distance * distance;
             }
         }
         Distances::of_squares(squares, unit)
@@ -156,10 +154,10 @@ impl Data for GridData {
 }
 
 /// Least squares of curves side by side.
-fn minimum(curves: &Arc<Points>, line: &KnotLine, values: &Values) -> Option<Points> {
+fn minimum(curves: &Arc<Points>, values: &Values) -> Option<Points> {
     let least_squares = LeastSquares {
         points: Arc::clone(curves),
         data_weights: None,
     };
-    least_squares.minimum(line, values, None)
+    least_squares.minimum(values, None)
 }

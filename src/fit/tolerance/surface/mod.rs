@@ -33,7 +33,7 @@ mod search;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::equations::Distances;
+use super::distances::Distances;
 use super::line::KnotLine;
 use super::monitor::{Monitor, needed, span_maxima};
 use crate::fit::points::Points;

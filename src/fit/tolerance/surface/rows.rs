@@ -8,6 +8,8 @@
 //! direction the first control points follow the last ones: there products have a margin of p more
 //! of them, so that those of a point are always next to each other.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::fit::tolerance::line::KnotLine;
@@ -20,7 +22,7 @@ const PART: usize = 16_384;
 #[derive(Debug)]
 pub(super) struct Sites {
     /// The different parameters of each direction, increasing.
-    pub parameters: [Vec<f64>; 2],
+    pub parameters: [Arc<Vec<f64>>; 2],
     /// Which of them is that of each point.
     pub places: [Vec<u32>; 2],
 }
@@ -36,16 +38,11 @@ struct Functions {
 }
 
 impl Functions {
-    fn new(line: &KnotLine, t: &[f64]) -> Self {
-        let all = Values::new(line, t);
-        let (mut firsts, mut values) = (Vec::new(), Vec::new());
-        for (span, range, rows) in all.spans() {
-            firsts.extend(range.map(|_| span as u32));
-            values.extend_from_slice(rows);
-        }
+    fn new(line: &KnotLine, t: &Arc<Vec<f64>>) -> Self {
+        let (firsts, values) = Values::new(line, t).into_rows();
         Self {
             line: line.clone(),
-            width: all.width(),
+            width: line.degree() + 1,
             firsts,
             values,
         }

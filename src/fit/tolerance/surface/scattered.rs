@@ -12,7 +12,7 @@ use super::gradients::{descend, diagonal, first_gain};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
 use crate::fit::points::{Points, normalizing_scale};
-use crate::fit::tolerance::equations::Distances;
+use crate::fit::tolerance::distances::Distances;
 use crate::fit::tolerance::line::KnotLine;
 
 /// A root of the mean square below this part of the tolerance does not have to fall any more.
@@ -54,7 +54,7 @@ impl ScatteredData {
         Self {
             points: Points::from_lanes(points.lanes().iter().map(|lane| sorted(lane))),
             sites: Sites {
-                parameters: [u.0, v.0],
+                parameters: [Arc::new(u.0), Arc::new(v.0)],
                 places: [u.1, v.1],
             },
             most: points.len(),

@@ -211,18 +211,14 @@ fn degenerate_data() {
 
 /// The place of a surface.
 fn place(level: &SurfaceLevel, u: f64, v: f64) -> Vec<f64> {
-    let values = [(0, u), (1, v)].map(|(axis, t)| Values::new(&level.lines[axis], &[t]));
-    let [rows, columns] = level.counts();
+    let values =
+        [(0, u), (1, v)].map(|(axis, t)| Values::new(&level.lines[axis], &Arc::new(vec![t])));
     let lanes = level.control_points.lanes().iter();
     let along = |lane: &[f64]| {
-        let mut across = vec![0.0; rows];
-        for (x, y) in lane.chunks_exact(columns).zip(&mut across) {
-            let mut value = [0.0];
-            values[1].apply(&level.lines[1], x, &mut value);
-            *y = value[0];
-        }
+        let mut across = vec![0.0; level.counts()[0]];
+        values[1].apply_to_lines(lane, &mut across);
         let mut value = [0.0];
-        values[0].apply(&level.lines[0], &across, &mut value);
+        values[0].apply_to_lines(&across, &mut value);
         value[0]
     };
     lanes.map(|lane| along(lane)).collect()
