@@ -6,6 +6,7 @@ using System.Collections.Generic;
 using System.Globalization;
 using System.IO;
 using System.Linq;
+using System.Threading;
 using System.Threading.Tasks;
 using Newtonsoft.Json;
 using Newtonsoft.Json.Linq;
@@ -27,6 +28,11 @@ public static class Conformance
         {
             Console.Error.WriteLine(error);
             return 1;
+        }
+        finally
+        {
+            // Mono aborts its thread of timers at the end, and crashes if that is just sorting them.
+            Thread.Sleep(100);
         }
     }
 
