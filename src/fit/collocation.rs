@@ -10,6 +10,7 @@
 //! directions columns are cyclic.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use rayon::prelude::*;
 
 use super::bands;
 use super::direction::Direction;
@@ -20,6 +21,9 @@ use super::linear::qr::Orthogonal;
 
 /// Eigenvalues of matrices with more columns are known to fewer digits, as nobody needs them.
 pub(crate) const LONG: usize = 1000;
+
+/// The least values of a dense matrix that another thread is woken up for.
+const PART: usize = 50_000;
 
 /// The collocation matrix of one direction.
 #[derive(Clone, Debug)]
@@ -42,9 +46,11 @@ impl Collocation {
         if direction.basis.is_local() {
             Self::Banded(bands::banded(direction))
         } else {
-            let matrix = dense(direction);
-            let transposed = matrix.transpose();
-            Self::Dense { matrix, transposed }
+            let transposed = transposed(direction);
+            Self::Dense {
+                matrix: transposed.transpose(),
+                transposed,
+            }
         }
     }
 
@@ -213,18 +219,17 @@ fn multiply_across(transposed: &DMatrix<f64>, x: &[f64], y: &mut [f64], line: us
     DMatrixViewMut::from_slice(y, line, transposed.ncols()).gemm(1.0, &x, transposed, 0.0);
 }
 
-/// The matrix of a polynomial direction, row by row.
-fn dense(direction: &Direction) -> DMatrix<f64> {
-    let columns = direction.free();
-    let mut values = vec![0.0; columns];
-    let mut matrix = DMatrix::zeros(direction.parameters.len(), columns);
-    for (i, &t) in direction.parameters.iter().enumerate() {
-        direction.evaluate(t, &mut values);
-        for (j, &value) in values.iter().enumerate() {
-            matrix[(i, j)] = value;
-        }
-    }
-    matrix
+/// The transposed matrix of a polynomial direction, in which the values at a parameter follow one
+/// another.
+fn transposed(direction: &Direction) -> DMatrix<f64> {
+    let (columns, t) = (direction.free(), &direction.parameters);
+    let mut values = vec![0.0; columns * t.len()];
+    let rows = values.par_chunks_mut(columns).zip(&t[..]);
+    rows.with_min_len(PART.div_ceil(columns))
+        .for_each(|(row, &t)| {
+            direction.evaluate(t, row);
+        });
+    DMatrix::from_vec(columns, t.len(), values)
 }
 
 #[cfg(test)]

@@ -11,7 +11,9 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::points::Grid;
+use super::collocation::Collocation;
+use super::linear::dense;
+use super::points::{Grid, Points};
 use super::setup::Setup;
 use super::sparse::Sparse;
 use super::tensor::{Tensor, TensorColumns};
@@ -86,6 +88,23 @@ impl Operator {
         match self {
             Self::Tensor(tensor) => tensor.apply(x, y, scratch),
             Self::Sparse(sparse) => sparse.apply(x, y),
+        }
+    }
+
+    /// The same for all coordinates.
+    pub(super) fn apply_to_all(&self, x: &Points, y: &mut Points, scratch: &mut [f64]) {
+        let of_curve = self.tensor().filter(|tensor| tensor.v.is_none());
+        if let Some(Collocation::Dense { matrix, .. }) = of_curve.map(|tensor| &tensor.u) {
+            let x: Vec<&[f64]> = x.lanes().iter().map(|lane| &lane[..]).collect();
+            dense::multiply(
+                matrix,
+                &x,
+                y.lanes_mut().iter_mut().map(|lane| &mut lane[..]),
+            );
+            return;
+        }
+        for (x, y) in x.lanes().iter().zip(y.lanes_mut()) {
+            self.apply(x, y, scratch);
         }
     }
 

@@ -114,9 +114,15 @@ impl Plain {
 /// `Δ = P − B X` for all coordinates, of P without the share of constants at the ends; that of missing points is zero.
 pub(super) fn compute_residual(equations: &Equations, state: &mut State) {
     let data = equations.setup.target().lanes();
-    let lanes = state.residual.lanes_mut().iter_mut();
-    for ((residual, x), data) in lanes.zip(state.control_points.lanes()).zip(data) {
-        equations.collocation.apply(x, residual, &mut state.scratch);
+    let State {
+        control_points,
+        residual,
+        scratch,
+        ..
+    } = state;
+    let operator = &equations.collocation;
+    operator.apply_to_all(control_points, residual, scratch);
+    for (residual, data) in residual.lanes_mut().iter_mut().zip(data) {
         for (residual, data) in residual.iter_mut().zip(data) {
             *residual = data - *residual;
         }

@@ -23,7 +23,7 @@ pub(crate) const MOST_POINTS: usize = 500;
 pub(crate) const MOST_DEGREE: usize = 100;
 
 /// Dense matrices up to this number of rows have their eigenvalues computed, in O(n³).
-const DENSE: usize = 100;
+pub(super) const DENSE: usize = 100;
 
 /// Least eigenvalues of dense matrices below this are spoilt by rounding.
 const LEAST_KNOWN: f64 = 1e-10;

@@ -18,7 +18,7 @@ mod band;
 pub(crate) mod banded;
 mod bordered;
 pub(crate) mod columns;
-mod dense;
+pub(super) mod dense;
 mod elimination;
 mod inverse;
 pub(crate) mod lu;

@@ -6,6 +6,7 @@
 
 use super::omega::Omega;
 use crate::fit::convergence::Forecast;
+use crate::fit::rates::DENSE;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;
 use crate::fit::tensor::Tensor;
@@ -14,10 +15,15 @@ use crate::fit::tensor::Tensor;
 /// that need it always have it.
 const FORECAST: usize = 100_000;
 
-/// Whether λ_min is computed for the forecast alone.
+/// Whether λ_min is computed for the forecast alone: of polynomials up to [`DENSE`] points.
 pub(super) fn is_small(setup: &Setup) -> bool {
-    let grid = setup.grid();
-    grid.rows.max(grid.columns) <= FORECAST
+    setup.directions().all(|direction| {
+        let most = match direction.basis.is_local() {
+            true => FORECAST,
+            false => DENSE,
+        };
+        direction.parameters.len() <= most
+    })
 }
 
 /// λ_min of the collocation matrix, if it is not known yet: of a surface the product of those of
