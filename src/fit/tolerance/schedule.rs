@@ -48,6 +48,10 @@ const NEAR: f64 = 1.5;
 /// Steps of the weights.
 const WEIGHINGS: usize = 10;
 
+/// Numbers of control points that differ by less than this part of them are as good as the same: of
+/// a thousand the last three would take as long to be spared as all others.
+const RESOLUTION: usize = 256;
+
 /// Least-squares fits after growth: enough for every number of control points that is tried.
 const BUDGET: usize = 120;
 
@@ -171,9 +175,10 @@ impl<M: Minimum> Schedule<M> {
 
     /// An attempt with about so many control points, if there are numbers left to be tried.
     fn next_attempt(&mut self, asked: usize, monitor: Monitor) {
-        self.stage = if self.high > self.low + 1 {
-            let count = asked.clamp(self.low + 1, self.high - 1);
-            Stage::Attempt(Attempt::new(count, monitor))
+        let coarse = self.best.as_ref().map_or(0, |_| self.high / RESOLUTION);
+        let (least, most) = (self.low + 1, self.high - 1 - coarse);
+        self.stage = if least <= most {
+            Stage::Attempt(Attempt::new(asked.clamp(least, most), monitor))
         } else {
             Stage::Done
         };
