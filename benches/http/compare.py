@@ -2,7 +2,8 @@
 
     compare.py PROGRAM [--quick]        # PROGRAM is target/release/piad
 
-Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second.
+Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second, and those of two
+processes that have the bytes of the answer at hand.
 Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, those that the bytes
 alone take, and peak memory; the peak memory with several clients; and a small job beside a large one.
 Needs wrk, and the packages of ../requirements.txt.
@@ -14,6 +15,7 @@ import math
 import multiprocessing
 import os
 import re
+import selectors
 import signal
 import socket
 import statistics
@@ -143,6 +145,54 @@ def send(address: tuple[str, int], size: int) -> None:
         connection.sendall(block[: size - start])
 
 
+def answer(port: int, path: str) -> bytes:
+    """All bytes of the answer to a job of 100 points."""
+    body, received = job(100), b""
+    head = f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nAccept: text/event-stream\r\nContent-Length: {len(body)}\r\n\r\n"
+    with socket.create_connection(("127.0.0.1", port)) as connection:
+        connection.sendall(head.encode() + body)
+        while not received.endswith(b"\r\n0\r\n\r\n"):
+            received += connection.recv(1 << 20)
+    return received
+
+
+def rate_at_hand(content: bytes, connections: int, seconds: int) -> float:
+    """Jobs per second of two processes that answer each of them with these bytes."""
+    with socket.create_server(("127.0.0.1", 0), backlog=512) as listener:
+        processes = [multiprocessing.Process(target=hand_out, args=(listener, content)) for _ in range(2)]
+        for process in processes:
+            process.start()
+        port = listener.getsockname()[1]
+        rates = [rate(wrk(port, "/", connections, seconds)) for _ in range(3)]
+        for process in processes:
+            process.kill()
+            process.join()
+    return statistics.median(rates)
+
+
+def hand_out(listener: socket.socket, content: bytes) -> None:
+    end = job(100)[-64:]
+    listener.setblocking(False)
+    ready = selectors.DefaultSelector()
+    ready.register(listener, selectors.EVENT_READ)
+    while True:
+        for key, _ in ready.select():
+            if key.fileobj is listener:
+                try:
+                    connection, _ = listener.accept()
+                except BlockingIOError:  # The other process has it.
+                    continue
+                connection.setblocking(True)
+                ready.register(connection, selectors.EVENT_READ)
+                continue
+            received = key.fileobj.recv(1 << 16)
+            if not received:
+                ready.unregister(key.fileobj)
+                key.fileobj.close()
+            elif received.endswith(end):
+                key.fileobj.sendall(content)
+
+
 def peak(process: subprocess.Popen) -> int:
     with open(f"/proc/{process.pid}/status") as status:
         return int(re.search(r"VmHWM:\s+(\d+)", status.read()).group(1)) * 1024
@@ -161,7 +211,10 @@ def small(program: str, seconds: int) -> None:
             # A server with many connections needs its time to answer all of them.
             time_each = max(seconds, connections // 16)
             rates[name] = statistics.median(rate(wrk(port, path, connections, time_each)) for _ in range(3))
+            content = answer(port, path)
             stop(process)
+            if name.startswith("piad"):
+                rates[f"{name}, bytes at hand"] = rate_at_hand(content, connections, time_each)
         for name, jobs in rates.items():
             ratio = jobs / rates["fastapi"]
             print(f"| {connections} | {name} | {jobs:.0f} | {jobs * EVENTS:.0f} | {ratio:.1f}× |", flush=True)
