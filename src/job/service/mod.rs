@@ -16,6 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
+use jiff::Timestamp;
 use parking_lot::Mutex;
 use tokio::sync::{Notify, Semaphore};
 use tokio::time::{sleep, timeout};
@@ -30,7 +31,7 @@ use super::recent::Recent;
 use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
 use super::slots::{PerPeer, Slots};
-use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Store, StoreError};
+use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Spared, Store, StoreError};
 use crate::fit::admission::Admission;
 use sessions::Sessions;
 
@@ -331,8 +332,14 @@ impl Jobs {
     /// Removes jobs that are beyond the retention and that nobody holds; gives those that were held.
     async fn retain(&self) -> HashSet<Uuid> {
         loop {
+            // Jobs that end from here on are not known to be held.
+            let since = Timestamp::now();
             let held = self.held();
-            let retained = self.store.retain(self.limits.retention, held.clone());
+            let spared = Spared {
+                held: held.clone(),
+                since,
+            };
+            let retained = self.store.retain(self.limits.retention, spared);
             match retained.await {
                 Ok(forgotten) => {
                     self.forget(&forgotten);

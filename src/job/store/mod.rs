@@ -146,6 +146,28 @@ pub(crate) struct Retention {
     pub age: Duration,
 }
 
+/// A look at who holds jobs is not older than this when jobs are forgotten by it.
+pub(crate) const LOOK_LIFETIME: Duration = Duration::from_secs(10 * 60);
+
+/// The jobs that stay although they are beyond the retention.
+#[derive(Clone, Debug)]
+pub(crate) struct Spared {
+    /// Those that somebody holds.
+    pub held: HashSet<Uuid>,
+    /// When that was looked up. Jobs that have ended since then may be held, too; not those of a clock that was
+    /// far ahead.
+    pub since: Timestamp,
+}
+
+impl Spared {
+    /// Whether a job stays that ended at this time.
+    fn spares(&self, at: Timestamp, id: Uuid) -> bool {
+        let after = Duration::try_from(at.duration_since(self.since));
+        let is_new = after.is_ok_and(|after| !after.is_zero() && after <= LOOK_LIFETIME);
+        is_new || self.held.contains(&id)
+    }
+}
+
 /// The store did not do what it was asked for.
 #[derive(Clone, Debug, Error)]
 pub enum StoreError {
@@ -286,12 +308,12 @@ impl Store {
     }
 
     /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
-    /// and keys that have expired. Jobs in `spared` stay, beyond the retention. Gives the ids of those that
+    /// and keys that have expired. Spared jobs stay, beyond the retention. Gives the ids of those that
     /// were forgotten.
     pub(crate) fn retain(
         &self,
         retention: Retention,
-        spared: HashSet<Uuid>,
+        spared: Spared,
     ) -> Acknowledgement<Vec<Uuid>> {
         match self {
             Self::Embedded(it) => it.retain(retention, spared),

@@ -1,6 +1,5 @@
 //! What the stores promise: in a file, in memory and in a database.
 
-use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -8,7 +7,9 @@ use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
 use super::embedded::Embedded;
-use super::{FORGOTTEN_AT_ONCE, IdempotencyKey, Insertion, Record, Retention, Selection, Store};
+use super::{
+    FORGOTTEN_AT_ONCE, IdempotencyKey, Insertion, Record, Retention, Selection, Spared, Store,
+};
 use crate::fit::bases::Bases;
 use crate::fit::points::Points;
 use crate::fit::problem::Problem;
@@ -70,6 +71,7 @@ for_each_store!(
     unfinished_jobs_begin_with_the_oldest,
     the_first_jobs_to_end_are_the_first_to_be_forgotten,
     jobs_are_forgotten_for_their_bytes_and_their_age,
+    jobs_that_have_ended_since_are_not_forgotten,
     many_jobs_are_forgotten_in_several_goes,
     no_more_jobs_are_kept_than_a_quota_allows,
     what_jobs_take_is_given_back,
@@ -322,7 +324,7 @@ async fn a_key_is_forgotten_after_a_day(store: &Store) {
     // The key is free, and the job that had it first does not take it along.
     let new = queued();
     assert_eq!(insert_with_key(store, &new, "old").await, None);
-    store.retain(FOR_EVER, HashSet::new()).await.unwrap();
+    store.retain(FOR_EVER, but([])).await.unwrap();
     store.remove(old.outline.id).await.unwrap();
     let entry = store.idempotency_entry("old").await.unwrap().unwrap();
     assert_eq!(entry.id, new.outline.id);
@@ -407,14 +409,14 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &Store) {
     let first = ended(store, 30).await;
     let second = ended(store, 20).await;
     let retain = async |jobs| {
-        let retained = store.retain(Retention { jobs, ..FOR_EVER }, HashSet::new());
+        let retained = store.retain(Retention { jobs, ..FOR_EVER }, but([]));
         retained.await.unwrap()
     };
     assert!(retain(3).await.is_empty());
     assert_eq!(retain(1).await, [first, second]);
     assert_eq!(ids(store).await, [unfinished, last]);
     // One that is spared stays, and no younger one goes for it.
-    let spared = HashSet::from([last]);
+    let spared = but([last]);
     let none = Retention {
         jobs: 0,
         ..FOR_EVER
@@ -426,10 +428,34 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &Store) {
     assert_eq!(ids(store).await, [unfinished]);
 }
 
+/// What ends after the look at who holds jobs may be held.
+async fn jobs_that_have_ended_since_are_not_forgotten(store: &Store) {
+    let before = ended(store, 10).await;
+    let since = ended(store, -5).await;
+    let far_ahead = ended(store, -3600).await;
+    let none = Retention {
+        jobs: 0,
+        ..FOR_EVER
+    };
+    assert_eq!(
+        store.retain(none, but([])).await.unwrap(),
+        [before, far_ahead]
+    );
+    assert_eq!(ids(store).await, [since]);
+}
+
+/// All jobs but these may be forgotten.
+fn but<const N: usize>(held: [Uuid; N]) -> Spared {
+    Spared {
+        held: held.into(),
+        since: Timestamp::now(),
+    }
+}
+
 async fn jobs_are_forgotten_for_their_bytes_and_their_age(store: &Store) {
     let old = ended(store, 100).await;
     let young = ended(store, 10).await;
-    let retain = async |retention| store.retain(retention, HashSet::new()).await.unwrap();
+    let retain = async |retention| store.retain(retention, but([])).await.unwrap();
     let age = Duration::from_secs(50);
     assert_eq!(retain(Retention { age, ..FOR_EVER }).await, [old]);
     // The coordinates of a job and of its result alone are 640 bytes.
@@ -455,8 +481,8 @@ async fn many_jobs_are_forgotten_in_several_goes(store: &Store) {
         jobs: 0,
         ..FOR_EVER
     };
-    let forgotten = store.retain(none, HashSet::new()).await.unwrap();
+    let forgotten = store.retain(none, but([])).await.unwrap();
     assert_eq!(forgotten.len(), FORGOTTEN_AT_ONCE);
-    assert_eq!(store.retain(none, HashSet::new()).await.unwrap().len(), 1);
+    assert_eq!(store.retain(none, but([])).await.unwrap().len(), 1);
     assert!(ids(store).await.is_empty());
 }

@@ -17,6 +17,23 @@ fn levels_are_pure_functions_of_the_data() {
     }
 }
 
+/// And by any number of threads, where they share the data.
+#[test]
+fn levels_do_not_depend_on_the_number_of_threads() {
+    let points = rose(40_000);
+    let fit = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let fit = || levels(&points, chord(&points), cubic(1e-2)).0;
+        pool.build().unwrap().install(fit)
+    };
+    let (one, three) = (fit(1), fit(3));
+    assert_eq!(one.len(), three.len());
+    for (a, b) in one.iter().zip(three) {
+        assert_eq!(a.control_points, b.control_points);
+        assert_eq!(a.distances.each, b.distances.each);
+    }
+}
+
 /// Level by level the reversed curve.
 #[test]
 fn reversed_data_have_the_reversed_curve() {

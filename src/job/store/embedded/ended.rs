@@ -1,11 +1,11 @@
 //! Which of the jobs that have ended to forget: the bookkeeping of stores that keep it in memory.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use crate::job::store::{FORGOTTEN_AT_ONCE, Retention, is_older};
+use crate::job::store::{FORGOTTEN_AT_ONCE, Retention, Spared, is_older};
 
 /// The jobs that have ended and their bytes, in the order of the times at which they ended.
 #[derive(Debug, Default)]
@@ -26,9 +26,9 @@ impl Ended {
         self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
     }
 
-    /// The jobs to be forgotten, without those in `spared`. Younger jobs do not have to go instead of these:
+    /// The jobs to be forgotten, without those that are spared. Younger jobs do not have to go instead of these:
     /// until nobody holds them any more, there are so many jobs more.
-    pub(crate) fn surplus(&self, retention: Retention, spared: &HashSet<Uuid>) -> Vec<Uuid> {
+    pub(crate) fn surplus(&self, retention: Retention, spared: &Spared) -> Vec<Uuid> {
         let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
         let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
             let old = is_older(at, retention.age);
@@ -38,8 +38,8 @@ impl Ended {
             forget
         });
         surplus
+            .filter(|&(&(at, id), _)| !spared.spares(at, id))
             .map(|(&(_, id), _)| id)
-            .filter(|id| !spared.contains(id))
             .take(FORGOTTEN_AT_ONCE)
             .collect()
     }

@@ -22,7 +22,6 @@ mod transaction;
 mod usage;
 mod writer;
 
-use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -30,7 +29,7 @@ use uuid::Uuid;
 
 use super::{
     Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, OpenError, Record, Retention,
-    Selection, StoreError,
+    Selection, Spared, StoreError,
 };
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
@@ -132,12 +131,12 @@ impl Embedded {
     }
 
     /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
-    /// and keys that have expired. Jobs in `spared` stay, beyond the retention. Gives the ids of those that
+    /// and keys that have expired. Spared jobs stay, beyond the retention. Gives the ids of those that
     /// were forgotten.
     pub(crate) fn retain(
         &self,
         retention: Retention,
-        spared: HashSet<Uuid>,
+        spared: Spared,
     ) -> Acknowledgement<Vec<Uuid>> {
         self.writer
             .write(0, move |transaction| transaction.retain(retention, &spared))

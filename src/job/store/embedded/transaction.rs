@@ -1,7 +1,5 @@
 //! A write transaction: what each change does to the tables.
 
-use std::collections::HashSet;
-
 use jiff::Timestamp;
 use redb::{Key, ReadableTable, Table, WriteTransaction};
 use uuid::Uuid;
@@ -16,7 +14,7 @@ use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use crate::job::store::record::{self, Input};
 use crate::job::store::{
-    IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, StoreError,
+    IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Spared, StoreError,
 };
 
 /// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
@@ -177,7 +175,7 @@ impl<'a> Transaction<'a> {
     pub(super) fn retain(
         &mut self,
         retention: Retention,
-        spared: &HashSet<Uuid>,
+        spared: &Spared,
     ) -> Result<Vec<Uuid>, StoreError> {
         self.forget_keys()?;
         let surplus = self.ended.surplus(retention, spared);

@@ -24,7 +24,7 @@ mod reads;
 mod within;
 mod writes;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,7 @@ use uuid::Uuid;
 
 use super::{
     Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Selection,
-    StoreError,
+    Spared, StoreError,
     record::{self, Input},
 };
 use crate::fit::problem::Problem;
@@ -156,13 +156,10 @@ impl Shared {
     pub(super) fn retain(
         self: &Arc<Self>,
         retention: Retention,
-        spared: HashSet<Uuid>,
+        spared: Spared,
     ) -> Acknowledgement<Vec<Uuid>> {
         let store = Arc::clone(self);
-        Box::pin(async move {
-            let spared: Vec<Uuid> = spared.into_iter().collect();
-            store.delete_surplus(retention, &spared).await
-        })
+        Box::pin(async move { store.delete_surplus(retention, &spared).await })
     }
 
     /// See [`super::Store::get`].

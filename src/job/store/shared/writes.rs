@@ -20,8 +20,8 @@ use super::{Claim, Shared};
 use crate::job::quota::{Amount, Quota};
 use crate::job::state::{State, Status};
 use crate::job::store::{
-    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, Insertion, KEY_LIFETIME, Record,
-    Retention, StoreError, record,
+    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, Insertion, KEY_LIFETIME, LOOK_LIFETIME,
+    Record, Retention, Spared, StoreError, record,
 };
 
 /// A new job, and its key if it is free. The first claim of a job that runs at once has epoch 1.
@@ -92,6 +92,7 @@ WITH turn AS MATERIALIZED (
     WHERE (SELECT mine FROM turn)
         AND (jobs > $1 OR bytes > $2 OR finished < now() - make_interval(secs => $3))
         AND id <> ALL($4)
+        AND (finished <= to_timestamp($6) OR finished > to_timestamp($6) + make_interval(secs => $7))
     ORDER BY finished, id LIMIT $5
 ), gone AS (
     DELETE FROM jobs USING surplus WHERE jobs.id = surplus.id RETURNING jobs.id, jobs.finished
@@ -316,8 +317,9 @@ impl Shared {
     pub(super) async fn delete_surplus(
         &self,
         retention: Retention,
-        spared: &[Uuid],
+        spared: &Spared,
     ) -> Result<Vec<Uuid>, StoreError> {
+        let held: Vec<Uuid> = spared.held.iter().copied().collect();
         let forget = || sqlx::query(FORGET_KEYS).bind(KEY_LIFETIME.as_secs_f64());
         self.connections.run(0, forget).await?;
         let retain = || {
@@ -325,8 +327,10 @@ impl Shared {
                 .bind(i64::try_from(retention.jobs).unwrap_or(i64::MAX))
                 .bind(i64::try_from(retention.bytes).unwrap_or(i64::MAX))
                 .bind(retention.age.as_secs_f64().min(CENTURY))
-                .bind(spared)
+                .bind(&held)
                 .bind(FORGOTTEN_AT_ONCE as i64)
+                .bind(spared.since.as_duration().as_secs_f64())
+                .bind(LOOK_LIFETIME.as_secs_f64())
         };
         let gone = self.connections.run(0, retain).await?;
         gone.iter()
