@@ -185,12 +185,15 @@ def hand_out(listener: socket.socket, content: bytes) -> None:
                 connection.setblocking(True)
                 ready.register(connection, selectors.EVENT_READ)
                 continue
-            received = key.fileobj.recv(1 << 16)
+            try:
+                received = key.fileobj.recv(1 << 16)
+                if received.endswith(end):
+                    key.fileobj.sendall(content)
+            except ConnectionError:  # wrk has ended.
+                received = b""
             if not received:
                 ready.unregister(key.fileobj)
                 key.fileobj.close()
-            elif received.endswith(end):
-                key.fileobj.sendall(content)
 
 
 def peak(process: subprocess.Popen) -> int:
