@@ -352,8 +352,8 @@ pub(super) fn memory(problem: &Problem) -> usize {
     let data = problem.grid().count();
     let most = problem.most_control_points();
     // A value of each function at each parameter twice, distances and parameters of five levels,
-    // residual, image and fit of a step.
-    let by_data = data * (2 * width + 10 + dimension + 4);
+    // residual and image of a step, weights, and what is being computed.
+    let by_data = data * (2 * width + 10 + 2 * dimension + 2);
     let by_control_points = most * (5 * dimension + 4 * width);
     // Points one by one, the values at each of them, and the vectors of conjugate gradients.
     let obeying = match (problem.v(), problem.method().automatic()) {

@@ -17,7 +17,7 @@
 //! tolerance needs: p and one for each share of τ^(1/(p+1)).
 
 use super::line::{KnotLine, control_points_beyond_spans};
-use crate::fit::blocks::LANES;
+use crate::fit::bounds::Extent;
 
 /// Spans count as if their distance were at least this part of the largest, so that none grows
 /// without bounds.
@@ -107,19 +107,8 @@ impl Monitor {
 pub(crate) fn span_maxima(starts: &[usize], distances: &[f64]) -> Vec<f64> {
     starts
         .windows(2)
-        .map(|range| largest(&distances[range[0]..range[1]]))
+        .map(|range| Extent::of(&distances[range[0]..range[1]]).high.max(0.0))
         .collect()
-}
-
-/// The largest of numbers, none of which is negative, a few at a time.
-fn largest(numbers: &[f64]) -> f64 {
-    let larger = |most: &mut f64, x: f64| *most = if x > *most { x } else { *most };
-    let mut lanes = [0.0; LANES];
-    for chunk in numbers.chunks(LANES) {
-        let pairs = lanes.iter_mut().zip(chunk);
-        pairs.for_each(|(most, x)| larger(most, *x));
-    }
-    lanes.into_iter().fold(0.0, f64::max)
 }
 
 /// How many control points would have distances of at most `tolerance`, if each span were divided

@@ -324,8 +324,7 @@ impl<M: Minimum> Schedule<M> {
         control_points: Points,
         parameters: Arc<Vec<f64>>,
     ) -> Arc<Level> {
-        let lanes = (control_points.lanes(), self.points.lanes());
-        let distances = values.distances(lanes.0, lanes.1, self.unit);
+        let distances = values.distances(control_points.lanes(), self.points.lanes(), self.unit);
         Arc::new(Level {
             line,
             control_points,
