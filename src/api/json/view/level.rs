@@ -6,11 +6,11 @@ use schemars::{JsonSchema, json_schema};
 use serde::Serialize;
 
 use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray, point};
-use super::decimal::Rounding;
 use super::document::{BinaryEncoding, Document};
 use super::error::ErrorView;
 use super::examples;
 use super::net::{ArrayShape, BadWeight, ControlNet, knots};
+use super::rounding::Rounding;
 use super::writer::Digits;
 use crate::api::json::plain::never_null;
 use crate::fit::geometry::Geometry;

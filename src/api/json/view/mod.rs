@@ -8,7 +8,7 @@
 //! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`warning`]: what is doubtful about a job;
 //! - [`input`](mod@input): a job as it was asked for;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
-//! - [`decimal`]: numbers with as many digits as they deserve;
+//! - [`decimal`] and [`rounding`]: numbers with as many digits as they deserve;
 //! - [`examples`]: what descriptions show.
 
 mod applied_method;
@@ -28,6 +28,7 @@ mod net;
 pub(crate) mod points;
 pub(crate) mod rates;
 pub(crate) mod result;
+mod rounding;
 mod shape;
 pub(crate) mod source;
 pub(crate) mod warning;

@@ -1,22 +1,22 @@
 //! The shapes of arrays of numbers, as nested lists.
 
-/// The shape of an array: up to three levels of nested lists; the last index runs fastest.
+/// The shape of an array: up to [`NestedShape::DEEPEST`] levels of nested lists; the last index runs fastest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NestedShape {
     /// How many numbers a list of each level has, the innermost first.
-    sizes: [usize; 3],
+    sizes: [usize; NestedShape::DEEPEST],
     depth: usize,
 }
 
 impl From<&[usize]> for NestedShape {
-    /// Of at most three numbers.
+    /// Of at most [`NestedShape::DEEPEST`] numbers.
     fn from(counts: &[usize]) -> Self {
         let mut shape = Self {
-            sizes: [1; 3],
-            depth: counts.len().min(3),
+            sizes: [1; Self::DEEPEST],
+            depth: counts.len().min(Self::DEEPEST),
         };
         let mut size = 1;
-        for (level, count) in counts.iter().rev().take(3).enumerate() {
+        for (level, count) in counts.iter().rev().take(Self::DEEPEST).enumerate() {
             size *= count;
             shape.sizes[level] = size;
         }
@@ -25,6 +25,9 @@ impl From<&[usize]> for NestedShape {
 }
 
 impl NestedShape {
+    /// The most levels of lists.
+    pub(super) const DEEPEST: usize = 3;
+
     /// How many numbers there are.
     pub(super) fn count(self) -> usize {
         self.lists().last().copied().unwrap_or(1)
@@ -33,11 +36,6 @@ impl NestedShape {
     /// How many numbers an innermost list has.
     pub(super) fn innermost(&self) -> usize {
         self.sizes[0]
-    }
-
-    /// How many levels of lists there are.
-    pub(super) fn depth(&self) -> usize {
-        self.depth
     }
 
     /// The sizes of the lists of each level, the innermost first.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use base64_simd::STANDARD;
 use bytes::Bytes;
 
-use super::decimal::{self, LONGEST, ROOM, Rounding};
+use super::decimal::{self, BATCH, LONGEST, ROOM};
+use super::rounding::{self, Rounding};
 use super::shape::NestedShape;
 use super::source::{Source, all_fit_32_bits};
 use crate::job::content::{Content, Piece, Pieces};
@@ -145,24 +146,28 @@ fn write(
     if range.is_empty() && matches!(digits, Digits::Decimal(_)) {
         return text.extend_from_slice(b"[]");
     }
-    each_chunk(range, source, |start, numbers| match digits {
-        Digits::Decimal(None) => {
-            for (index, numbers) in numbers.chunks(decimal::BATCH).enumerate() {
-                let start = start + index * decimal::BATCH;
-                decimal::in_full(numbers, |texts| {
-                    lists(shape, start, texts, text, decimal::copy)
-                });
-            }
-        }
-        Digits::Decimal(Some(rounding)) => {
-            lists(shape, start, numbers, text, |x, room| {
-                rounding.write(x, room)
+    match digits {
+        Digits::Decimal(rounding) => {
+            let mut batch = rounding.map(rounding::Batch::new);
+            let mut scratch = [0; SCRATCH];
+            each_chunk(range, source, |start, numbers| {
+                for (index, numbers) in numbers.chunks(BATCH).enumerate() {
+                    let start = start + index * BATCH;
+                    let used = decimals(shape, start, numbers, &mut batch, &mut scratch);
+                    text.extend_from_slice(&scratch[..used]);
+                }
             });
         }
-        Digits::Base64 => base64(numbers, f64::to_le_bytes, text),
-        Digits::Base64F32 => base64(numbers, |x| (x as f32).to_le_bytes(), text),
-        Digits::Raw => text.extend(numbers.iter().flat_map(|x| x.to_le_bytes())),
-    });
+        Digits::Base64 => each_chunk(range, source, |_, numbers| {
+            base64(numbers, f64::to_le_bytes, text)
+        }),
+        Digits::Base64F32 => each_chunk(range, source, |_, numbers| {
+            base64(numbers, |x| (x as f32).to_le_bytes(), text)
+        }),
+        Digits::Raw => each_chunk(range, source, |_, numbers| {
+            text.extend(numbers.iter().flat_map(|x| x.to_le_bytes()))
+        }),
+    }
     if is_string && is_last {
         text.push(b'"');
     }
@@ -177,52 +182,78 @@ fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(u
     }
 }
 
-/// Writes the numbers from `start` on as nested lists, with the brackets and commas between and after
-/// them. A part may begin and end anywhere in a list.
-#[inline(always)]
-fn lists<T: Copy>(
+/// Writes at most [`BATCH`] numbers as [`lists`], in full or rounded.
+fn decimals(
     shape: NestedShape,
     start: usize,
-    numbers: &[T],
-    text: &mut Vec<u8>,
-    write: impl Fn(T, &mut [u8]) -> usize,
-) {
+    numbers: &[f64],
+    rounded: &mut Option<rounding::Batch>,
+    scratch: &mut [u8; SCRATCH],
+) -> usize {
+    let count = numbers.len();
+    let Some(batch) = rounded else {
+        return decimal::in_full(
+            numbers,
+            |_| true,
+            |texts| {
+                let write = |k: usize, room: &mut [u8]| decimal::copy(texts[k], room);
+                lists(shape, start, count, scratch, write)
+            },
+        );
+    };
+    batch.compute(numbers);
+    decimal::in_full(
+        numbers,
+        |k| batch.is_in_full(k),
+        |texts| {
+            let write = |k: usize, room: &mut [u8]| batch.write(k, numbers[k], texts[k], room);
+            lists(shape, start, count, scratch, write)
+        },
+    )
+}
+
+/// What [`lists`] takes at most: numbers with commas, and the brackets around lists.
+const SCRATCH: usize = BATCH * (LONGEST + 1) + (BATCH + 2) * 2 * NestedShape::DEEPEST + ROOM;
+
+/// Writes so many numbers from `start` on, at most [`BATCH`], as nested lists, with the brackets and commas
+/// between and after them; returns how many bytes they are. A part may begin and end anywhere in a list. The
+/// bytes are copied to where they belong from a place in the nearest cache, as that is faster than making sure
+/// that there is room for each.
+#[inline(always)]
+fn lists(
+    shape: NestedShape,
+    start: usize,
+    count: usize,
+    scratch: &mut [u8; SCRATCH],
+    write: impl Fn(usize, &mut [u8]) -> usize,
+) -> usize {
     let (total, innermost) = (shape.count(), shape.innermost());
-    // Room for everything at once: numbers with commas, and brackets around innermost lists.
-    let length = text.len();
-    let runs = numbers.len() / innermost + 2;
-    text.resize(
-        length + numbers.len() * (LONGEST + 1) + runs * 2 * shape.depth() + ROOM,
-        0,
-    );
     let mut room = FixedBuffer {
-        bytes: &mut text[length..],
+        bytes: scratch,
         used: 0,
     };
-    let (mut at, mut rest) = (start, numbers);
-    let mut edges = shape.edges(at);
+    let mut written = 0;
+    let mut edges = shape.edges(start);
     // How many numbers there are up to the end of an innermost list.
     let mut run = innermost - start % innermost;
-    while !rest.is_empty() {
-        let line;
-        (line, rest) = rest.split_at(run.min(rest.len()));
+    while written < count {
+        let end = count.min(written + run);
         room.repeat(b'[', edges);
-        for (k, &x) in line.iter().enumerate() {
-            if k > 0 {
+        for k in written..end {
+            if k > written {
                 room.push(b',');
             }
-            room.used += write(x, &mut room.bytes[room.used..]);
+            room.used += write(k, &mut room.bytes[room.used..]);
         }
-        at += line.len();
+        written = end;
         run = innermost;
-        edges = shape.edges(at);
+        edges = shape.edges(start + written);
         room.repeat(b']', edges);
-        if at < total {
+        if start + written < total {
             room.push(b',');
         }
     }
-    let used = room.used;
-    text.truncate(length + used);
+    room.used
 }
 
 /// Bytes that are filled from the start on.
@@ -289,6 +320,14 @@ mod tests {
         }
     }
 
+    /// The same lists with all numbers in floating point.
+    fn as_floats(lists: &Value) -> Value {
+        match lists {
+            Value::Array(elements) => elements.iter().map(as_floats).collect(),
+            number => json!(number.as_f64()),
+        }
+    }
+
     /// Sizes of which multiples are parts of chunks and pieces, whole ones, and a little more.
     fn size(most: usize) -> impl Strategy<Value = usize> {
         let near = [1, 2, CHUNK / 2, CHUNK, 2 * CHUNK, PIECE, 2 * PIECE].map(|size| size.min(most));
@@ -333,15 +372,14 @@ mod tests {
             let numbers: Vec<f64> = (0..count).map(|i| i as f64 / 4.0).collect();
             let expected = nested(&shape, &numbers);
             for cut in 0..=count {
-                let mut text = Vec::new();
+                let (mut text, mut scratch) = (Vec::new(), [0; SCRATCH]);
                 for (start, part) in [(0, &numbers[..cut]), (cut, &numbers[cut..])] {
-                    lists(
-                        shape.as_slice().into(),
-                        start,
-                        part,
-                        &mut text,
-                        decimal::write,
-                    );
+                    for (index, part) in part.chunks(BATCH).enumerate() {
+                        let start = start + index * BATCH;
+                        let shape = shape.as_slice().into();
+                        let used = decimals(shape, start, part, &mut None, &mut scratch);
+                        text.extend_from_slice(&scratch[..used]);
+                    }
                 }
                 let read: Value = serde_json::from_slice(&text).unwrap();
                 assert_eq!(read, expected, "{shape:?} cut at {cut}");
@@ -361,6 +399,10 @@ mod tests {
             let decimal = written(&shape, &numbers, Digits::Decimal(None));
             let read: Value = serde_json::from_slice(&decimal).unwrap();
             prop_assert!(read == nested(&shape, &numbers));
+            let rounded = written(&shape, &numbers, Digits::Decimal(Rounding::for_error(0.6)));
+            let hundredths: Vec<f64> = numbers.iter().map(|x| (100.0 * x).round() / 100.0).collect();
+            let read: Value = serde_json::from_slice(&rounded).unwrap();
+            prop_assert!(as_floats(&read) == nested(&shape, &hundredths));
             let raw: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
             prop_assert!(written(&shape, &numbers, Digits::Raw) == raw);
             let narrow: Vec<u8> = numbers.iter().flat_map(|&x| (x as f32).to_le_bytes()).collect();
