@@ -18,6 +18,10 @@ use crate::model::shape::MAX_DIMENSION;
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;
 
+/// For how many bytes of a part there is room for a number from the start: what programs write with all digits
+/// takes more, and what is not used costs nothing.
+const WIDTH: usize = 16;
+
 /// The fields that have points. No other field of a job, nor of anything in it, is called so.
 const POINTS: &[u8] = b"\"points\"";
 const SCATTERED: &[u8] = b"\"scattered\"";
@@ -194,7 +198,8 @@ impl Part {
     /// Reads the elements that begin in this range, up to the end of the list.
     fn read(text: &[u8], range: Range<usize>, depth: usize) -> Option<Self> {
         let mut reader = Reader::at(text, range.start);
-        let (mut numbers, mut innermost, mut columns) = (Vec::new(), None, None);
+        let mut numbers = Vec::with_capacity(range.len() / WIDTH);
+        let (mut innermost, mut columns) = (None, None);
         let mut innermost_list = |reader: &mut Reader| {
             let number = |reader: &mut Reader| reader.number().map(|x| numbers.push(x));
             same(&mut innermost, reader.list(number)?)
