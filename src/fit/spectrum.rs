@@ -66,8 +66,8 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 
 /// When Noda's iteration ends: the relative step below which it does, and the most shifts. Near the
 /// end each shift doubles the digits, unless eigenvalues nearly coincide, as they do for even
-/// degrees. Of long curves nobody needs more than a few digits: after a step of 3 in 100 about one
-/// in 100 is left at most.
+/// degrees. Of long curves nobody needs more than a few digits: the step after one of 3 in 100 is
+/// less than 1 in 100.
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
         n if n <= LONG => (1e-13, 100),

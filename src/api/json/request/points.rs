@@ -18,8 +18,8 @@ use crate::model::shape::MAX_DIMENSION;
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;
 
-/// For how many bytes of a part there is room for a number from the start: what programs write with all digits
-/// takes more, and what is not used costs nothing.
+/// A part begins with room for one number per so many bytes of text. Numbers with all digits take more, and
+/// memory that is not written to costs nothing.
 const WIDTH: usize = 16;
 
 /// The fields that have points. No other field of a job, nor of anything in it, is called so.

@@ -11,7 +11,7 @@ pub(super) const LONGEST: usize = 2 * HALF + 1;
 /// Most numbers have between one and two times this many characters, and none has more.
 const HALF: usize = 12;
 
-/// Numbers that are written in full at a time.
+/// Numbers that are written at a time.
 pub(super) const BATCH: usize = 96;
 
 /// The texts of those numbers of a batch that are wanted, with as many digits as it takes to read them back

@@ -8,7 +8,7 @@
 //! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`warning`]: what is doubtful about a job;
 //! - [`input`](mod@input): a job as it was asked for;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
-//! - [`decimal`] and [`rounding`]: numbers with as many digits as they deserve;
+//! - [`decimal`] and [`rounding`]: numbers with as many digits as they deserve; [`lists`] of them;
 //! - [`examples`]: what descriptions show.
 
 mod applied_method;
@@ -24,6 +24,7 @@ pub(crate) mod input;
 pub(crate) mod job;
 pub(crate) mod level;
 pub(crate) mod limit;
+mod lists;
 mod net;
 pub(crate) mod points;
 pub(crate) mod rates;

@@ -58,7 +58,7 @@ impl Rounding {
         }
     }
 
-    /// Writes a number, which is small enough, of any number of digits.
+    /// Writes a number below [`LARGEST`] when it is scaled, with an exponent where that is shorter.
     fn write(self, x: f64, room: &mut [u8]) -> usize {
         let number = (self.scaled(x) + 0.5) as u64;
         if number == 0 {
@@ -105,14 +105,14 @@ impl Batch {
         Arch::new().dispatch(Compute(self, numbers));
     }
 
-    /// Whether number k is written in full, as it would have too many digits, or is none.
+    /// Whether number k is written in full: its rounded text would have too many digits, or it is NaN or infinite.
     #[inline(always)]
     pub(super) fn is_in_full(&self, k: usize) -> bool {
         self.scaled[k].is_nan() || self.scaled[k] >= LARGEST
     }
 
     /// Writes the number x, which is number k of the batch, to the start of [`decimal::ROOM`] bytes; returns how
-    /// many it takes. Its text in full is used where that is shorter.
+    /// many it takes. `in_full` is its text in full, which only counts if [`Self::is_in_full`] says so.
     #[inline(always)]
     pub(super) fn write(&self, k: usize, x: f64, in_full: &str, room: &mut [u8]) -> usize {
         if self.is_in_full(k) {
@@ -170,14 +170,10 @@ impl NullaryFnOnce for Compute<'_> {
         if !batch.scaled.iter().any(|&scaled| scaled < batch.limit) {
             return;
         }
-        let k = rounding.places as usize;
-        let power = rounding.power;
+        let (count, power) = (rounding.places as usize, rounding.power);
         // Of what is behind the point, the first eight digits are `part · up / down`.
-        let (up, down) = (
-            POWERS[8_usize.saturating_sub(k)],
-            POWERS[k.saturating_sub(8)],
-        );
-        let scale = POWERS[16 - k];
+        let up = POWERS[8_usize.saturating_sub(count)];
+        let (down, scale) = (POWERS[count.saturating_sub(8)], POWERS[16 - count]);
         let mut eights = [[0_u32; BATCH]; 3];
         let [whole, high, low] = &mut eights;
         for (k, &scaled) in batch.scaled.iter().enumerate() {
@@ -352,6 +348,31 @@ mod tests {
         for number in numbers.chain([12_345_678, 90_000_000]) {
             let digits = characters(eight_digits(number)).to_le_bytes();
             assert_eq!(format!("{number:08}").as_bytes(), digits);
+        }
+    }
+
+    /// Each number of a batch is written as it would be alone, whatever the others are.
+    #[test]
+    fn numbers_of_a_batch_do_not_depend_on_each_other() {
+        let numbers = [
+            1.0 / 3.0,
+            -2e15,
+            f64::NAN,
+            -0.0,
+            1e-9,
+            123_456.789,
+            -7.0,
+            120_000.0,
+            1e13,
+        ];
+        for error in [1e-9, 1e-3, 1.0, 1e3] {
+            let mut batch = Batch::new(Rounding::for_error(error).unwrap());
+            batch.compute(&[0.123; BATCH]);
+            batch.compute(&numbers);
+            for (k, &x) in numbers.iter().enumerate() {
+                let written = text(|json| batch.write(k, x, &in_full(x), json));
+                assert_eq!(written, rounded(x, error), "{x} {error}");
+            }
         }
     }
 

@@ -6,8 +6,9 @@ use std::sync::Arc;
 use base64_simd::STANDARD;
 use bytes::Bytes;
 
-use super::decimal::{self, BATCH, LONGEST, ROOM};
-use super::rounding::{self, Rounding};
+use super::decimal::{BATCH, LONGEST};
+use super::lists::{SCRATCH, decimals};
+use super::rounding::{Batch, Rounding};
 use super::shape::NestedShape;
 use super::source::{Source, all_fit_32_bits};
 use crate::job::content::{Content, Piece, Pieces};
@@ -148,7 +149,7 @@ fn write(
     }
     match digits {
         Digits::Decimal(rounding) => {
-            let mut batch = rounding.map(rounding::Batch::new);
+            let mut batch = rounding.map(Batch::new);
             let mut scratch = [0; SCRATCH];
             each_chunk(range, source, |start, numbers| {
                 for (index, numbers) in numbers.chunks(BATCH).enumerate() {
@@ -179,99 +180,6 @@ fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(u
         let numbers = &mut numbers[..CHUNK.min(range.end - start)];
         source.fill(start, numbers);
         visit(start, numbers);
-    }
-}
-
-/// Writes at most [`BATCH`] numbers as [`lists`], in full or rounded.
-fn decimals(
-    shape: NestedShape,
-    start: usize,
-    numbers: &[f64],
-    rounded: &mut Option<rounding::Batch>,
-    scratch: &mut [u8; SCRATCH],
-) -> usize {
-    let count = numbers.len();
-    let Some(batch) = rounded else {
-        return decimal::in_full(
-            numbers,
-            |_| true,
-            |texts| {
-                let write = |k: usize, room: &mut [u8]| decimal::copy(texts[k], room);
-                lists(shape, start, count, scratch, write)
-            },
-        );
-    };
-    batch.compute(numbers);
-    decimal::in_full(
-        numbers,
-        |k| batch.is_in_full(k),
-        |texts| {
-            let write = |k: usize, room: &mut [u8]| batch.write(k, numbers[k], texts[k], room);
-            lists(shape, start, count, scratch, write)
-        },
-    )
-}
-
-/// What [`lists`] takes at most: numbers with commas, and the brackets around lists.
-const SCRATCH: usize = BATCH * (LONGEST + 1) + (BATCH + 2) * 2 * NestedShape::DEEPEST + ROOM;
-
-/// Writes so many numbers from `start` on, at most [`BATCH`], as nested lists, with the brackets and commas
-/// between and after them; returns how many bytes they are. A part may begin and end anywhere in a list. The
-/// bytes are copied to where they belong from a place in the nearest cache, as that is faster than making sure
-/// that there is room for each.
-#[inline(always)]
-fn lists(
-    shape: NestedShape,
-    start: usize,
-    count: usize,
-    scratch: &mut [u8; SCRATCH],
-    write: impl Fn(usize, &mut [u8]) -> usize,
-) -> usize {
-    let (total, innermost) = (shape.count(), shape.innermost());
-    let mut room = FixedBuffer {
-        bytes: scratch,
-        used: 0,
-    };
-    let mut written = 0;
-    let mut edges = shape.edges(start);
-    // How many numbers there are up to the end of an innermost list.
-    let mut run = innermost - start % innermost;
-    while written < count {
-        let end = count.min(written + run);
-        room.repeat(b'[', edges);
-        for k in written..end {
-            if k > written {
-                room.push(b',');
-            }
-            room.used += write(k, &mut room.bytes[room.used..]);
-        }
-        written = end;
-        run = innermost;
-        edges = shape.edges(start + written);
-        room.repeat(b']', edges);
-        if start + written < total {
-            room.push(b',');
-        }
-    }
-    room.used
-}
-
-/// Bytes that are filled from the start on.
-struct FixedBuffer<'a> {
-    bytes: &'a mut [u8],
-    used: usize,
-}
-
-impl FixedBuffer<'_> {
-    #[inline(always)]
-    fn push(&mut self, byte: u8) {
-        self.bytes[self.used] = byte;
-        self.used += 1;
-    }
-
-    #[inline(always)]
-    fn repeat(&mut self, byte: u8, times: usize) {
-        (0..times).for_each(|_| self.push(byte));
     }
 }
 
