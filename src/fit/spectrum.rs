@@ -105,6 +105,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let mut w = z.clone();
     inverse.apply(&mut w);
     let mut upper = extremes(&w, &z).1;
+    set_direction(&mut z, &w);
     let mut step = f64::INFINITY;
     for _ in 0..shifts {
         interrupt::check();
@@ -118,8 +119,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
         }
         step = least / upper;
         upper -= least;
-        let size = length(&w);
-        z.iter_mut().zip(&w).for_each(|(z, w)| *z = w / size);
+        set_direction(&mut z, &w);
         if step <= accuracy {
             break;
         }
@@ -281,6 +281,12 @@ pub(super) fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
         1.0 + a - 2.0 * lambda + 2.0 * (excess * (1.0 - lambda)).sqrt()
     };
     grown(lambda) / grown(0.0)
+}
+
+/// Sets a vector to another one, scaled to unit length.
+fn set_direction(z: &mut [f64], w: &[f64]) {
+    let size = length(w);
+    z.iter_mut().zip(w).for_each(|(z, w)| *z = w / size);
 }
 
 /// The Euclidean length of a vector.
