@@ -94,9 +94,10 @@ def latency(output: str, percentile: int) -> float:
 def read_all(port: int, path: str, body: bytes) -> tuple[float, float, int]:
     """Posts and reads everything; seconds to the first iteration and to the end, and bytes."""
     head = f"POST {path} HTTP/1.0\r\nHost: localhost\r\nContent-Type: application/json\r\nAccept: text/event-stream\r\nContent-Length: {len(body)}\r\n\r\n"
+    request = head.encode() + body
     connection = socket.create_connection(("127.0.0.1", port))
     begin = time.perf_counter()
-    connection.sendall(head.encode() + body)
+    connection.sendall(request)
     first, total = drain(connection, begin)
     return first, time.perf_counter() - begin, total
 

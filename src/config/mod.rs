@@ -109,7 +109,8 @@ pub struct Config {
     )]
     pub cors_origin: Vec<Origin>,
 
-    /// Compute threads for each of the two lanes (small and large steps) [default: the number of cores].
+    /// Threads of each lane of the compute pool (small steps, large steps, requests and answers, set-ups), and those
+    /// that share long loops [default: the number of cores].
     #[arg(long, env = "PIAD_WORKERS", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
 

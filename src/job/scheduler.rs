@@ -229,6 +229,17 @@ impl Scheduler {
     }
 }
 
+/// Makes the threads of the process that share long loops over points. They give way like the lanes whose work they
+/// do, so that the first levels are written while the next ones are computed.
+pub(crate) fn share_loops(workers: usize) {
+    let threads = rayon::ThreadPoolBuilder::new()
+        .num_threads(workers)
+        .thread_name(|index| format!("piad-loops-{index}"))
+        .start_handler(|_| give_way());
+    // Another server of this process may have made them.
+    let _ = threads.build_global();
+}
+
 /// Lets this thread get less of a processor than others that want it: large steps give way to small ones, and to
 /// what serves the network.
 fn give_way() {

@@ -41,7 +41,7 @@ use crate::config::Config;
 use crate::job::counters::Counters;
 use crate::job::quota::Quotas;
 use crate::job::resources::Resources;
-use crate::job::scheduler::Scheduler;
+use crate::job::scheduler::{self, Scheduler};
 use crate::job::service::{JobLimits, Jobs};
 use crate::job::slots::PerPeer;
 use crate::job::store::{OpenError, Retention, Store};
@@ -137,7 +137,9 @@ pub async fn serve(
 
 /// What the jobs of a server with these settings share.
 fn resources(config: &Config, quotas: Arc<Quotas>) -> io::Result<Arc<Resources>> {
-    let scheduler = Scheduler::new(config.worker_count())?;
+    let workers = config.worker_count();
+    scheduler::share_loops(workers);
+    let scheduler = Scheduler::new(workers)?;
     let (memory, ring) = (bytes(config.memory_bytes()), bytes(config.ring.as_u64()));
     let mut resources = Resources::new(scheduler, memory, ring);
     resources.quotas = quotas;

@@ -8,7 +8,7 @@ use futures_util::StreamExt;
 
 use crate::data;
 use crate::program::{PROGRAM, Program};
-use crate::support::events;
+use crate::support::{events, eventually};
 
 fn health(address: &str) -> bool {
     let check = Command::new(PROGRAM)
@@ -36,6 +36,43 @@ async fn signals_end_it_with_open_streams() {
         program.signal(signal);
         assert_eq!(program.wait().code(), Some(0));
         assert!(!health(&program.address));
+    }
+}
+
+/// The threads of a process with such a name, as the operating system calls them, and how far they give way.
+fn threads(process: u32, name: &str) -> Vec<i32> {
+    let tasks = std::fs::read_dir(format!("/proc/{process}/task")).unwrap();
+    let stats =
+        tasks.map(|task| std::fs::read_to_string(task.unwrap().path().join("stat")).unwrap());
+    let named = stats.filter(|stat| stat.contains(&format!("({name}-")));
+    // The nice value is the 17th number behind the name.
+    let nice = named.map(|stat| {
+        stat.rsplit_once(')')
+            .unwrap()
+            .1
+            .split_whitespace()
+            .nth(16)
+            .map(str::parse)
+    });
+    nice.map(|nice| nice.unwrap().unwrap()).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn each_lane_and_the_loops_have_so_many_threads() {
+    let program = Program::with(Path::new(":memory:"), &["--workers", "3"]);
+    let lanes = [
+        ("quick", 0),
+        ("wire", 0),
+        ("heavy", 5),
+        ("long", 5),
+        ("loops", 5),
+    ];
+    for (lane, nice) in lanes {
+        // They may not have set it yet.
+        eventually(lane, async || {
+            threads(program.id(), &format!("piad-{lane}")) == [nice; 3]
+        })
+        .await;
     }
 }
 
