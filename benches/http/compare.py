@@ -5,7 +5,7 @@
 Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second, and those of two
 processes that have the bytes of the answer at hand.
 Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, those that the bytes
-alone take, and peak memory; the peak memory with several clients; and a small job beside a large one.
+of its request and of the answer alone take, and peak memory; the peak memory with several clients; and a small job beside a large one.
 Needs wrk, and the packages of ../requirements.txt.
 """
 
@@ -146,6 +146,30 @@ def send(address: tuple[str, int], size: int) -> None:
         connection.sendall(block[: size - start])
 
 
+def request_alone(body: bytes) -> float:
+    """Seconds until a process has taken in such a request, which it does nothing with."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        receiver = multiprocessing.Process(target=take, args=(listener.getsockname(), len(body)))
+        receiver.start()
+        connection, _ = listener.accept()
+    connection.recv(1)
+    begin = time.perf_counter()
+    connection.sendall(body)
+    connection.recv(1)
+    taken = time.perf_counter() - begin
+    receiver.join()
+    return taken
+
+
+def take(address: tuple[str, int], size: int) -> None:
+    """Says that it is there, and when it has all bytes."""
+    connection, buffer = socket.create_connection(address), bytearray(1 << 20)
+    connection.sendall(b"!")
+    while size > 0:
+        size -= connection.recv_into(buffer)
+    connection.sendall(b"!")
+
+
 def answer(port: int, path: str) -> bytes:
     """All bytes of the answer to a job of 100 points."""
     body, received = job(100), b""
@@ -229,6 +253,8 @@ def large(program: str, counts: list[int]) -> None:
     print("| points | server | encoding | first, s | all, s | MB | these bytes alone, s | ratio | peak, bytes per point |\n|---|---|---|---|---|---|---|---|---|")
     for count in counts:
         body = job(count)
+        taken = statistics.median(request_alone(body) for _ in range(5))
+        print(f"| {count} | its request alone | | {taken:.4f} | | {len(body) / 1e6:.0f} | | | |")
         base = None
         for name, query in [("fastapi", ""), ("piad", ""), ("piad", "?digits=auto"), ("piad", "?encoding=base64"), ("piad", "?encoding=base64_f32")]:
             command, port, path = servers(program)[name]
