@@ -5,7 +5,8 @@
 Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second, and those of two
 processes that have the bytes of the answer at hand.
 Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, those that the bytes
-of its request and of the answer alone take, and peak memory; the peak memory with several clients; and a small job beside a large one.
+of its request and of the answer alone take, and peak memory; the peak memory with several clients; and a small
+job beside a large one.
 Needs wrk, and the packages of ../requirements.txt.
 """
 
@@ -25,6 +26,7 @@ import tempfile
 import threading
 import time
 import urllib.request
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -122,12 +124,17 @@ def drain(connection: socket.socket, begin: float) -> tuple[float, int]:
     return first, total
 
 
+def connected(work: Callable[[tuple[str, int], int], None], size: int) -> tuple[socket.socket, multiprocessing.Process]:
+    """A process that connects to this one and sends or takes so many bytes, and the connection."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        process = multiprocessing.Process(target=work, args=(listener.getsockname(), size))
+        process.start()
+        return listener.accept()[0], process
+
+
 def alone(size: int) -> float:
     """Seconds that so many bytes take to the same client from a process that has them at hand."""
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        sender = multiprocessing.Process(target=send, args=(listener.getsockname(), size))
-        sender.start()
-        connection, _ = listener.accept()
+    connection, sender = connected(send, size)
     begin = time.perf_counter()
     connection.sendall(b"!")
     _, received = drain(connection, begin)
@@ -148,10 +155,7 @@ def send(address: tuple[str, int], size: int) -> None:
 
 def request_alone(body: bytes) -> float:
     """Seconds until a process has taken in such a request, which it does nothing with."""
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        receiver = multiprocessing.Process(target=take, args=(listener.getsockname(), len(body)))
-        receiver.start()
-        connection, _ = listener.accept()
+    connection, receiver = connected(take, len(body))
     connection.recv(1)
     begin = time.perf_counter()
     connection.sendall(body)

@@ -229,8 +229,8 @@ impl Scheduler {
     }
 }
 
-/// Makes the threads of the process that share long loops over points. They give way like the lanes whose work they
-/// do, so that the first levels are written while the next ones are computed.
+/// Makes the threads of the process that share long loops over points. They give way like the lane of large steps, so
+/// that small jobs do not wait for them.
 pub(crate) fn share_loops(workers: usize) {
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(workers)

@@ -39,22 +39,18 @@ async fn signals_end_it_with_open_streams() {
     }
 }
 
-/// The threads of a process with such a name, as the operating system calls them, and how far they give way.
-fn threads(process: u32, name: &str) -> Vec<i32> {
+/// How far the threads of a process give way whose names begin like that, as the operating system tells it.
+fn niceness(process: u32, name: &str) -> Vec<i32> {
     let tasks = std::fs::read_dir(format!("/proc/{process}/task")).unwrap();
+    // A thread may end meanwhile.
     let stats =
-        tasks.map(|task| std::fs::read_to_string(task.unwrap().path().join("stat")).unwrap());
+        tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("stat")).ok());
     let named = stats.filter(|stat| stat.contains(&format!("({name}-")));
-    // The nice value is the 17th number behind the name.
     let nice = named.map(|stat| {
-        stat.rsplit_once(')')
-            .unwrap()
-            .1
-            .split_whitespace()
-            .nth(16)
-            .map(str::parse)
+        let (_, numbers) = stat.rsplit_once(')').unwrap();
+        numbers.split_whitespace().nth(16).unwrap().parse().unwrap()
     });
-    nice.map(|nice| nice.unwrap().unwrap()).collect()
+    nice.collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -70,7 +66,7 @@ async fn each_lane_and_the_loops_have_so_many_threads() {
     for (lane, nice) in lanes {
         // They may not have set it yet.
         eventually(lane, async || {
-            threads(program.id(), &format!("piad-{lane}")) == [nice; 3]
+            niceness(program.id(), &format!("piad-{lane}")) == [nice; 3]
         })
         .await;
     }
