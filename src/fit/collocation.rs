@@ -9,15 +9,15 @@
 //! together (LBW05 (3.2)): the matrix stays square, totally positive and nonsingular. In closed
 //! directions columns are cyclic.
 
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::bands;
 use super::direction::Direction;
-use super::linear::Inverse;
 use super::linear::banded::Banded;
 use super::linear::columns::Columns;
 use super::linear::qr::Orthogonal;
+use super::linear::{Dense, Inverse};
 
 /// Eigenvalues of matrices with more columns are known to fewer digits, as nobody needs them.
 pub(crate) const LONG: usize = 1000;
@@ -31,12 +31,7 @@ pub enum Collocation {
     /// Of a local basis: few entries in each row.
     Banded(Banded),
     /// Of a global basis.
-    Dense {
-        /// The matrix.
-        matrix: DMatrix<f64>,
-        /// Its transpose, so that products with both run along columns.
-        transposed: DMatrix<f64>,
-    },
+    Dense(Dense),
 }
 
 impl Collocation {
@@ -46,11 +41,7 @@ impl Collocation {
         if direction.basis.is_local() {
             Self::Banded(bands::banded(direction))
         } else {
-            let transposed = transposed(direction);
-            Self::Dense {
-                matrix: transposed.transpose(),
-                transposed,
-            }
+            Self::Dense(dense(direction))
         }
     }
 
@@ -58,7 +49,7 @@ impl Collocation {
     pub fn as_banded(&self) -> Option<&Banded> {
         match self {
             Self::Banded(banded) => Some(banded),
-            Self::Dense { .. } => None,
+            Self::Dense(_) => None,
         }
     }
 
@@ -70,7 +61,8 @@ impl Collocation {
             let width = (direction.basis.support_width() + 1).min(columns);
             rows * width * size_of::<f64>()
         } else {
-            2 * rows * columns * size_of::<f64>()
+            // The matrix, on surfaces its transpose, and where the entries of each row begin and end.
+            rows * (2 * columns + 2) * size_of::<f64>()
         }
     }
 
@@ -78,7 +70,7 @@ impl Collocation {
     pub fn rows(&self) -> usize {
         match self {
             Self::Banded(banded) => banded.rows(),
-            Self::Dense { matrix, .. } => matrix.nrows(),
+            Self::Dense(dense) => dense.rows(),
         }
     }
 
@@ -86,7 +78,7 @@ impl Collocation {
     pub fn columns(&self) -> usize {
         match self {
             Self::Banded(banded) => banded.columns(),
-            Self::Dense { matrix, .. } => matrix.ncols(),
+            Self::Dense(dense) => dense.columns(),
         }
     }
 
@@ -94,7 +86,7 @@ impl Collocation {
     pub fn entries(&self) -> usize {
         match self {
             Self::Banded(banded) => banded.rows() * banded.width(),
-            Self::Dense { matrix, .. } => matrix.len(),
+            Self::Dense(dense) => dense.len(),
         }
     }
 
@@ -108,7 +100,7 @@ impl Collocation {
                     banded.apply(x, y);
                 }
             }
-            Self::Dense { matrix, .. } => multiply_lines(matrix, x, y),
+            Self::Dense(dense) => dense.apply_to_lines(x, y),
         }
     }
 
@@ -122,7 +114,7 @@ impl Collocation {
                     banded.apply_transposed(x, y);
                 }
             }
-            Self::Dense { transposed, .. } => multiply_lines(transposed, x, y),
+            Self::Dense(dense) => dense.apply_transposed_to_lines(x, y),
         }
     }
 
@@ -132,7 +124,7 @@ impl Collocation {
         let line = x.len() / self.columns();
         match self {
             Self::Banded(banded) => banded.apply_across(x, y, line),
-            Self::Dense { transposed, .. } => multiply_across(transposed, x, y, line),
+            Self::Dense(dense) => dense.apply_across(x, y, line),
         }
     }
 
@@ -142,26 +134,30 @@ impl Collocation {
         let line = x.len() / self.rows();
         match self {
             Self::Banded(banded) => banded.apply_transposed_across(x, y, line),
-            Self::Dense { matrix, .. } => multiply_across(matrix, x, y, line),
+            Self::Dense(dense) => dense.apply_transposed_across(x, y, line),
         }
     }
 
-    /// The matrix itself, by applying the operator to the unit vectors.
+    /// The matrix itself.
     pub(super) fn to_dense(&self) -> DMatrix<f64> {
-        let (rows, columns) = (self.rows(), self.columns());
-        let identity = DMatrix::identity(columns, columns);
-        let mut lines = vec![0.0; rows * columns];
-        self.apply_to_lines(identity.as_slice(), &mut lines);
-        DMatrix::from_column_slice(rows, columns, &lines)
+        match self {
+            Self::Banded(banded) => {
+                let mut matrix = DMatrix::zeros(banded.rows(), banded.columns());
+                let entries = banded.entries();
+                entries.for_each(|(i, j, value)| matrix[(i, j)] += value);
+                matrix
+            }
+            Self::Dense(dense) => dense.to_matrix(),
+        }
     }
 
     /// The entries that differ from zero, by columns.
     pub(super) fn by_columns(&self) -> Columns {
         match self {
             Self::Banded(banded) => Columns::new(banded.columns(), banded.entries()),
-            Self::Dense { matrix, .. } => {
-                let row = |i| (0..matrix.ncols()).map(move |j| (i, j, matrix[(i, j)]));
-                Columns::new(matrix.ncols(), (0..matrix.nrows()).flat_map(row))
+            Self::Dense(dense) => {
+                let row = |i| dense.row(i).map(move |(j, value)| (i, j, value));
+                Columns::new(dense.columns(), (0..dense.rows()).flat_map(row))
             }
         }
     }
@@ -170,7 +166,7 @@ impl Collocation {
     pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
         match self {
             Self::Banded(banded) => banded.diagonal_if_triangular(),
-            Self::Dense { .. } => None,
+            Self::Dense(_) => None,
         }
     }
 
@@ -178,7 +174,7 @@ impl Collocation {
     pub fn inverse(&self) -> Inverse {
         match self {
             Self::Banded(banded) => Inverse::of_collocation(banded),
-            Self::Dense { matrix, .. } => Inverse::of_dense(matrix),
+            Self::Dense(dense) => Inverse::of_dense(dense.to_matrix()),
         }
     }
 
@@ -190,9 +186,12 @@ impl Collocation {
                 banded.shifted(sigma).as_ref().map(Inverse::of_banded)
             }
             Self::Banded(banded) => Inverse::of_shifted(banded, sigma),
-            Self::Dense { matrix, .. } => {
-                let identity = DMatrix::identity(matrix.nrows(), matrix.ncols());
-                Some(Inverse::of_dense(&(matrix * sigma - identity)))
+            Self::Dense(dense) => {
+                let mut shifted = dense.to_matrix() * sigma;
+                for i in 0..dense.rows() {
+                    shifted[(i, i)] -= 1.0;
+                }
+                Some(Inverse::of_dense(shifted))
             }
         }
     }
@@ -201,27 +200,13 @@ impl Collocation {
     pub fn orthogonal(&self) -> Orthogonal {
         match self {
             Self::Banded(banded) => Orthogonal::of_banded(banded),
-            Self::Dense { matrix, .. } => Orthogonal::of_dense(matrix),
+            Self::Dense(dense) => Orthogonal::of_dense(dense.to_matrix()),
         }
     }
 }
 
-/// `Y = X Mᵀ`. A row-major grid is the column-major matrix of its transpose: `Yᵀ = M Xᵀ`.
-fn multiply_lines(matrix: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
-    let lines = x.len() / matrix.ncols();
-    let x = DMatrixView::from_slice(x, matrix.ncols(), lines);
-    DMatrixViewMut::from_slice(y, matrix.nrows(), lines).gemm(1.0, matrix, &x, 0.0);
-}
-
-/// `Y = M X`, or `Yᵀ = Xᵀ Mᵀ` with the transpose of M given.
-fn multiply_across(transposed: &DMatrix<f64>, x: &[f64], y: &mut [f64], line: usize) {
-    let x = DMatrixView::from_slice(x, line, transposed.nrows());
-    DMatrixViewMut::from_slice(y, line, transposed.ncols()).gemm(1.0, &x, transposed, 0.0);
-}
-
-/// The transposed matrix of a polynomial direction, in which the values at a parameter follow one
-/// another.
-fn transposed(direction: &Direction) -> DMatrix<f64> {
+/// The matrix of a polynomial direction.
+fn dense(direction: &Direction) -> Dense {
     let (columns, t) = (direction.free(), &direction.parameters);
     let mut values = vec![0.0; columns * t.len()];
     let rows = values.par_chunks_mut(columns).zip(&t[..]);
@@ -229,7 +214,7 @@ fn transposed(direction: &Direction) -> DMatrix<f64> {
         .for_each(|(row, &t)| {
             direction.evaluate(t, row);
         });
-    DMatrix::from_vec(columns, t.len(), values)
+    Dense::new(DMatrix::from_vec(columns, t.len(), values))
 }
 
 #[cfg(test)]

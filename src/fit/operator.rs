@@ -12,7 +12,6 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::collocation::Collocation;
-use super::linear::dense;
 use super::points::{Grid, Points};
 use super::setup::Setup;
 use super::sparse::Sparse;
@@ -94,13 +93,9 @@ impl Operator {
     /// The same for all coordinates.
     pub(super) fn apply_to_all(&self, x: &Points, y: &mut Points, scratch: &mut [f64]) {
         let of_curve = self.tensor().filter(|tensor| tensor.v.is_none());
-        if let Some(Collocation::Dense { matrix, .. }) = of_curve.map(|tensor| &tensor.u) {
+        if let Some(Collocation::Dense(dense)) = of_curve.map(|tensor| &tensor.u) {
             let x: Vec<&[f64]> = x.lanes().iter().map(|lane| &lane[..]).collect();
-            dense::multiply(
-                matrix,
-                &x,
-                y.lanes_mut().iter_mut().map(|lane| &mut lane[..]),
-            );
+            dense.apply(&x, y.lanes_mut().iter_mut().map(|lane| &mut lane[..]));
             return;
         }
         for (x, y) in x.lanes().iter().zip(y.lanes_mut()) {

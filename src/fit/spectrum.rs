@@ -226,6 +226,10 @@ fn by_powers(matrix: &Collocation) -> f64 {
         if !growth.is_finite() || growth == 0.0 {
             return f64::INFINITY;
         }
+        if growth > 1.0 / f64::EPSILON {
+            // Singular to working precision: more steps would not find a right digit.
+            return growth;
+        }
         x.iter_mut().for_each(|x| *x /= after);
         let settled = (growth / estimate - 1.0_f64).abs() < accuracy;
         estimate = growth;
@@ -299,7 +303,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::fit::basis::knots::Knots;
+    use crate::fit::basis::{Polynomial, knots::Knots};
     use crate::fit::direction::{BasisChoice, Direction, DirectionChoice};
     use crate::fit::invalid::Axis;
     use crate::fit::parameters::Parametrization;
@@ -334,6 +338,17 @@ mod tests {
             let cubic = BasisChoice::BSpline { degree: 3, knots };
             let found = least_eigenvalue(&collocation(count, 0.0, cubic));
             assert!((3.0 * found - 1.0).abs() < accuracy, "{count}: {found}");
+        }
+    }
+
+    /// `m!/mᵐ` is 1e-18 at m = 44, where a matrix of 64 bits has lost it.
+    #[test]
+    fn an_eigenvalue_below_rounding_is_found_to_be_so() {
+        for count in [45, 60, 100] {
+            let kind = Polynomial::Bernstein;
+            let matrix = collocation(count, 0.0, BasisChoice::Polynomial(kind));
+            let found = least_eigenvalue(&matrix);
+            assert!((0.0..f64::EPSILON).contains(&found), "{count}: {found}");
         }
     }
 

@@ -1,8 +1,11 @@
-//! Dense matrices: as linear maps, their products with several vectors, and their LU decomposition
-//! with partial pivoting, `P B = L U`.
+//! Dense matrices: as linear maps, the products of those that have zeros at the ends of their rows,
+//! and their LU decomposition with partial pivoting, `P B = L U`.
 //!
 //! The decomposition takes `2/3 n³` operations, solving for a line `2 n²`. Polynomial bases have
 //! such matrices, of degrees for which that is little.
+
+use std::ops::Range;
+use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, Dyn};
 use pulp::{Arch, NullaryFnOnce};
@@ -20,11 +23,9 @@ pub struct DenseLu {
 
 impl DenseLu {
     /// Factorizes a square matrix.
-    pub(super) fn new(matrix: &DMatrix<f64>) -> Self {
-        Self {
-            lu: matrix.clone().lu(),
-            n: matrix.nrows(),
-        }
+    pub(super) fn new(matrix: DMatrix<f64>) -> Self {
+        let n = matrix.nrows();
+        Self { lu: matrix.lu(), n }
     }
 }
 
@@ -62,45 +63,142 @@ impl LineMap for DenseMap {
     }
 }
 
-/// The rows of a block: 2 KiB of each column.
-const ROWS: usize = 256;
+/// The matrix of a polynomial direction, row by row. Each row has one stretch outside of which its
+/// entries are zero: products read nothing else.
+#[derive(Clone, Debug)]
+pub struct Dense {
+    /// Column i is row i of the matrix.
+    transposed: DMatrix<f64>,
+    stretches: Vec<Range<usize>>,
+    /// The matrix itself, once a surface needs it: then products run along columns.
+    matrix: OnceLock<DMatrix<f64>>,
+}
 
-/// Products with matrices of more numbers are computed by several threads.
+/// The rows of a block: 512 bytes of a product.
+const ROWS: usize = 64;
+
+/// Products of matrices with more entries are computed by several threads.
 const PARALLEL: usize = 100_000;
 
-/// `y = M x` for several x, for which M is read from memory once. Each number is summed up column by
-/// column, whatever the instruction set and the number of threads.
-pub(in crate::fit) fn multiply<'a>(
-    matrix: &DMatrix<f64>,
-    x: &[&[f64]],
-    y: impl Iterator<Item = &'a mut [f64]>,
-) {
-    let mut blocks: Vec<Vec<&mut [f64]>> = Vec::new();
-    blocks.resize_with(matrix.nrows().div_ceil(ROWS), Vec::new);
-    for y in y {
-        let parts = blocks.iter_mut().zip(y.chunks_mut(ROWS));
-        parts.for_each(|(block, part)| block.push(part));
+/// With so many lines, products are those of matrices with matrices.
+const LINES: usize = 8;
+
+impl Dense {
+    /// The matrix whose transpose this is.
+    pub fn new(transposed: DMatrix<f64>) -> Self {
+        let rows = transposed.as_slice().chunks_exact(transposed.nrows());
+        let stretch = |row: &[f64]| {
+            let mut nonzero = row.iter().map(|&entry| entry != 0.0);
+            let first = nonzero.clone().position(|nonzero| nonzero);
+            let last = nonzero.rposition(|nonzero| nonzero);
+            first
+                .zip(last)
+                .map_or(0..0, |(first, last)| first..last + 1)
+        };
+        let stretches = rows.map(stretch).collect();
+        Self {
+            transposed,
+            stretches,
+            matrix: OnceLock::new(),
+        }
     }
-    let product = |(index, y): (usize, Vec<&mut [f64]>)| {
-        let start = index * ROWS;
-        Arch::new().dispatch(Product {
-            matrix,
-            start,
-            x,
-            y,
-        });
-    };
-    if matrix.len() < PARALLEL {
-        blocks.into_iter().enumerate().for_each(product);
-    } else {
-        blocks.into_par_iter().enumerate().for_each(product);
+
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.transposed.ncols()
+    }
+
+    /// The number of columns.
+    pub fn columns(&self) -> usize {
+        self.transposed.nrows()
+    }
+
+    /// The number of entries, with those that are zero.
+    pub fn len(&self) -> usize {
+        self.transposed.len()
+    }
+
+    /// The entries that count of a row: columns and values.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
+        let stretch = self.stretches[i].clone();
+        let entries = &self.transposed.as_slice()[i * self.columns()..][stretch.clone()];
+        stretch.zip(entries.iter().copied())
+    }
+
+    /// The matrix as nalgebra has it.
+    pub fn to_matrix(&self) -> DMatrix<f64> {
+        self.transposed.transpose()
+    }
+
+    /// The same, kept for the next time.
+    fn matrix(&self) -> &DMatrix<f64> {
+        self.matrix.get_or_init(|| self.to_matrix())
+    }
+
+    /// `y = B x` for several x. The terms of a number are added up in an order that depends neither
+    /// on the instruction set nor on the number of threads.
+    pub fn apply<'a>(&self, x: &[&[f64]], y: impl Iterator<Item = &'a mut [f64]>) {
+        let mut blocks: Vec<Vec<&mut [f64]>> = Vec::new();
+        blocks.resize_with(self.rows().div_ceil(ROWS), Vec::new);
+        for y in y {
+            let parts = blocks.iter_mut().zip(y.chunks_mut(ROWS));
+            parts.for_each(|(block, part)| block.push(part));
+        }
+        let product = |(index, y): (usize, Vec<&mut [f64]>)| {
+            let first = index * ROWS;
+            Arch::new().dispatch(Product {
+                matrix: self,
+                first,
+                x,
+                y,
+            });
+        };
+        if self.len() < PARALLEL {
+            blocks.into_iter().enumerate().for_each(product);
+        } else {
+            blocks.into_par_iter().enumerate().for_each(product);
+        }
+    }
+
+    /// `Y = X Bᵀ`: B is applied to each line of `x`. A row-major grid is the column-major matrix of
+    /// its transpose: `Yᵀ = B Xᵀ`.
+    pub fn apply_to_lines(&self, x: &[f64], y: &mut [f64]) {
+        let (rows, columns) = (self.rows(), self.columns());
+        let lines = x.len() / columns;
+        if lines < LINES {
+            let x: Vec<&[f64]> = x.chunks_exact(columns).collect();
+            self.apply(&x, y.chunks_exact_mut(rows));
+        } else {
+            let x = DMatrixView::from_slice(x, columns, lines);
+            DMatrixViewMut::from_slice(y, rows, lines).gemm(1.0, self.matrix(), &x, 0.0);
+        }
+    }
+
+    /// `Y = X B`: Bᵀ is applied to each line of `x`.
+    pub fn apply_transposed_to_lines(&self, x: &[f64], y: &mut [f64]) {
+        let (rows, columns) = (self.rows(), self.columns());
+        let lines = x.len() / rows;
+        let x = DMatrixView::from_slice(x, rows, lines);
+        DMatrixViewMut::from_slice(y, columns, lines).gemm(1.0, &self.transposed, &x, 0.0);
+    }
+
+    /// `Y = B X`: B is applied across the lines of `x`; `Yᵀ = Xᵀ Bᵀ`.
+    pub fn apply_across(&self, x: &[f64], y: &mut [f64], line: usize) {
+        let x = DMatrixView::from_slice(x, line, self.columns());
+        DMatrixViewMut::from_slice(y, line, self.rows()).gemm(1.0, &x, &self.transposed, 0.0);
+    }
+
+    /// `Y = Bᵀ X`: Bᵀ is applied across the lines of `x`; `Yᵀ = Xᵀ B`.
+    pub fn apply_transposed_across(&self, x: &[f64], y: &mut [f64], line: usize) {
+        let x = DMatrixView::from_slice(x, line, self.rows());
+        DMatrixViewMut::from_slice(y, line, self.columns()).gemm(1.0, &x, self.matrix(), 0.0);
     }
 }
 
-/// The rows of products from `start` on, compiled for several instruction sets.
+/// The rows of products from `first` on, compiled for several instruction sets.
 struct Product<'a> {
-    matrix: &'a DMatrix<f64>,
-    start: usize,
+    matrix: &'a Dense,
+    first: usize,
     x: &'a [&'a [f64]],
     y: Vec<&'a mut [f64]>,
 }
@@ -108,59 +206,103 @@ struct Product<'a> {
 impl NullaryFnOnce for Product<'_> {
     type Output = ();
 
-    /// Four columns at a time, so that sums are seldom written.
     #[inline(always)]
-    fn call(mut self) {
-        let rows = self.matrix.nrows();
-        for y in &mut self.y {
-            y.fill(0.0);
-        }
-        let groups = self.matrix.as_slice().chunks(4 * rows);
-        for (columns, first) in groups.zip((0..).step_by(4)) {
-            for (x, y) in self.x.iter().zip(&mut self.y) {
-                let count = y.len();
-                let part = |k: usize| &columns[k * rows + self.start..][..count];
-                match x[first..] {
-                    [a, b, c, d, ..] => {
-                        let [p, q, r, s] = [0, 1, 2, 3].map(part);
-                        for (i, y) in y.iter_mut().enumerate() {
-                            *y = (((*y + p[i] * a) + q[i] * b) + r[i] * c) + s[i] * d;
-                        }
-                    }
-                    ref last => {
-                        for (k, x) in last.iter().enumerate() {
-                            let pairs = y.iter_mut().zip(part(k));
-                            pairs.for_each(|(y, entry)| *y += entry * x);
-                        }
-                    }
-                }
+    fn call(self) {
+        let Dense {
+            transposed,
+            stretches,
+            ..
+        } = self.matrix;
+        let columns = transposed.nrows();
+        for (x, y) in self.x.iter().zip(self.y) {
+            let rows = transposed.as_slice()[self.first * columns..].chunks_exact(columns);
+            let rows = rows.zip(&stretches[self.first..]);
+            for (y, (row, stretch)) in y.iter_mut().zip(rows) {
+                *y = product(&row[stretch.clone()], &x[stretch.clone()]);
             }
         }
     }
+}
+
+/// How many sums are added up side by side: the numbers of the widest vector.
+const SUMS: usize = 8;
+
+/// `Σ a_j b_j`
+#[inline(always)]
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; SUMS];
+    let (a, rest) = a.as_chunks::<SUMS>();
+    let (b, other) = b.as_chunks::<SUMS>();
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..SUMS {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    for ((sum, a), b) in sums.iter_mut().zip(rest).zip(other) {
+        *sum += a * b;
+    }
+    let mut half = SUMS / 2;
+    while half > 0 {
+        for k in 0..half {
+            sums[k] += sums[k + half];
+        }
+        half /= 2;
+    }
+    sums[0]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Of several vectors at a time, in blocks and by several threads.
+    /// Of few and of many lines, in blocks and by several threads, with and without zeros at the
+    /// ends of rows, against nalgebra's products.
     #[test]
-    fn products_are_sums_of_columns() {
-        for (rows, columns) in [(1, 1), (5, 3), (257, 4), (600, 7), (400, 403)] {
-            let matrix = DMatrix::from_fn(rows, columns, |i, j| ((i * 7 + j * 3) as f64).sin());
-            let x = [0.3, 0.7, 1.1].map(|a| {
-                let numbers = (0..columns).map(|j| (a * j as f64).cos());
-                numbers.collect::<Vec<f64>>()
-            });
-            let mut y = [(); 3].map(|()| vec![f64::NAN; rows]);
-            let views = x.each_ref().map(|x| &x[..]);
-            multiply(&matrix, &views, y.iter_mut().map(|y| &mut y[..]));
-            for (x, y) in x.iter().zip(&y) {
-                for (i, y) in y.iter().enumerate() {
-                    let sum = (0..columns).fold(0.0, |sum, j| sum + matrix[(i, j)] * x[j]);
-                    assert_eq!(*y, sum, "{rows} × {columns}, row {i}");
+    fn products_equal_those_of_the_matrix() {
+        for (rows, columns) in [(1, 1), (5, 3), (65, 4), (600, 7), (400, 403)] {
+            for half in [2, columns] {
+                let entry = |i: usize, j: usize| {
+                    let away = (i * columns).abs_diff(j * rows);
+                    let value = ((i * 7 + j * 3) as f64).sin();
+                    if away <= half * rows { value } else { 0.0 }
+                };
+                let matrix = DMatrix::from_fn(rows, columns, entry);
+                let dense = Dense::new(matrix.transpose());
+                assert_eq!(dense.to_matrix(), matrix);
+                for lines in [1, 3, LINES] {
+                    let grid = |rows, columns| {
+                        DMatrix::from_fn(rows, columns, |i, j| (0.7 * (i + 3 * j) as f64).cos())
+                    };
+                    let check = |what: &str, y: &DMatrix<f64>, expected: DMatrix<f64>| {
+                        let apart = (y - expected).amax();
+                        assert!(apart < 1e-12, "{what} {rows} × {columns}, {lines}: {apart}");
+                    };
+                    let (x, mut y) = (grid(columns, lines), DMatrix::zeros(rows, lines));
+                    dense.apply_to_lines(x.as_slice(), y.as_mut_slice());
+                    check("B", &y, &matrix * &x);
+                    let (x, mut y) = (grid(rows, lines), DMatrix::zeros(columns, lines));
+                    dense.apply_transposed_to_lines(x.as_slice(), y.as_mut_slice());
+                    check("Bᵀ", &y, matrix.tr_mul(&x));
+                    let (x, mut y) = (grid(lines, columns), DMatrix::zeros(lines, rows));
+                    dense.apply_across(x.as_slice(), y.as_mut_slice(), lines);
+                    check("B across", &y, &x * matrix.transpose());
+                    let (x, mut y) = (grid(lines, rows), DMatrix::zeros(lines, columns));
+                    dense.apply_transposed_across(x.as_slice(), y.as_mut_slice(), lines);
+                    check("Bᵀ across", &y, &x * &matrix);
                 }
             }
         }
+    }
+
+    /// A row without any entry is zero, and rows are what they were made of.
+    #[test]
+    fn rows_are_their_stretches() {
+        let transposed = DMatrix::from_column_slice(3, 2, &[0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
+        let dense = Dense::new(transposed);
+        assert_eq!(dense.row(0).count(), 0);
+        assert_eq!(dense.row(1).collect::<Vec<_>>(), [(1, 2.0)]);
+        let mut y = [f64::NAN; 2];
+        dense.apply_to_lines(&[1.0, 3.0, 5.0], &mut y);
+        assert_eq!(y, [0.0, 6.0]);
     }
 }

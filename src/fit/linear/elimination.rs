@@ -136,7 +136,7 @@ impl<const H: usize> Elimination<H> {
         } else {
             (front(), back())
         };
-        let middle = meets.then(|| DenseLu::new(&Self::middle(&front, &back)));
+        let middle = meets.then(|| DenseLu::new(Self::middle(&front, &back)));
         Self {
             front,
             back,

@@ -54,7 +54,7 @@ impl Inverse {
     }
 
     /// Factorizes a square dense matrix, with pivots.
-    pub fn of_dense(matrix: &DMatrix<f64>) -> Self {
+    pub fn of_dense(matrix: DMatrix<f64>) -> Self {
         Self::Dense(DenseLu::new(matrix))
     }
 }

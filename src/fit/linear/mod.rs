@@ -18,7 +18,7 @@ mod band;
 pub(crate) mod banded;
 mod bordered;
 pub(crate) mod columns;
-pub(super) mod dense;
+mod dense;
 mod elimination;
 mod inverse;
 pub(crate) mod lu;
@@ -28,6 +28,6 @@ pub(crate) mod qr;
 pub(crate) mod triangular;
 
 pub(crate) use band::folded;
-pub(super) use dense::DenseMap;
+pub(super) use dense::{Dense, DenseMap};
 pub(crate) use inverse::Inverse;
 pub(crate) use map::{LineMap, apply_tensor};

@@ -93,8 +93,8 @@ impl Orthogonal {
     }
 
     /// The transform of a square dense matrix.
-    pub fn of_dense(matrix: &DMatrix<f64>) -> Self {
-        let qr = matrix.clone().qr();
+    pub fn of_dense(matrix: DMatrix<f64>) -> Self {
+        let qr = matrix.qr();
         let diagonal = qr.r().diagonal().iter().copied().collect();
         Self::Dense { qr, diagonal }
     }

@@ -238,7 +238,7 @@ fn places(matrix: &Collocation, direction: &Direction) -> (Vec<u32>, usize) {
 fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
     match matrix {
         Collocation::Banded(banded) => banded.row(i).collect(),
-        Collocation::Dense { matrix, .. } => matrix.row(i).iter().copied().enumerate().collect(),
+        Collocation::Dense(dense) => dense.row(i).collect(),
     }
 }
 
