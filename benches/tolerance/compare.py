@@ -101,7 +101,7 @@ def airfoils(base: str) -> None:
 
 
 def times(base: str) -> None:
-    table("data", "tolerance", "", "control points", "largest distance / tolerance", "first within it, s", "all, s", "times as long as piad")
+    table("data", "tolerance", "", "control points", "largest distance / tolerance", "first within it, s", "control points then", "all, s", "times as long as piad", "all runs until within it, s")
     for points_of, noise, tolerance in ((100_000, 0, 3e-3), (10_000, 0, 1e-3), (10_000, 1e-3, 6e-3), (100_000, 0, 1e-3), (100_000, 1e-3, 6e-3)):
         points = shapes.spiral(points_of, noise)
         name = f"{points_of:,} points, {f'noise of {noise}' if noise else 'exact'}"
@@ -114,10 +114,11 @@ def times(base: str) -> None:
         piad = medians["piad, over HTTP"]
         for program, fit in medians.items():
             if fit is None:
-                row(name, f"{tolerance:g}", program, "–", "–", "", f"more than {CURVE}", f"more than {CURVE / piad.seconds:.0f}")
+                row(name, f"{tolerance:g}", program, "–", "–", "", "", f"more than {CURVE}", f"more than {CURVE / piad.seconds:.0f}", "")
                 continue
-            first = f"{fit.first:.2f}" if fit is piad else ""
-            row(name, f"{tolerance:g}", program, fit.count, f"{fit.largest / tolerance:.3f}", first, f"{fit.seconds:.2f}", f"{fit.seconds / piad.seconds:.1f}")
+            first = (f"{fit.first:.2f}", fit.first_count) if fit is piad else ("", "")
+            searched = f"{fit.searched:.2f}" if fit.searched else ""
+            row(name, f"{tolerance:g}", program, fit.count, f"{fit.largest / tolerance:.3f}", *first, f"{fit.seconds:.2f}", f"{fit.seconds / piad.seconds:.1f}", searched)
             if fit is not piad and (fit.seconds <= piad.seconds or fit.count < piad.count):
                 wrong.append(f"times, {name}: {program} {fit}, piad {piad}")
     print()

@@ -10,7 +10,7 @@ import time
 import urllib.request
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import orjson
@@ -24,14 +24,18 @@ from scipy.spatial import KDTree
 
 @dataclass
 class Fit:
-    """Control points in each direction, the largest distance from the data, and how long it took; of piad how it ended,
-    and after how many seconds an iteration within the tolerance had arrived."""
+    """Control points in each direction, the largest distance from the data, and how long it took.
+
+    Of piad how it ended, and of the first iteration within the tolerance after how many seconds it had arrived and its
+    control points. Of scipy the seconds of all runs until one was within the tolerance."""
 
     shape: tuple[int, ...]
     largest: float
     seconds: float
     ended: str = ""
     first: float | None = None
+    first_count: int | None = None
+    searched: float | None = None
 
     @property
     def count(self) -> int:
@@ -70,8 +74,13 @@ def piad(base: str, geometry: dict, tolerance: float) -> Fit:
         lines = [(time.perf_counter() - begin, line[5:]) for line in answer if line.startswith(b"data:")]
     seconds = time.perf_counter() - begin
     opening, *iterations, end = [(at, orjson.loads(line)) for at, line in lines]
-    first = next((at for at, event in iterations if event["error"]["max"] <= tolerance), seconds)
     opening, end = opening[1], end[1]
+    first, first_count, knots, degree = seconds, None, opening["knots"], opening["degree"]
+    for at, event in iterations:
+        knots = event.get("knots", knots)
+        if event["error"]["max"] <= tolerance:
+            first, first_count = at, functions(knots, degree)
+            break
     path = base + opening["links"]["self"]
     with urllib.request.urlopen(f"{path}/result") as answer:
         result = orjson.loads(answer.read())
@@ -93,7 +102,14 @@ def piad(base: str, geometry: dict, tolerance: float) -> Fit:
     assert abs(measured - said) <= 1e-9 * said + 1e-12 * np.abs(points).max(), f"{measured}, and piad says {said}"
     ended = end["reason"] or end["state"]
     assert ended != "converged" or said <= tolerance, f"{said} is above {tolerance}"
-    return Fit(net.shape[:-1], measured, seconds, ended, first)
+    return Fit(net.shape[:-1], measured, seconds, ended, first, first_count)
+
+
+def functions(knots: list | dict, degree: int | dict) -> int:
+    """How many control points a curve or surface with these knots has."""
+    if isinstance(knots, dict):
+        return math.prod(functions(knots[axis], degree[axis]) for axis in "uv")
+    return len(knots) - degree - 1
 
 
 # ---------------------------------------------------------------- scipy
@@ -132,8 +148,13 @@ def scipy_curve(points: np.ndarray, tolerance: float) -> Fit | None:
 
 def first_of_scipy(points: np.ndarray, tolerance: float) -> Fit | None:
     """The first one within the tolerance, for data of which all twenty would take too long."""
-    trials = (smoothed(points, factor) for factor in factors(len(points), tolerance))
-    return next((fit for fit in trials if fit.largest <= tolerance), None)
+    searched = 0.0
+    for factor in factors(len(points), tolerance):
+        fit = smoothed(points, factor)
+        searched += fit.seconds
+        if fit.largest <= tolerance:
+            return replace(fit, searched=searched)
+    return None
 
 
 def smoothed_surface(points: np.ndarray, factor: float) -> Fit:
