@@ -5,8 +5,8 @@
 Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second, and those of two
 processes that have the bytes of the answer at hand.
 Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, those that the bytes
-of its request and of the answer alone take, and peak memory; the peak memory with several clients; and a small
-job beside a large one.
+of its request and of the answer alone take, and peak memory; Bézier curves beside the products of their matrix; the
+peak memory with several clients; and a small job beside a large one.
 Needs wrk, and the packages of ../requirements.txt.
 """
 
@@ -29,14 +29,16 @@ import urllib.request
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 PIAD, FASTAPI = 18480, 18490
 ITERATIONS = 50
 EVENTS = ITERATIONS + 3  # job, iterations 0 to 50, end
 
 
-def job(count: int) -> bytes:
-    """A rippled spiral in space."""
+def job(count: int, **basis: str) -> bytes:
+    """A rippled spiral in space, by cubic B-splines if no other basis is given."""
     def point(i: int) -> list[float]:
         t = 60.0 * i / count
         r = 1.0 + t / 10.0 + 0.05 * math.sin(20.0 * t)
@@ -44,7 +46,7 @@ def job(count: int) -> bytes:
 
     points = [point(i) for i in range(count)]
     stop = {"tolerance": 0, "max_iterations": ITERATIONS}
-    return json.dumps({"curve": {"points": points}, "stop": stop}).encode()
+    return json.dumps({"curve": {"points": points, **basis}, "stop": stop}).encode()
 
 
 def start(command: list[str], port: int) -> subprocess.Popen:
@@ -263,7 +265,7 @@ def large(program: str, counts: list[int]) -> None:
         for name, query in [("fastapi", ""), ("piad", ""), ("piad", "?digits=auto"), ("piad", "?encoding=base64"), ("piad", "?encoding=base64_f32")]:
             command, port, path = servers(program)[name]
             process = start(command, port)
-            runs = [read_all(port, path + query, body) for _ in range(1 if count > 100_000 else 3)]
+            runs = [read_all(port, path + query, body) for _ in range(1 if count > 100_000 else 5)]
             first, total, size = sorted(runs, key=lambda run: run[1])[len(runs) // 2]
             base = base or total
             memory = f"{peak(process) / count:.0f}" if name == "piad" else ""
@@ -271,6 +273,30 @@ def large(program: str, counts: list[int]) -> None:
             bare = statistics.median(alone(size) for _ in range(3))
             form = query.partition("?")[2] or "json"
             print(f"| {count} | {name} | {form} | {first:.3f} | {total:.3f} | {size / 1e6:.0f} | {bare:.3f} | {base / total:.1f}× | {memory} |", flush=True)
+
+
+def bezier(program: str) -> None:
+    """Bézier curves beside the least that a fit with the whole matrix needs: its products."""
+    print(f"\nBézier curves, {ITERATIONS} iterations: ms, and beside as many products of a matrix of this size with its points by numpy\n")
+    print("| degree | products alone | JSON | ratio | base64 | ratio |\n|---|---|---|---|---|---|")
+    for degree in (100, 300, 1000):
+        count = degree + 1
+        random, body = np.random.default_rng(0), job(count, basis="bernstein")
+        matrix, points = random.random((count, count)), random.random((count, 3))
+        command, port, path = servers(program)["piad"]
+        process = start(command, port)
+        taken: dict[str, list[float]] = {"products": [], "": [], "?encoding=base64": []}
+        for _ in range(11):
+            begin = time.perf_counter()
+            for _ in range(ITERATIONS):
+                matrix @ points
+            taken["products"].append(time.perf_counter() - begin)
+            for query in ("", "?encoding=base64"):
+                taken[query].append(read_all(port, path + query, body)[1])
+        stop(process)
+        products, *forms = (1e3 * statistics.median(seconds) for seconds in taken.values())
+        cells = [f"{form:.1f} | {form / products:.1f}" for form in forms]
+        print(f"| {degree} | {products:.1f} | {' | '.join(cells)} |", flush=True)
 
 
 def readers(program: str, count: int) -> None:
@@ -326,6 +352,7 @@ def main() -> None:
     given = parser.parse_args()
     small(given.program, 2 if given.quick else 5)
     large(given.program, [10_000, 100_000] if given.quick else [10_000, 100_000, 1_000_000])
+    bezier(given.program)
     readers(given.program, 100_000 if given.quick else 1_000_000)
     beside(given.program, 100_000 if given.quick else 1_000_000, 3 if given.quick else 10)
 
