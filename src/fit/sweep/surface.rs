@@ -113,12 +113,14 @@ fn reached(v: &Banded, rows: Range<usize>) -> Range<i64> {
 /// Writes a range of columns of line `row` of `B_u X`, of all coordinates, to the start of `to`.
 fn combine_all(pass: &Pass<'_>, row: usize, line: usize, range: Range<i64>, to: &mut Points) {
     let base = range.start;
+    let first = pass.u.first(row);
     for (piece, column) in pieces(range, line as i64, i64::MAX) {
         let local = (piece.start - base) as usize..(piece.end - base) as usize;
         for (to, x) in to.lanes_mut().iter_mut().zip(pass.source.x.lanes()) {
             Arch::new().dispatch(Combine {
                 u: pass.u,
                 row,
+                first,
                 x,
                 line,
                 column,
@@ -134,6 +136,8 @@ struct Combine<'a> {
     u: &'a Banded,
     /// The row of `B_u`.
     row: usize,
+    /// The column of its first entry.
+    first: i64,
     /// One coordinate of X, row by row.
     x: &'a [f64],
     /// The length of a line of X.
@@ -174,7 +178,13 @@ impl<'a> Combine<'a> {
     /// on.
     #[inline(always)]
     fn product(&self, k: usize) -> (f64, &'a [f64]) {
-        let line = (self.u.first(self.row) + k as i64).rem_euclid(self.u.columns() as i64);
+        let (line, lines) = (self.first + k as i64, self.u.columns() as i64);
+        // Divisions take longer than the sum: only rows around the end of a closed direction need them.
+        let line = if (0..lines).contains(&line) {
+            line
+        } else {
+            line.rem_euclid(lines)
+        };
         let x = &self.x[line as usize * self.line + self.column..];
         (self.u.entry(self.row, k), x)
     }
