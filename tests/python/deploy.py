@@ -26,6 +26,7 @@ import tempfile
 import urllib.request
 
 import yaml
+from caddyfile import of_debian
 from compose_spec import PyCompose
 from over_http import fetch, server
 from overlays import check, kubernetes, read, run
@@ -63,8 +64,11 @@ def compose() -> dict:
 
 def caddyfiles() -> None:
     environment = os.environ | {"PIAD_DOMAIN": "fit.example.org"}
-    for path in (DEPLOY / "Caddyfile", DEPLOY / "Caddyfile.tls"):
-        run("caddy", "validate", "--adapter", "caddyfile", "--config", path, env=environment)
+    for name in ("Caddyfile", "Caddyfile.tls"):
+        with tempfile.NamedTemporaryFile("w", prefix=name) as file:
+            file.write(of_debian(DEPLOY / name))
+            file.flush()
+            run("caddy", "validate", "--adapter", "caddyfile", "--config", file.name, env=environment)
 
 
 # Prometheus and Grafana
