@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::numbers::numbers;
 use crate::support::{Server, Story};
 
 /// A point of Bernoulli's lemniscate.
@@ -41,11 +42,6 @@ fn grid() -> Vec<Vec<[f64; 3]>> {
             .collect()
     };
     (0..u).map(row).collect()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let values = value.as_array().unwrap().iter();
-    values.map(|it| it.as_f64().unwrap()).collect()
 }
 
 /// The value of a B-spline at a parameter, by the definition of its functions.

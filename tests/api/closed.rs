@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::numbers;
 use crate::support::Server;
 
 fn number(value: &Value) -> f64 {
@@ -227,10 +228,6 @@ fn de_boor(degree: usize, knots: &[f64], points: &[Vec<f64>], t: f64) -> Vec<f64
         }
     }
     d.remove(degree)
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(number).collect()
 }
 
 /// A curve is where its stream says, by nothing but degree, knots, control points and parameters:

@@ -3,23 +3,13 @@
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::{largest_difference, numbers};
 use crate::support::{Server, Story};
-
-/// All numbers of nested lists.
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Array(values) => values.iter().flat_map(numbers).collect(),
-        _ => vec![value.as_f64().unwrap()],
-    }
-}
 
 /// The largest difference of two nested lists, relative to the largest number of the second one.
 fn difference(a: &Value, b: &Value) -> f64 {
-    let (a, b) = (numbers(a), numbers(b));
-    assert_eq!(a.len(), b.len());
-    let size = b.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let differences = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f64::max) / size
+    let size = numbers(b).iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    largest_difference(a, b) / size
 }
 
 /// The derivative of this order of a B-spline at `t`, by the control points of derivatives and de

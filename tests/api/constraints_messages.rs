@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use crate::data;
 use crate::messages::method::constraint::{At, Wanted};
 use crate::messages::{self as pb, job_input::Geometry, method as m, method::Kind};
-use crate::rpc::{connect, curve, flat};
+use crate::numbers::flat;
+use crate::rpc::{connect, curve};
 use crate::support::{Server, base};
 
 fn constraint(at: At, wanted: Wanted) -> m::Constraint {

@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
+use crate::numbers::numbers;
 use crate::random::Random;
 use crate::support::{Server, base};
 
@@ -437,15 +438,6 @@ fn objective(case: &Case, dense: &Dense, x: &DMatrix<f64>) -> f64 {
     let energy = &dense.n - dense.a.transpose() * weights * &dense.a;
     let bending = (x.transpose() * energy * x).trace();
     squares + if case.fairness > 0.0 { bending } else { 0.0 }
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|x| x.as_f64().unwrap())
-        .collect()
 }
 
 /// The directions of a result or a description of the job.

@@ -6,15 +6,9 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::numbers;
 use crate::support::{Server, Story, assert_query_refused, base, events, thinned};
 use futures_util::StreamExt;
-
-fn flat(array: &Value) -> Vec<f64> {
-    match array {
-        Value::Array(items) => items.iter().flat_map(flat).collect(),
-        number => vec![number.as_f64().unwrap()],
-    }
-}
 
 /// Checks that an event is another but for coordinates that are rounded by a hundredth of the error.
 fn assert_rounded(short: &Value, full: &Value, coordinates: &str) {
@@ -24,7 +18,7 @@ fn assert_rounded(short: &Value, full: &Value, coordinates: &str) {
             assert_eq!(&short[name], expected, "{name}");
             continue;
         }
-        let (short, full) = (flat(&short[name]), flat(expected));
+        let (short, full) = (numbers(&short[name]), numbers(expected));
         assert_eq!(short.len(), full.len());
         for (short, full) in short.iter().zip(&full) {
             assert!((short - full).abs() <= bound, "{short} {full} {bound}");
@@ -68,7 +62,7 @@ async fn a_helix_takes_a_third_fewer_bytes() {
 async fn surfaces_samples_weights_and_units() {
     let server = Server::start().await;
     let points = |scale: f64| {
-        let points = flat(&data::wave(30)).into_iter().map(|x| x * scale);
+        let points = numbers(&data::wave(30)).into_iter().map(|x| x * scale);
         let points: Vec<f64> = points.collect();
         points.chunks(2).map(<[f64]>::to_vec).collect::<Vec<_>>()
     };

@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::largest_difference;
 use crate::program::Program;
 use crate::support::{Server, Story, problem};
 
@@ -34,22 +35,6 @@ async fn assert_refused(
     assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem:#}");
     let detail = problem["detail"].as_str().unwrap();
     assert!(detail.contains(reason), "{problem:#}");
-}
-
-fn numbers(value: &Value, all: &mut Vec<f64>) {
-    match value {
-        Value::Array(values) => values.iter().for_each(|value| numbers(value, all)),
-        value => all.push(value.as_f64().unwrap()),
-    }
-}
-
-fn largest_difference(a: &Value, b: &Value) -> f64 {
-    let (mut left, mut right) = (Vec::new(), Vec::new());
-    numbers(a, &mut left);
-    numbers(b, &mut right);
-    assert_eq!(left.len(), right.len());
-    let differences = left.iter().zip(&right).map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f64::max)
 }
 
 fn wave(count: usize) -> Vec<Value> {

@@ -4,17 +4,10 @@ use base64_simd::STANDARD;
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::flat;
 use crate::support::{Server, Story, assert_query_refused, base, thinned};
 
 /// The numbers of nested lists, in order.
-pub fn flat(array: &Value) -> Vec<f64> {
-    match array {
-        Value::Array(items) => items.iter().flat_map(flat).collect(),
-        Value::Null => vec![f64::NAN],
-        number => vec![number.as_f64().unwrap()],
-    }
-}
-
 /// The lengths of nested lists.
 fn shape(array: &Value) -> Vec<usize> {
     match array {

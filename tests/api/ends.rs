@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::{largest_difference, numbers};
 use crate::support::{Server, Story, problem};
 
 /// Points of the helix of LBW05.
@@ -10,22 +11,6 @@ fn helix_points(count: usize) -> Vec<[f64; 3]> {
     let angle = |i| 6.0 * std::f64::consts::PI * i as f64 / (count - 1) as f64;
     let point = |angle: f64| [angle.cos(), angle.sin(), angle / 2.0];
     (0..count).map(|i| point(angle(i))).collect()
-}
-
-/// All numbers of nested lists.
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Array(values) => values.iter().flat_map(numbers).collect(),
-        _ => vec![value.as_f64().unwrap()],
-    }
-}
-
-/// The largest difference of two nested lists of the same shape.
-fn difference(a: &Value, b: &Value) -> f64 {
-    let (a, b) = (numbers(a), numbers(b));
-    assert_eq!(a.len(), b.len());
-    let differences = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-    differences.fold(0.0, f64::max)
 }
 
 /// The helix of LBW05, with these ends, for so many levels.
@@ -152,10 +137,10 @@ async fn limits_equal_those_of_scipy() {
         let size = numbers(&case["control_points"])
             .iter()
             .fold(0.0, |m: f64, x| m.max(x.abs()));
-        let far = difference(&result["control_points"], &case["control_points"]);
+        let far = largest_difference(&result["control_points"], &case["control_points"]);
         assert!(far <= 1e-12 * size, "{}: {far:e}", case["name"]);
         if !case["weights"].is_null() {
-            let far = difference(&result["weights"], &case["weights"]);
+            let far = largest_difference(&result["weights"], &case["weights"]);
             assert!(far <= 1e-12, "{}: {far:e}", case["name"]);
         }
     }
@@ -259,7 +244,7 @@ async fn all_methods_end_at_the_same_curve() {
             json!("chebyshev"),
         ] {
             let found = limit(method.clone(), ends.clone()).await;
-            let far = difference(&found, &expected);
+            let far = largest_difference(&found, &expected);
             assert!(far < 1e-10, "{method}: {far:e}");
         }
     }
@@ -299,7 +284,8 @@ async fn views_agree_at_the_ends() {
         let path = format!("/v1/jobs/{id}/iterations/5?view=samples&samples=5x6");
         let samples = server.json(&path).await["samples"].clone();
         for (sample, control) in [([0, 0], [0, 0]), ([4, 5], [8, 8]), ([0, 5], [0, 8])] {
-            let far = difference(&samples[sample[0]][sample[1]], &net[control[0]][control[1]]);
+            let far =
+                largest_difference(&samples[sample[0]][sample[1]], &net[control[0]][control[1]]);
             assert!(far < 1e-14, "{ends}");
         }
     }
@@ -332,7 +318,7 @@ async fn edits_keep_the_ends() {
             let result = server.json(job["links"]["result"].as_str().unwrap()).await;
             nets.push(result["control_points"].clone());
         }
-        assert!(difference(&nets[0], &nets[1]) < 1e-12, "{ends}");
+        assert!(largest_difference(&nets[0], &nets[1]) < 1e-12, "{ends}");
     }
 }
 

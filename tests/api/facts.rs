@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::largest_difference;
 use crate::support::{Server, Story};
 
 fn uniform_line(n: usize) -> Value {
@@ -93,6 +94,49 @@ async fn least_eigenvalue_of_the_bernstein_operator() {
             (lambda / exact - 1.0).abs() < 1e-6,
             "m = {m}: {lambda} {exact}"
         );
+    }
+}
+
+/// The Bernstein polynomial of degree m of `e^(at)` is `(1 + t (e^(a/m) − 1))^m` (the binomial theorem), so that
+/// level 1, `2 P − B P`, is known for every degree and for tensor products; coordinates t are reproduced.
+#[tokio::test]
+async fn first_level_of_exponentials_is_known_for_every_degree() {
+    /// Parameters, values, and values of the Bernstein polynomial at the parameters.
+    fn line(m: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let t: Vec<f64> = (0..=m).map(|i| i as f64 / m as f64).collect();
+        let growth = (3.0 / m as f64).exp_m1();
+        let polynomial = |t: &f64| (m as f64 * (t * growth).ln_1p()).exp();
+        let (values, polynomial) = (t.iter().map(|t| (3.0 * t).exp()), t.iter().map(polynomial));
+        let (values, polynomial) = (values.collect(), polynomial.collect());
+        (t, values, polynomial)
+    }
+    let server = Server::start().await;
+    let check = async |shape: Value, expected: Value| {
+        let mut job = shape;
+        job["stop"] = json!({"tolerance": 0, "max_iterations": 1});
+        let story = server.stream(&job).await;
+        let found = &story.iterations[1]["control_points"];
+        assert!(largest_difference(found, &expected) < 1e-12 * 3f64.exp().powi(2));
+    };
+    for m in [2, 3, 40, 100, 317, 1000] {
+        let (t, values, polynomial) = line(m);
+        let points: Vec<[f64; 2]> = t.iter().zip(&values).map(|(&t, &x)| [t, x]).collect();
+        let moved = values.iter().zip(&polynomial).map(|(x, b)| 2.0 * x - b);
+        let expected: Vec<[f64; 2]> = t.iter().zip(moved).map(|(&t, x)| [t, x]).collect();
+        let curve = json!({"points": points, "parameters": "uniform", "basis": "bernstein"});
+        check(json!({"curve": curve}), json!(expected)).await;
+    }
+    // Fewer lines and more than a product of matrices takes at once, in both directions.
+    for (m, n) in [(2, 30), (30, 2), (9, 12), (100, 7)] {
+        let ((u, f, bf), (v, g, bg)) = (line(m), line(n));
+        let grid = |z: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<[f64; 3]>> {
+            let row = |i: usize| (0..=n).map(|j| [u[i], v[j], z(i, j)]).collect();
+            (0..=m).map(row).collect()
+        };
+        let points = grid(&|i, j| f[i] * g[j]);
+        let expected = grid(&|i, j| 2.0 * f[i] * g[j] - bf[i] * bg[j]);
+        let surface = json!({"points": points, "parameters": "uniform", "basis": "bernstein"});
+        check(json!({"surface": surface}), json!(expected)).await;
     }
 }
 

@@ -5,8 +5,9 @@ use tonic_types::StatusExt;
 
 use crate::data;
 use crate::messages as pb;
+use crate::numbers::flat;
 use crate::program::Program;
-use crate::rpc::{connect, flat};
+use crate::rpc::connect;
 use crate::support::{Server, base, problem};
 
 /// A least-squares surface of scattered points on the surface of a job.

@@ -3,16 +3,10 @@
 use serde_json::{Value, json};
 
 use crate::data;
+use crate::numbers::numbers;
 use crate::support::{Server, Story, base};
 
 const VARIANTS: [&str; 3] = ["direct", "cg", "diagonal"];
-
-fn numbers(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Array(values) => values.iter().flat_map(numbers).collect(),
-        value => vec![value.as_f64().unwrap()],
-    }
-}
 
 fn reversed(points: &Value) -> Value {
     let mut points = points.clone();

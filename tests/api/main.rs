@@ -74,6 +74,7 @@ mod metrics;
 mod milestones;
 mod minimum;
 mod nets;
+mod numbers;
 mod obeying_surfaces;
 mod omega;
 mod one_answer;

@@ -75,7 +75,7 @@ async fn a_job_is_posted_and_shown_as_messages() {
     let Some(pb::job_input::Geometry::Curve(curve)) = &input.geometry else {
         panic!("a curve");
     };
-    assert_eq!(curve.points, crate::rpc::flat(&data::helix()));
+    assert_eq!(curve.points, crate::numbers::flat(&data::helix()));
     let third: pb::Iteration = get(&server, &format!("{path}/iterations/3")).await;
     assert_eq!(third, streamed.iterations[3]);
     let result: pb::FitResult = get(&server, &format!("{path}/result")).await;

@@ -3,7 +3,8 @@
 
 use serde_json::{Value, json};
 
-use crate::encodings::{assert_same, flat};
+use crate::encodings::assert_same;
+use crate::numbers::flat;
 use crate::support::{Server, base, thinned};
 
 /// Rows and columns of data points, most of them co-prime with each other and with every size of a

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::data;
-use crate::rpc::flat;
+use crate::numbers::flat;
 use crate::support::{Server, Story};
 
 /// Franke's function.

@@ -14,6 +14,7 @@ use tonic::{Request, Status, Streaming};
 use crate::data;
 use crate::messages::fitting_service_client::FittingServiceClient;
 use crate::messages::{self as pb, job_input, watch_job_response::Event};
+use crate::numbers::flat;
 use crate::support::{Server, authorization};
 
 /// A client of the service.
@@ -46,15 +47,6 @@ pub async fn connect_to(url: String) -> RpcClient {
     let value = authorization().map(|text| text.parse().unwrap());
     FittingServiceClient::with_interceptor(channel, Authorization(value))
         .max_decoding_message_size(usize::MAX)
-}
-
-/// The coordinates of a list or grid of points, one after the other.
-pub fn flat(value: &Value) -> Vec<f64> {
-    match value {
-        Value::Array(values) => values.iter().flat_map(flat).collect(),
-        Value::Null => vec![f64::NAN],
-        value => vec![value.as_f64().unwrap()],
-    }
 }
 
 pub fn curve(points: &Value) -> pb::JobInput {

@@ -4,9 +4,10 @@ use serde_json::json;
 use tonic::{Code, Status};
 use tonic_types::StatusExt;
 
-use super::{Messages, connect, create, curve, flat, stop, watch};
+use super::{Messages, connect, create, curve, stop, watch};
 use crate::data;
 use crate::messages::{self as pb, job_input};
+use crate::numbers::flat;
 use crate::support::Server;
 
 fn assert_violation(status: &Status, field: &str, reason: &str) {
