@@ -63,13 +63,14 @@ impl LineMap for DenseMap {
     }
 }
 
-/// The matrix of a polynomial direction, row by row. Each row has one stretch outside of which its
-/// entries are zero: products read nothing else.
+/// The matrix of a polynomial direction, row by row. Products read nothing of a row but its support,
+/// outside of which its entries are zero.
 #[derive(Clone, Debug)]
 pub struct Dense {
     /// Column i is row i of the matrix.
     transposed: DMatrix<f64>,
-    stretches: Vec<Range<usize>>,
+    /// The columns of the support of each row.
+    supports: Vec<Range<usize>>,
     /// The matrix itself, once a surface needs it: then products run along columns.
     matrix: OnceLock<DMatrix<f64>>,
 }
@@ -87,7 +88,7 @@ impl Dense {
     /// The matrix whose transpose this is.
     pub fn new(transposed: DMatrix<f64>) -> Self {
         let rows = transposed.as_slice().chunks_exact(transposed.nrows());
-        let stretch = |row: &[f64]| {
+        let support = |row: &[f64]| {
             let mut nonzero = row.iter().map(|&entry| entry != 0.0);
             let first = nonzero.clone().position(|nonzero| nonzero);
             let last = nonzero.rposition(|nonzero| nonzero);
@@ -95,10 +96,10 @@ impl Dense {
                 .zip(last)
                 .map_or(0..0, |(first, last)| first..last + 1)
         };
-        let stretches = rows.map(stretch).collect();
+        let supports = rows.map(support).collect();
         Self {
             transposed,
-            stretches,
+            supports,
             matrix: OnceLock::new(),
         }
     }
@@ -118,11 +119,11 @@ impl Dense {
         self.transposed.len()
     }
 
-    /// The entries that count of a row: columns and values.
+    /// The entries in the support of a row: columns and values.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
-        let stretch = self.stretches[i].clone();
-        let entries = &self.transposed.as_slice()[i * self.columns()..][stretch.clone()];
-        stretch.zip(entries.iter().copied())
+        let support = self.supports[i].clone();
+        let entries = &self.transposed.as_slice()[i * self.columns()..][support.clone()];
+        support.zip(entries.iter().copied())
     }
 
     /// The matrix as nalgebra has it.
@@ -210,15 +211,15 @@ impl NullaryFnOnce for Product<'_> {
     fn call(self) {
         let Dense {
             transposed,
-            stretches,
+            supports,
             ..
         } = self.matrix;
         let columns = transposed.nrows();
         for (x, y) in self.x.iter().zip(self.y) {
             let rows = transposed.as_slice()[self.first * columns..].chunks_exact(columns);
-            let rows = rows.zip(&stretches[self.first..]);
-            for (y, (row, stretch)) in y.iter_mut().zip(rows) {
-                *y = product(&row[stretch.clone()], &x[stretch.clone()]);
+            let rows = rows.zip(&supports[self.first..]);
+            for (y, (row, support)) in y.iter_mut().zip(rows) {
+                *y = product(&row[support.clone()], &x[support.clone()]);
             }
         }
     }
@@ -296,7 +297,7 @@ mod tests {
 
     /// A row without any entry is zero, and rows are what they were made of.
     #[test]
-    fn rows_are_their_stretches() {
+    fn rows_are_their_supports() {
         let transposed = DMatrix::from_column_slice(3, 2, &[0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
         let dense = Dense::new(transposed);
         assert_eq!(dense.row(0).count(), 0);
