@@ -206,3 +206,6 @@ async fn changed(status: &mut watch::Receiver<Status>) {
         std::future::pending().await
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,8 +15,13 @@ use crate::job::store::Record;
 
 /// A curve through 20 points of a sine.
 pub(crate) fn problem() -> Problem {
+    sine(20, 10)
+}
+
+/// A curve through `count` points of a sine, which ends at `max_iterations`.
+pub(crate) fn sine(count: u32, max_iterations: usize) -> Problem {
     let mut points = Points::new(2);
-    (0..20).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
+    (0..count).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
     let u = DirectionChoice {
         basis: BasisChoice::BSpline {
             degree: 3,
@@ -29,7 +34,7 @@ pub(crate) fn problem() -> Problem {
         weights: None,
     };
     let grid = Grid {
-        rows: 20,
+        rows: points.len(),
         columns: 1,
     };
     Problem::new(Request {
@@ -46,7 +51,7 @@ pub(crate) fn problem() -> Problem {
         lambda_min: None,
         scattered: None,
         tolerance: Some(Tolerance::Absolute(0.0)),
-        max_iterations: 10,
+        max_iterations,
     })
     .unwrap()
 }

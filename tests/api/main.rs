@@ -93,6 +93,7 @@ mod readme;
 mod reference;
 mod refusals;
 mod replicas;
+mod resumed;
 mod rpc;
 mod rpc_operations;
 mod salvage;

@@ -1,14 +1,16 @@
 //! A run: an iteration that several readers share. It advances only as far as a reader, or the job
 //! itself, wants it to.
 //!
-//! - `state`: how far it has come, with its recent frames;
+//! - `state`: how far it has come; `ring`: its recent frames;
 //! - `shared`: the system that it iterates;
 //! - [`attached`]: a reader's hold on it.
 
 pub(crate) mod attached;
+mod ring;
 mod shared;
 mod state;
 
+use std::mem;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -21,7 +23,7 @@ pub(crate) use shared::SharedSystem;
 pub(crate) use state::{Ending, FrameLookup};
 
 use crate::fit::interrupt;
-use crate::fit::iteration::{Iteration, Outcome};
+use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::sweep::LEVELS;
 use crate::fit::system::System;
 use crate::job::checkpoints::Checkpoints;
@@ -195,22 +197,26 @@ impl Run {
         interrupt::until(is_stopped, || Iteration::start(shared.get()))
     }
 
-    /// Takes a step; takes several at once if nobody reads the levels between.
-    fn advance(&self, iteration: &mut Iteration) {
-        let level = iteration.level().iteration;
+    /// Takes a step, or several at once if no reader wants the levels between; returns the level before the one
+    /// that is reached.
+    fn advance(&self, iteration: &mut Iteration) -> Level {
+        let level = iteration.level();
         let next = match self.keeps_unread() {
-            true => level + 1,
+            true => level.iteration + 1,
             false => self.state.lock().next_seen(),
         };
-        let most = LEVELS.min(Checkpoints::at_once(level));
-        let count = next.saturating_sub(level).clamp(1, most);
-        iteration.steps(count, &mut |_| {
+        let most = LEVELS.min(Checkpoints::at_once(level.iteration));
+        let count = next.saturating_sub(level.iteration).clamp(1, most);
+        let (mut before, mut current) = (level, level);
+        iteration.steps(count, &mut |level| {
             self.resources.counters.iterations.inc();
+            before = mem::replace(&mut current, level);
         });
+        before
     }
 
-    /// Records the level that was reached, and keeps its frame if somebody may read it.
-    fn publish(&self, iteration: &mut Iteration) {
+    /// Records the level that was reached after `before`, and keeps its frame if somebody may read it.
+    fn publish(&self, iteration: &mut Iteration, before: Option<Level>) {
         let level = iteration.level();
         let outcome = iteration.outcome();
         let cache = &self.resources.memory.cache;
@@ -219,8 +225,11 @@ impl Run {
             return;
         }
         if outcome == Some(Outcome::Overflow) {
-            // This level has no geometry, so the one before it is the last.
-            state.last = state.ring.back().cloned();
+            // This level has no geometry, so the one before it is the last. Its frame may not have been kept.
+            if let Some(before) = before {
+                state.reached(before, iteration.system());
+                state.last = state.ring.get(before.iteration).cloned();
+            }
             state.end(Ending::Outcome(Outcome::Overflow));
             return self.tell_end(state);
         }
@@ -235,14 +244,14 @@ impl Run {
                 return;
             }
             state.last = outcome.map(|_| Arc::clone(&frame));
-            state.ring.push_back(frame);
+            state.ring.push(frame);
             while state.ring.len() > self.capacity {
-                oldest = state.ring.pop_front();
+                oldest = state.ring.pop_oldest();
             }
             // A full cache drops two frames for each new one, so that other runs get room, too.
             for _ in 0..2 {
                 if cache.is_full() && state.ring.len() > 1 {
-                    oldest = state.ring.pop_front();
+                    oldest = state.ring.pop_oldest();
                 }
             }
             if cache.is_full() {
@@ -324,19 +333,19 @@ impl Work for Run {
         };
         let mut traced = None;
         loop {
-            let (mut iteration, is_start) = match current.take() {
-                None => (self.start(&shared), true),
+            let (mut iteration, before) = match current.take() {
+                None => (self.start(&shared), None),
                 Some(iteration) if self.stopped.load(Ordering::Acquire) => {
                     return self.end_stopped(iteration);
                 }
                 Some(mut iteration) => {
                     let level = iteration.level().iteration;
                     traced.get_or_insert_with(|| self.trace.slice(level));
-                    self.advance(&mut iteration);
-                    (iteration, false)
+                    let before = self.advance(&mut iteration);
+                    (iteration, Some(before))
                 }
             };
-            self.publish(&mut iteration);
+            self.publish(&mut iteration, before);
             let cache = &self.resources.memory.cache;
             shared.checkpoints.pass(&iteration, self.bytes, cache);
             // A thread that has just been woken would wait for a time slice of the operating system.
@@ -346,7 +355,7 @@ impl Work for Run {
             let more = self.state.lock().has_work();
             let goes_on = more && Instant::now() < deadline;
             // The first slice and the steps may belong to different lanes.
-            if !goes_on || (is_start && self.lanes[0] != self.lanes[1]) {
+            if !goes_on || (before.is_none() && self.lanes[0] != self.lanes[1]) {
                 return self.lay_down(iteration);
             }
             current = Some(iteration);

@@ -1,11 +1,12 @@
 //! How far a run has come: its recent frames, who follows it, and why it ended.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use tokio::sync::Notify;
 
+use super::ring::FrameRing;
 use super::shared::SharedSystem;
 use crate::fit::iteration::{Iteration, Level, Outcome};
 use crate::fit::system::System;
@@ -64,8 +65,7 @@ pub(super) struct RunState {
     /// The highest level that is wanted.
     pub(super) wanted: Option<usize>,
     pub(super) scheduled: bool,
-    /// Frames of consecutive levels, the newest at the back.
-    pub(super) ring: VecDeque<Arc<Frame>>,
+    pub(super) ring: FrameRing,
     pub(super) readers: BTreeMap<u64, Follower>,
     pub(super) next_reader: u64,
     pub(super) ending: Option<Ending>,
@@ -99,7 +99,7 @@ impl RunState {
             levels: None,
             wanted: None,
             scheduled: false,
-            ring: VecDeque::new(),
+            ring: FrameRing::default(),
             readers: BTreeMap::new(),
             next_reader: 0,
             ending: None,
@@ -198,12 +198,7 @@ impl RunState {
                 Some(_) => FrameLookup::Ended,
             };
         }
-        let frame = self.ring.front().and_then(|front| {
-            let offset = index.checked_sub(front.level.iteration)?;
-            self.ring.get(offset)
-        });
-        frame.map_or(FrameLookup::Gone, |frame| {
-            FrameLookup::Frame(Arc::clone(frame))
-        })
+        let frame = self.ring.get(index).map(Arc::clone);
+        frame.map_or(FrameLookup::Gone, FrameLookup::Frame)
     }
 }
