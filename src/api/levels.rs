@@ -10,7 +10,7 @@ use super::language::Language;
 use super::order;
 use super::problem::{Kind, Problem};
 use super::proto;
-use super::stream::encode;
+use super::stream::encode::{self, Cost};
 use crate::fit::foot;
 use crate::fit::foot::deviation::Deviation;
 use crate::job::Job;
@@ -155,13 +155,12 @@ pub(super) async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content
         return Ok(encode::frame(job, &frame, &form).await?);
     }
     let owner = Arc::clone(job);
-    let points = &frame.control_points;
-    let numbers = points.len() * points.dimension();
+    let cost = Cost::of(&frame, form.view);
     let write = move || match form.is_protobuf() {
         false => view::result::result(owner.outline(), &status, &frame, &form),
         true => proto::geometry::result(&owner, &status, &frame, form.view),
     };
-    Ok(encode::off_network(job, numbers, write).await?)
+    Ok(encode::off_network(job, cost, write).await?)
 }
 
 fn last_level(job: &Job) -> Result<usize, Problem> {

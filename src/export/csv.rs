@@ -44,6 +44,11 @@ impl Table {
         Ok(Self { samples })
     }
 
+    /// About how many multiplications it takes to evaluate all lines.
+    pub(crate) fn multiplications(&self) -> usize {
+        self.samples.multiplications()
+    }
+
     /// How many lines follow the names.
     pub(crate) fn lines(&self) -> usize {
         self.samples.count()

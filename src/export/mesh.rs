@@ -9,7 +9,7 @@ use crate::fit::points::Grid;
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
 /// every viewer can show.
 const MOST_ALONG_CURVE: usize = 1 << 16;
-const MOST_ALONG_SURFACE: usize = 384;
+pub(super) const MOST_ALONG_SURFACE: usize = 384;
 
 /// Single precision suffices while the distance from the origin is at most this multiple of the extent.
 const NEAR: f64 = 16.0;

@@ -41,7 +41,11 @@ pub use format::{Format, UnknownFormat};
 pub use nurbs::Nurbs;
 pub use options::{Dots, Options, Unit};
 
+use mesh::MOST_ALONG_SURFACE;
+
+use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
+use crate::fit::samples;
 
 /// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it.
 /// They refuse to load a file with a higher one, and some say so only in their log.
@@ -71,6 +75,29 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
         Format::Dxf => dxf::write(&nurbs, fitted),
         Format::Svg => svg::write(&nurbs, fitted),
         Format::Csv => csv::write(fitted),
+    }
+}
+
+/// About how many multiplications it takes to sample a level for a format; 0 for those that are exact, and for tables,
+/// which are sampled while they are sent.
+pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> usize {
+    let suitable = || match problem.v() {
+        None => Grid {
+            rows: (4 * problem.u().basis.functions()).max(MOST_ALONG_SURFACE),
+            columns: 1,
+        },
+        Some(_) => Grid {
+            rows: MOST_ALONG_SURFACE,
+            columns: MOST_ALONG_SURFACE,
+        },
+    };
+    match format {
+        Format::Step | Format::Iges | Format::Csv => 0,
+        Format::Obj | Format::Gltf | Format::Stl | Format::Dxf | Format::Svg => {
+            let grid = options.samples.unwrap_or_else(suitable);
+            // Points and their derivatives.
+            samples::multiplications(problem, grid).saturating_mul(3)
+        }
     }
 }
 

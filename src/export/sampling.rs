@@ -2,6 +2,7 @@
 
 use super::nurbs::{KnotVector, Nurbs};
 use crate::fit::basis::{bernstein, bspline};
+use crate::fit::interrupt::Meter;
 
 /// The most values of basis functions that are held at a time, and as many derivatives.
 const MOST_VALUES: usize = 1 << 20;
@@ -81,6 +82,21 @@ impl KnotVector {
         ((site.t - low) / self.width(site)).clamp(0.0, 1.0)
     }
 
+    /// Returns true if there is one span, so that the functions are Bernstein polynomials.
+    fn is_bezier(&self) -> bool {
+        self.count() == self.degree + 1
+    }
+
+    /// The multiplications for the functions at a site, with their derivatives.
+    fn multiplications(&self) -> usize {
+        let width = self.degree + 1;
+        if self.is_bezier() {
+            4 * width
+        } else {
+            2 * width * width
+        }
+    }
+
     /// How long a span is.
     pub(super) fn width(&self, site: SpanParameter) -> f64 {
         self.knots[site.span + 1] - self.knots[site.span]
@@ -89,16 +105,15 @@ impl KnotVector {
     /// The functions that can differ from zero at a site, with their derivatives.
     fn functions(&self, site: SpanParameter) -> BasisValues {
         let (p, knots, span) = (self.degree, &self.knots, site.span);
-        let evaluate = |degree: usize, values: &mut [f64]| match self.count() == p + 1 {
-            // A Bézier curve: the same functions, much faster at high degrees.
-            true => bernstein::evaluate(degree, self.part(site), values),
-            false => bspline::evaluate(degree, knots, span, site.t, values),
-        };
-        let mut values = vec![0.0; p + 1];
-        evaluate(p, &mut values);
-        let mut lower = vec![0.0; p];
-        if p > 0 {
-            evaluate(p - 1, &mut lower);
+        let (mut values, mut lower) = (vec![0.0; p + 1], vec![0.0; p]);
+        if self.is_bezier() {
+            // The same functions, much faster at high degrees.
+            bernstein::evaluate(p, self.part(site), &mut values);
+            if p > 0 {
+                bernstein::evaluate(p - 1, self.part(site), &mut lower);
+            }
+        } else {
+            bspline::evaluate_with_lower(p, knots, span, site.t, &mut values, &mut lower);
         }
         // N'_i = p (M_i / (u_{i+p} − u_i) − M_{i+1} / (u_{i+p+1} − u_{i+1})), where the M are
         // those of degree p − 1 (PT97 (2.7)); only M_{span−p+1} … M_span differ from zero.
@@ -140,14 +155,20 @@ impl Nurbs {
         };
         // With a high degree there are thousands of functions at each site.
         let block = (MOST_VALUES / (knots.degree + 1)).max(1);
+        let functions = |sites: &[SpanParameter]| -> Vec<BasisValues> {
+            let mut meter = Meter::default();
+            let each = sites.iter().map(|&site| {
+                meter.add(knots.multiplications());
+                knots.functions(site)
+            });
+            each.collect()
+        };
         if v.len() <= block {
-            let across: Vec<BasisValues> = v.iter().map(|&site| knots.functions(site)).collect();
-            return self.evaluate_block(u, &across);
+            return self.evaluate_block(u, &functions(v));
         }
         let mut jets = vec![Jet::default(); u.len() * v.len()];
         for (index, sites) in v.chunks(block).enumerate() {
-            let across: Vec<BasisValues> =
-                sites.iter().map(|&site| knots.functions(site)).collect();
+            let across = functions(sites);
             let some = self.evaluate_block(u, &across);
             let rows = jets.chunks_exact_mut(v.len());
             for (row, some) in rows.zip(some.chunks_exact(across.len())) {
@@ -159,13 +180,18 @@ impl Nurbs {
 
     /// Points and derivatives at the sites `u`, for these functions of the other direction.
     fn evaluate_block(&self, u: &[SpanParameter], across: &[BasisValues]) -> Vec<Jet> {
+        let lifted = self.lifted(u.len());
         let mut line = vec![Homogeneous::default(); self.columns()];
         let mut line_du = line.clone();
         let mut jets = Vec::with_capacity(u.len() * across.len());
+        let mut meter = Meter::default();
+        let for_line = self.u.multiplications() + (self.u.degree + 1) * line.len() * 12;
         for &site in u {
             let along = self.u.functions(site);
-            self.contract(&along, &mut line, &mut line_du);
+            contract(&along, &lifted, &mut line, &mut line_du);
+            meter.add(for_line);
             for across in across {
+                meter.add(across.values.len() * 12);
                 let window = across.first..across.first + across.values.len();
                 let (line, line_du) = (&line[window.clone()], &line_du[window]);
                 let point = combine(&across.values, line);
@@ -177,27 +203,59 @@ impl Nurbs {
         jets
     }
 
-    /// The control points of the curve `u = const`, and of its derivative by u.
-    fn contract(&self, along: &BasisValues, line: &mut [Homogeneous], line_du: &mut [Homogeneous]) {
-        let columns = line.len();
-        line.fill(Homogeneous::default());
-        line_du.fill(Homogeneous::default());
-        for (r, (value, derivative)) in along.values.iter().zip(&along.derivatives).enumerate() {
-            let start = (along.first + r) * columns;
-            for (j, (point, du)) in line.iter_mut().zip(line_du.iter_mut()).enumerate() {
-                let control = self.lifted(start + j);
-                for c in 0..4 {
-                    point[c] += value * control[c];
-                    du[c] += derivative * control[c];
-                }
-            }
+    /// The control points in homogeneous coordinates, for sites in this many lines.
+    fn lifted(&self, lines: usize) -> Lifted<'_> {
+        let used = lines.saturating_mul(self.u.degree + 1);
+        match used > self.u.count() {
+            true => Lifted::All(
+                (0..self.points.len())
+                    .map(|index| self.lift(index))
+                    .collect(),
+            ),
+            false => Lifted::EachTime(self),
         }
     }
 
-    fn lifted(&self, index: usize) -> Homogeneous {
+    fn lift(&self, index: usize) -> Homogeneous {
         let [x, y, z] = self.place(index);
         let w = self.weight(index);
         [w * x, w * y, w * z, w]
+    }
+}
+
+/// Control points in homogeneous coordinates: made once where each is needed more than once.
+enum Lifted<'a> {
+    All(Vec<Homogeneous>),
+    EachTime(&'a Nurbs),
+}
+
+/// The control points of the curve `u = const`, and of its derivative by u.
+fn contract(
+    along: &BasisValues,
+    lifted: &Lifted<'_>,
+    line: &mut [Homogeneous],
+    line_du: &mut [Homogeneous],
+) {
+    let columns = line.len();
+    line.fill(Homogeneous::default());
+    line_du.fill(Homogeneous::default());
+    for (r, (value, derivative)) in along.values.iter().zip(&along.derivatives).enumerate() {
+        let start = (along.first + r) * columns;
+        let mut add = |j: usize, control: Homogeneous| {
+            for c in 0..4 {
+                line[j][c] += value * control[c];
+                line_du[j][c] += derivative * control[c];
+            }
+        };
+        match lifted {
+            Lifted::All(points) => {
+                let row = &points[start..start + columns];
+                row.iter()
+                    .enumerate()
+                    .for_each(|(j, &control)| add(j, control));
+            }
+            Lifted::EachTime(nurbs) => (0..columns).for_each(|j| add(j, nurbs.lift(start + j))),
+        }
     }
 }
 

@@ -14,6 +14,7 @@
 //! only.
 
 use super::direction::Direction;
+use super::interrupt::Meter;
 use super::points::{Grid, Points};
 use super::problem::Problem;
 
@@ -257,8 +258,10 @@ impl Values {
         let by_rows = r * along.width * columns + r * c * across.width;
         let by_columns = c * across.width * rows + r * c * along.width;
         let mut sums = vec![0.0; r * c];
+        let mut meter = Meter::default();
         if at_once <= by_rows.min(by_columns) {
             for (place, sum) in sums.iter_mut().enumerate() {
+                meter.add(along.width * across.width);
                 let inner = |k: usize| across.sum(place % c, |l| lane[k * columns + l]);
                 *sum = along.sum(place / c, inner);
             }
@@ -266,6 +269,7 @@ impl Values {
             let mut line = vec![0.0; columns];
             for (i, sums) in sums.chunks_exact_mut(c).enumerate() {
                 line.fill(0.0);
+                meter.add(by_rows / r);
                 along.each(i, |k, a| {
                     let row = &lane[k * columns..][..columns];
                     line.iter_mut().zip(row).for_each(|(sum, x)| *sum += a * x);
@@ -276,6 +280,7 @@ impl Values {
             }
         } else {
             for j in 0..c {
+                meter.add(by_columns / c);
                 let column = |k: usize| across.sum(j, |l| lane[k * columns + l]);
                 let column: Vec<f64> = (0..rows).map(column).collect();
                 for i in 0..r {
@@ -303,7 +308,9 @@ impl LineValues {
         let width = direction.basis.support_width();
         let mut values = vec![0.0; width * parameters.len()];
         let mut indices = Vec::with_capacity(values.len());
+        let mut meter = Meter::default();
         for (values, &t) in values.chunks_exact_mut(width).zip(parameters) {
+            meter.add(direction.basis.multiplications());
             let start = direction.evaluate(t, values);
             direction.share(start, values);
             indices.extend((0..width).map(|k| direction.free_index(start + k) as u32));

@@ -49,6 +49,26 @@ pub(crate) fn check() {
     }
 }
 
+/// [`check`]s after about this many multiplications.
+const BETWEEN_CHECKS: usize = 1 << 18;
+
+/// Counts the multiplications of a loop and checks now and then, for loops of cheap passes.
+#[derive(Debug, Default)]
+pub(crate) struct Meter {
+    multiplications: usize,
+}
+
+impl Meter {
+    /// Counts the multiplications of a pass.
+    pub(crate) fn add(&mut self, multiplications: usize) {
+        self.multiplications += multiplications;
+        if self.multiplications >= BETWEEN_CHECKS {
+            self.multiplications = 0;
+            check();
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::panic::{AssertUnwindSafe, catch_unwind};

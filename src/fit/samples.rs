@@ -55,6 +55,28 @@ pub struct Samples {
     pub v: Option<Uniform>,
 }
 
+/// About how many multiplications it takes to evaluate a grid of samples.
+pub fn multiplications(problem: &Problem, grid: Grid) -> usize {
+    let Grid { rows, columns } = grid;
+    let (count, u) = (grid.count(), &problem.u().basis);
+    let along = rows.saturating_mul(u.multiplications());
+    let (lines, across) = match problem.v() {
+        None => (count * u.support_width(), 0),
+        Some(v) => {
+            let v = &v.basis;
+            let blocks = count.div_ceil(AT_ONCE) * columns.min(AT_ONCE);
+            // The order of summation with the fewest multiplications, as [`Geometry::evaluate`] chooses it.
+            let at_once = count.saturating_mul(u.support_width() * v.support_width());
+            let by_rows = rows * u.support_width() * v.functions() + count * v.support_width();
+            (
+                at_once.min(by_rows),
+                blocks.saturating_mul(v.multiplications()),
+            )
+        }
+    };
+    along + across + lines.saturating_mul(problem.dimension())
+}
+
 impl Samples {
     /// Samples of a level of `problem`, a grid of rows × columns parameters; of a curve, whose grid
     /// has one column, as many as rows.
@@ -76,6 +98,12 @@ impl Samples {
     /// How many there are.
     pub fn count(&self) -> usize {
         self.u.count() * self.columns()
+    }
+
+    /// About how many multiplications it takes to evaluate all of them.
+    pub fn multiplications(&self) -> usize {
+        let (rows, columns) = (self.u.count(), self.columns());
+        multiplications(&self.problem, Grid { rows, columns })
     }
 
     /// The number of coordinates of each.

@@ -55,6 +55,14 @@ impl Content {
         self
     }
 
+    /// The same content, of which all pieces together take this many multiplications to make.
+    pub(crate) fn costing(mut self, multiplications: usize) -> Self {
+        if let Some(rest) = self.rest.as_mut().and_then(Arc::get_mut) {
+            rest.multiplications = multiplications / rest.count().max(1);
+        }
+        self
+    }
+
     /// The same content, counted in the cache from now on.
     pub(super) fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
         self.charge = Some(Arc::new(cache.charge(self.head.len())));
@@ -95,6 +103,8 @@ pub(crate) struct Pieces {
     length: Option<usize>,
     /// Making a piece takes about as long as sending it.
     are_quick: bool,
+    /// The multiplications that a piece takes.
+    multiplications: usize,
     /// The last pieces that were made, in order.
     recent: Mutex<VecDeque<(usize, Making)>>,
     /// The cache in which made pieces are counted.
@@ -116,6 +126,7 @@ impl Pieces {
             pieces,
             length,
             are_quick: false,
+            multiplications: 0,
             recent: Mutex::default(),
             cache: OnceLock::new(),
         }
@@ -152,7 +163,8 @@ impl Pieces {
                 false => {
                     let pieces = Arc::clone(self);
                     let make = move || pieces.make(index);
-                    pool.compute(WorkLane::Wire, make).await?
+                    let lane = WorkLane::of_pieces(self.multiplications);
+                    pool.compute_in_turns(lane, make).await?
                 }
             };
             let charge = self.cache.get().map(|cache| cache.charge(bytes.len()));

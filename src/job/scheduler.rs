@@ -11,8 +11,10 @@
 //! The operating system shares the cores between the lanes. So a small job never waits for a large
 //! one, and no request waits for the set-up of another client's job. Work on the long lane is not cut
 //! into slices. Of each peer it takes the piece with the least work and the piece that came first in turn,
-//! so that a short one does not wait for many longer ones, and none waits for ever.
+//! so that a short one does not wait for many longer ones, and none waits for ever. Samples of curves and
+//! surfaces for clients are computed there, if they take long; they let shorter work of other peers run in between.
 
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread;
@@ -30,6 +32,9 @@ use crate::trim;
 
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);
+
+/// How long a piece of work on the long lane may run before shorter ones of other peers get a turn.
+const LONG_SLICE: Duration = Duration::from_millis(20);
 
 /// How far large steps give way to small ones, as `nice` has it: they get a quarter of a processor that both want.
 #[cfg(target_os = "linux")]
@@ -77,6 +82,30 @@ impl WorkLane {
         match Self::of(operations) {
             Self::Quick => Self::Quick,
             _ => Self::Wire,
+        }
+    }
+
+    /// The lane of evaluating a curve or surface for a client, which takes this many multiplications.
+    pub(crate) fn of_samples(multiplications: usize) -> Self {
+        match multiplications {
+            LONG.. => Self::Long(multiplications),
+            _ => Self::of_wire(multiplications),
+        }
+    }
+
+    /// The lane of a piece of an answer, which takes this many multiplications.
+    pub(super) fn of_pieces(multiplications: usize) -> Self {
+        match multiplications {
+            LONG.. => Self::Long(multiplications),
+            _ => Self::Wire,
+        }
+    }
+
+    /// The multiplications of work on the long lane; 0 on the others.
+    fn multiplications(self) -> usize {
+        match self {
+            Self::Long(multiplications) => multiplications,
+            Self::Quick | Self::Heavy | Self::Wire => 0,
         }
     }
 }
@@ -169,6 +198,20 @@ impl QueueState {
             waiting.remove(place)
         })
     }
+
+    /// The work with the fewest multiplications of another peer, below this number, as the peers have their turns.
+    fn next_of_others(&mut self, peer: Option<Peer>, multiplications: usize) -> Option<Task> {
+        self.waiting.next(|other, PeerQueue { waiting, .. }| {
+            let pieces = waiting
+                .iter()
+                .enumerate()
+                .filter(|(_, it)| it.multiplications < multiplications);
+            let (place, _) = pieces
+                .filter(|_| other != peer)
+                .min_by_key(|(_, it)| it.multiplications)?;
+            waiting.remove(place)
+        })
+    }
 }
 
 impl Scheduler {
@@ -203,15 +246,42 @@ impl Scheduler {
         lane: WorkLane,
         function: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Broken> {
+        self.call(lane, || (), function).await
+    }
+
+    /// The same for a function that may take seconds and holds no lock: it lets shorter work of other peers run in
+    /// between, on the same thread.
+    pub(crate) async fn compute_in_turns<T: Send + 'static>(
+        &self,
+        lane: WorkLane,
+        function: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, Broken> {
+        let (queues, peer) = (Arc::clone(&self.0), Peer::current());
+        let turn = LongTurn::default();
+        let others = move || turn.let_others_run(&queues, peer, lane.multiplications());
+        self.call(lane, others, function).await
+    }
+
+    /// Computes a value; `between` is called each time that the function checks whether it is still wanted.
+    async fn call<T: Send + 'static>(
+        &self,
+        lane: WorkLane,
+        between: impl Fn() + Send + Sync + 'static,
+        function: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, Broken> {
         let (sender, receiver) = oneshot::channel();
         let receiving = Arc::new(sender);
         let call: Box<dyn FnOnce() + Send> = Box::new(move || {
-            // Nobody waits for the value any more if the request was dropped.
+            // The receiver is gone if the request was dropped.
             let waits = Arc::clone(&receiving);
             if waits.is_closed() {
                 return;
             }
-            let value = interrupt::until(Arc::new(move || waits.is_closed()), function);
+            let is_over = move || {
+                between();
+                waits.is_closed()
+            };
+            let value = interrupt::until(Arc::new(is_over), function);
             if let Some(sender) = Arc::into_inner(receiving) {
                 let _ = sender.send(value);
             }
@@ -293,31 +363,69 @@ impl Queue {
 
 impl Queues {
     fn push(&self, lane: WorkLane, peer: Option<Peer>, work: Arc<dyn Work>) {
-        let multiplications = match lane {
-            WorkLane::Long(multiplications) => multiplications,
-            _ => 0,
-        };
         self.of(lane).push(Task {
             peer,
-            multiplications,
+            multiplications: lane.multiplications(),
             work,
         });
     }
 
     fn serve(&self, lane: WorkLane) {
         while let Some(task) = self.of(lane).pop(lane) {
-            let deadline = Instant::now() + SLICE;
-            match catch_unwind(AssertUnwindSafe(|| task.work.slice(deadline))) {
-                Ok(Turn::Again(lane)) => self.push(lane, task.peer, task.work),
-                Ok(Turn::Done) => {}
-                Err(panic) => {
-                    if !panic.is::<Interrupted>() {
-                        error!("a computation panicked; its job fails, the others go on");
-                    }
-                    task.work.broken();
+            self.run(task);
+        }
+    }
+
+    fn run(&self, task: Task) {
+        let deadline = Instant::now() + SLICE;
+        match catch_unwind(AssertUnwindSafe(|| task.work.slice(deadline))) {
+            Ok(Turn::Again(lane)) => self.push(lane, task.peer, task.work),
+            Ok(Turn::Done) => {}
+            Err(panic) => {
+                if !panic.is::<Interrupted>() {
+                    error!("a computation panicked; its job fails, the others go on");
                 }
+                task.work.broken();
             }
         }
+    }
+}
+
+/// When a long computation last let others run.
+struct LongTurn(Mutex<Instant>);
+
+impl Default for LongTurn {
+    fn default() -> Self {
+        Self(Mutex::new(Instant::now()))
+    }
+}
+
+thread_local! {
+    /// This thread of the long lane is between two parts of a computation, and runs another one.
+    static IS_BETWEEN: Cell<bool> = const { Cell::new(false) };
+}
+
+impl LongTurn {
+    /// Runs a piece of work of another peer that waits on the long lane and takes fewer multiplications than this
+    /// computation, if this computation has run for long enough.
+    fn let_others_run(&self, queues: &Queues, peer: Option<Peer>, multiplications: usize) {
+        let Some(mut since) = self.0.try_lock() else {
+            return;
+        };
+        if since.elapsed() < LONG_SLICE || IS_BETWEEN.get() {
+            return;
+        }
+        let task = queues
+            .long
+            .state
+            .lock()
+            .next_of_others(peer, multiplications);
+        if let Some(task) = task {
+            IS_BETWEEN.set(true);
+            queues.run(task);
+            IS_BETWEEN.set(false);
+        }
+        *since = Instant::now();
     }
 }
 

@@ -12,7 +12,7 @@ use crate::api::language::{JSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::export::MOST_MEASURED;
 use crate::export::csv::Table;
-use crate::export::{ExportError, Fitted, Format, Options, write};
+use crate::export::{ExportError, Fitted, Format, Options, sampling_cost, write};
 use crate::fit::iteration::Iteration;
 use crate::fit::points::Grid;
 use crate::fit::problem as fit;
@@ -29,8 +29,11 @@ const HISTORY: usize = 200_000_000;
 /// Bytes of memory for each control point or sample while a file is made.
 const BYTES_PER_POINT: usize = 300;
 
-/// Lines of a table that are made at a time.
+/// The most lines of a table that are made at a time.
 const LINES: usize = 4096;
+
+/// The multiplications for the lines that are made at a time: some hundredths of a second.
+const PART: usize = 20_000_000;
 
 /// Writing a number to a file takes about as long as this many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 100;
@@ -82,13 +85,24 @@ pub(super) async fn file(
     };
     let points = control_points.len() + measured.min(MOST_MEASURED);
     let numbers = points * control_points.dimension();
-    let lane = WorkLane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
+    let written = numbers.saturating_mul(OPERATIONS_PER_NUMBER);
+    let scheduler = &job.resources().scheduler;
+    let errors = match format {
+        Format::Svg => {
+            let problem = Arc::clone(&frame.problem);
+            let history = move || history(&problem, level, || system.get());
+            scheduler
+                .compute(WorkLane::of_wire(written), history)
+                .await?
+        }
+        _ => Vec::new(),
+    };
+    let lane = match sampling_cost(format, &frame.problem, &options) {
+        0 => WorkLane::of_wire(written),
+        sampled => WorkLane::of_samples(written.saturating_add(sampled)),
+    };
     let write = move || {
         let problem = &frame.problem;
-        let errors = match format {
-            Format::Svg => history(problem, level, || system.get()),
-            _ => Vec::new(),
-        };
         let outline = owner.outline();
         let fitted = Fitted {
             name: outline.label.name.as_deref(),
@@ -101,8 +115,7 @@ pub(super) async fn file(
             _ => write(format, &fitted).map(|bytes| Bytes::from(bytes).into()),
         }
     };
-    let scheduler = &job.resources().scheduler;
-    let content = scheduler.compute(lane, write).await??;
+    let content = scheduler.compute_in_turns(lane, write).await??;
     Ok(answer(
         job,
         content.with_permit(permit),
@@ -114,11 +127,13 @@ pub(super) async fn file(
 fn table(table: Table) -> Content {
     let lines = table.lines();
     let table = Arc::new(table);
+    let each = table.multiplications() / lines.max(1);
+    let at_once = (PART / each.max(1)).clamp(1, LINES);
     let part = |start: usize| {
-        let (table, end) = (Arc::clone(&table), lines.min(start + LINES));
+        let (table, end) = (Arc::clone(&table), lines.min(start + at_once));
         Piece::Later(Box::new(move || table.part(start..end).into()))
     };
-    let mut parts: Vec<Piece> = (0..lines).step_by(LINES).map(part).collect();
+    let mut parts: Vec<Piece> = (0..lines).step_by(at_once).map(part).collect();
     let mut head = table.names();
     if parts.len() == 1 {
         parts.clear();

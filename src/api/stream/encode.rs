@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::api::json::view::{self, writer::Digits as ArrayDigits};
 use crate::api::proto;
-use crate::fit::direction::Direction;
+use crate::fit::samples::multiplications;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
@@ -15,8 +15,8 @@ use crate::job::store::StoreError;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
 use crate::model::stream::options::StreamOptions;
 
-/// Up to so many numbers are encoded at once, more of them on the compute pool.
-const SMALL: usize = 2000;
+/// Contents of up to this many operations are encoded where they are needed, others on the compute pool.
+const SMALL: usize = 2000 * OPERATIONS_PER_NUMBER;
 
 /// Encoding a number takes about as long as this many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 50;
@@ -77,47 +77,84 @@ pub(crate) async fn frame(
     let (owner, shown) = (Arc::clone(job), Arc::clone(frame));
     let encode = || async move {
         owner.resources().counters.encodings.inc();
-        let numbers = numbers(&shown, form.view);
+        let cost = Cost::of(&shown, form.view);
         let frame = shown;
         let encode = move || match form.is_protobuf() {
             false => view::level::level(&frame, &form),
             true => proto::geometry::iteration(&frame, &form),
         };
-        off_network(&owner, numbers, encode).await
+        off_network(&owner, cost, encode).await
     };
     let cache = &job.resources().memory.cache;
     frame.encoded(&key, cache, encode).await
 }
 
-/// About how many numbers are encoded, or multiplied for samples.
-fn numbers(frame: &Frame, view: View) -> usize {
-    let dimension = frame.control_points.dimension();
-    match view {
-        View::Errors => 0,
-        View::ControlPoints => frame.control_points.len() * dimension,
-        View::Changed => frame.moved.as_ref().map_or(0, |moved| moved.len()) * dimension,
-        View::Samples(grid) => {
-            let functions = |direction: &Direction| direction.basis.support_width();
-            let each: usize = frame.problem.directions().map(functions).product();
-            grid.count().saturating_mul(each)
+/// What it takes to encode a content.
+#[derive(Clone, Copy)]
+pub(crate) struct Cost {
+    numbers: usize,
+    /// Multiplications for evaluating samples before they are encoded.
+    evaluation: usize,
+}
+
+impl From<usize> for Cost {
+    /// That of numbers which are in memory.
+    fn from(numbers: usize) -> Self {
+        let evaluation = 0;
+        Self {
+            numbers,
+            evaluation,
         }
     }
 }
 
-/// Encodes on the compute pool, unless there are few numbers.
+impl Cost {
+    /// That of a frame in a view.
+    pub(crate) fn of(frame: &Frame, view: View) -> Self {
+        let dimension = frame.control_points.dimension();
+        let numbers = match view {
+            View::Errors => 0,
+            View::ControlPoints => frame.control_points.len() * dimension,
+            View::Changed => frame.moved.as_ref().map_or(0, |moved| moved.len()) * dimension,
+            View::Samples(grid) => grid.count() * dimension,
+        };
+        let evaluation = match view {
+            View::Samples(grid) => multiplications(&frame.problem, grid),
+            View::Errors | View::ControlPoints | View::Changed => 0,
+        };
+        Self {
+            numbers,
+            evaluation,
+        }
+    }
+
+    fn operations(self) -> usize {
+        let encoding = self.numbers.saturating_mul(OPERATIONS_PER_NUMBER);
+        encoding.saturating_add(self.evaluation)
+    }
+}
+
+/// Encodes on the compute pool, unless it takes little.
 pub(crate) async fn off_network(
     job: &Job,
-    numbers: usize,
+    cost: impl Into<Cost>,
     encode: impl FnOnce() -> Content + Send + 'static,
 ) -> Result<Content, StoreError> {
-    if numbers <= SMALL {
+    let cost: Cost = cost.into();
+    let operations = cost.operations();
+    if operations <= SMALL {
         return Ok(encode());
     }
-    let lane = WorkLane::of_wire(numbers.saturating_mul(OPERATIONS_PER_NUMBER));
-    let traced = job.trace().encode(numbers);
+    // Many numbers are encoded when they are sent, piece by piece.
+    let lane = match WorkLane::of_samples(cost.evaluation) {
+        WorkLane::Long(evaluation) => WorkLane::Long(evaluation),
+        _ => WorkLane::of_wire(operations),
+    };
+    let traced = job.trace().encode(cost.numbers);
     let encode = move || {
         let _traced = traced;
-        encode()
+        encode().costing(operations)
     };
-    Ok(job.resources().scheduler.compute(lane, encode).await?)
+    let scheduler = &job.resources().scheduler;
+    Ok(scheduler.compute_in_turns(lane, encode).await?)
 }

@@ -137,9 +137,16 @@ impl Outgoing {
         }
     }
 
-    /// Starts making a piece.
+    /// Starts to make a piece.
     fn make(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
         let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
         peer::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
+    }
+}
+
+/// Pieces that no client will read any more are not made.
+impl Drop for Outgoing {
+    fn drop(&mut self) {
+        self.ahead.iter().for_each(JoinHandle::abort);
     }
 }

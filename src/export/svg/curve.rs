@@ -59,13 +59,16 @@ fn tangent_pieces(
     spans: &[usize],
     parts: usize,
 ) -> Vec<Cubic> {
-    let ends = spans.iter().flat_map(|&span| {
-        let site = move |part: usize| knots.site(span, part as f64 / parts as f64);
-        (0..parts).flat_map(move |part| [site(part), site(part + 1)])
+    // Neighbouring pieces of a span share a site; spans do not, as tangents can differ on both sides of a knot.
+    let sites = spans.iter().flat_map(|&span| {
+        (0..=parts).map(move |part| knots.site(span, part as f64 / parts as f64))
     });
-    let ends: Vec<_> = ends.collect();
-    let jets = nurbs.evaluate(&ends, &[]);
-    let pieces = ends.chunks_exact(2).zip(jets.chunks_exact(2));
+    let sites: Vec<_> = sites.collect();
+    let jets = nurbs.evaluate(&sites, &[]);
+    let spans = sites
+        .chunks_exact(parts + 1)
+        .zip(jets.chunks_exact(parts + 1));
+    let pieces = spans.flat_map(|(sites, jets)| sites.windows(2).zip(jets.windows(2)));
     let pieces = pieces.map(|(sites, jets)| {
         let third = knots.width(sites[0]) / parts as f64 / 3.0;
         let along = |end: usize, h: f64| {

@@ -50,18 +50,38 @@ pub fn find_span(degree: usize, knots: &[f64], t: f64) -> usize {
 /// magnitude are treated alike.
 pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
     values[0] = 1.0;
-    for r in 1..=degree {
-        let mut carried = 0.0;
-        for j in 0..r {
-            let right = knots[span + 1 + j] - t;
-            let left = t - knots[span + 1 + j - r];
-            let width = right + left;
-            let lower = values[j];
-            values[j] = carried + right / width * lower;
-            carried = left / width * lower;
-        }
-        values[r] = carried;
+    (1..=degree).for_each(|r| raise(r, knots, span, t, values));
+}
+
+/// The same, with the values of degree `degree − 1`, of which derivatives are made, in `lower`.
+pub(crate) fn evaluate_with_lower(
+    degree: usize,
+    knots: &[f64],
+    span: usize,
+    t: f64,
+    values: &mut [f64],
+    lower: &mut [f64],
+) {
+    let Some(below) = degree.checked_sub(1) else {
+        return evaluate(degree, knots, span, t, values);
+    };
+    evaluate(below, knots, span, t, values);
+    lower.copy_from_slice(&values[..degree]);
+    raise(degree, knots, span, t, values);
+}
+
+/// Makes the values of degree `r` of those of degree `r − 1`.
+fn raise(r: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
+    let mut carried = 0.0;
+    for j in 0..r {
+        let right = knots[span + 1 + j] - t;
+        let left = t - knots[span + 1 + j - r];
+        let width = right + left;
+        let lower = values[j];
+        values[j] = carried + right / width * lower;
+        carried = left / width * lower;
     }
+    values[r] = carried;
 }
 
 /// The most parameters of a run: 2 KiB for each function, which stay in the nearest cache.

@@ -134,6 +134,15 @@ impl Basis {
         self.degree() + 1
     }
 
+    /// About how many multiplications [`evaluate`](Self::evaluate) takes.
+    pub fn multiplications(&self) -> usize {
+        let width = self.support_width();
+        match self {
+            Self::Polynomial { .. } => 2 * width,
+            Self::BSpline { .. } => 3 * width * width / 2,
+        }
+    }
+
     /// Whether only a few functions differ from zero at a parameter.
     pub fn is_local(&self) -> bool {
         matches!(self, Self::BSpline { .. })

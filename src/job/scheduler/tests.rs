@@ -78,6 +78,42 @@ async fn the_long_lane_takes_the_least_and_the_first_in_turn() {
     assert_eq!(*log.lock(), [1, 7, 3, 5, 6]);
 }
 
+/// The long lane has one thread, and a computation on it ends only once that of another peer has run.
+#[tokio::test]
+async fn long_samples_let_shorter_work_of_others_run_in_between() {
+    let scheduler = Arc::new(Scheduler::new(1).unwrap());
+    let peer = |last| Some(Peer::at([192, 0, 2, last].into()));
+    let (short, longer) = (WorkLane::Long(LONG), WorkLane::Long(3 * LONG));
+    let (start, started) = oneshot::channel();
+    let (send, is_sent) = std::sync::mpsc::channel();
+    let pool = Arc::clone(&scheduler);
+    let long = Peer::scope(peer(1), async move {
+        let compute = move || {
+            let _ = start.send(());
+            while is_sent.try_recv().is_err() {
+                interrupt::check();
+                thread::yield_now();
+            }
+        };
+        pool.compute_in_turns(WorkLane::Long(2 * LONG), compute)
+            .await
+    });
+    let pool = Arc::clone(&scheduler);
+    let others = async move {
+        started.await.unwrap();
+        // Neither what takes longer nor what is of the same peer runs in between.
+        let longer = Peer::scope(peer(2), pool.compute_in_turns(longer, || ()));
+        let own = Peer::scope(peer(1), pool.compute_in_turns(short, || ()));
+        let other = async {
+            Peer::scope(peer(2), pool.compute_in_turns(short, || ())).await?;
+            send.send(()).map_err(|_| Broken)
+        };
+        tokio::join!(longer, own, other)
+    };
+    let (long, others) = tokio::join!(long, others);
+    assert_eq!((long, others), (Ok(()), (Ok(()), Ok(()), Ok(()))));
+}
+
 #[tokio::test]
 async fn what_nobody_waits_for_is_given_up() {
     let scheduler = Scheduler::new(1).unwrap();

@@ -11,7 +11,7 @@ use tokio::time::sleep;
 
 use super::{alone, iterations, post, spiral};
 use crate::program::Program;
-use crate::support::{base, eventually};
+use crate::support::{base, client, eventually};
 
 /// A job whose set-up takes seconds: the factors of a dense matrix, some times over.
 fn dense(count: usize) -> Value {
@@ -94,6 +94,54 @@ async fn too_much_work_in_one_piece_is_refused() {
     let detail = problem["detail"].as_str().unwrap();
     assert!(detail.contains("preparing the fit"), "{detail}");
     assert!(detail.contains("lower degree"), "{detail}");
+}
+
+/// Each sample of four points of degree 1000 takes a million multiplications. Others have their turns beside millions
+/// of them, and none is computed once the clients have gone.
+#[tokio::test]
+async fn samples_of_a_high_degree_give_way_and_end_with_their_clients() {
+    let _alone = alone().await;
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::start(directory.path());
+    let job = json!({
+        "curve": {"points": [[0, 0], [1, 2], [3, 1], [4, 3]], "degree": 1000, "ends": "repeated"},
+        "method": {"kind": "direct"},
+        "stop": {"max_iterations": 1},
+    });
+    let request = program.post("/v1/jobs").header("prefer", "wait=60");
+    let answer = request.json(&job).send().await.unwrap();
+    let job: Value = answer.json().await.unwrap();
+    let path = job["links"]["result"].as_str().unwrap();
+    let mut streams = Vec::new();
+    for index in 0..8 {
+        let samples = format!("{path}/csv?samples={}", 1_000_000 - index);
+        let mut response = program.get(&samples).send().await.unwrap();
+        assert!(response.chunk().await.unwrap().is_some());
+        streams.push(response);
+    }
+    let other = client()
+        .local_address(Some([127, 0, 0, 2].into()))
+        .build()
+        .unwrap();
+    for file in ["svg", "csv?samples=100", "dxf"] {
+        let answer = other
+            .get(format!("http://{}{path}/{file}", program.address))
+            .send()
+            .await
+            .unwrap();
+        assert_eq!(answer.status(), 200, "{file}");
+        answer.bytes().await.unwrap();
+    }
+    drop(streams);
+    // What has begun takes hundredths of a second.
+    sleep(Duration::from_secs(2)).await;
+    let before = ticks(&program);
+    sleep(Duration::from_secs(3)).await;
+    let used = ticks(&program) - before;
+    assert!(
+        used < 100,
+        "{used} hundredths of a second for clients that have gone"
+    );
 }
 
 /// A scattered surface with fairness, whose matrices take long.
