@@ -7,6 +7,10 @@
 //! A piece that takes more than is free lets smaller ones of other peers pass. When it has waited for long,
 //! only peers that have next to nothing pass any more, so that it gets its room; if it takes nearly all of
 //! the share, nobody does.
+//!
+//! What grows holds memory while it waits for more. So that no two such pieces wait for each other, the first of
+//! them gets what it waits for at once, whoever has how much, and whatever it asks for from then on; the next one
+//! when that one has given everything back. So a share can be exceeded by one piece that grows.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -38,6 +42,8 @@ pub(crate) struct Share {
 struct ShareState {
     usage: Usage,
     waiting: Turns<Waiter>,
+    /// A piece that grows is favoured.
+    has_favourite: bool,
 }
 
 /// Who has how much.
@@ -64,6 +70,8 @@ struct Piece {
     pages: u32,
     /// Pages that are held already, which belong to the same piece.
     held: u32,
+    /// It gets what it asks for, whoever has how much.
+    favoured: bool,
 }
 
 /// A piece that has waited for long.
@@ -80,6 +88,8 @@ pub(crate) struct Permit {
     share: Arc<Mutex<ShareState>>,
     peer: Option<Peer>,
     pages: u32,
+    /// Another piece that grows is favoured when this one is given back.
+    favoured: bool,
 }
 
 impl Share {
@@ -93,6 +103,7 @@ impl Share {
                 peers: HashMap::new(),
             },
             waiting: Turns::default(),
+            has_favourite: false,
         };
         Self {
             pages,
@@ -117,6 +128,7 @@ impl Share {
             peer,
             pages: pages.min(self.pages),
             held: 0,
+            favoured: false,
         }
     }
 
@@ -136,10 +148,12 @@ impl Share {
         let piece = Piece {
             pages: more.pages.min(self.pages - permit.pages),
             held: permit.pages,
+            favoured: permit.favoured,
             ..more
         };
         if let Some(mut more) = self.wait(piece).await {
             permit.pages += std::mem::take(&mut more.pages);
+            permit.favoured |= std::mem::take(&mut more.favoured);
         }
     }
 
@@ -147,7 +161,7 @@ impl Share {
         let mut state = self.state.lock();
         let queued = state.waiting.iter().any(|(peer, _)| peer == piece.peer);
         let overdue = state.overdue(Instant::now());
-        let admitted = !queued && state.usage.admits(piece, overdue);
+        let admitted = piece.favoured || (!queued && state.usage.admits(piece, overdue));
         admitted.then(|| {
             state.usage.add(piece);
             permit(&self.state, piece)
@@ -176,6 +190,7 @@ fn permit(share: &Arc<Mutex<ShareState>>, piece: Piece) -> Permit {
         share: Arc::clone(share),
         peer: piece.peer,
         pages: piece.pages,
+        favoured: piece.favoured,
     }
 }
 
@@ -193,7 +208,10 @@ fn grant(share: &Arc<Mutex<ShareState>>) {
 
 impl Drop for Permit {
     fn drop(&mut self) {
-        self.share.lock().usage.remove(self.peer, self.pages);
+        let mut share = self.share.lock();
+        share.usage.remove(self.peer, self.pages);
+        share.has_favourite &= !self.favoured;
+        drop(share);
         grant(&self.share);
     }
 }
@@ -201,9 +219,38 @@ impl Drop for Permit {
 impl ShareState {
     /// The next of those who wait that can have its piece, which is counted as given.
     fn next(&mut self) -> Option<Waiter> {
+        let next = self.next_with_room().or_else(|| self.next_favourite())?;
+        self.usage.add(next.piece);
+        Some(next)
+    }
+
+    /// The first piece that grows of several that wait, if no other one is favoured.
+    fn next_favourite(&mut self) -> Option<Waiter> {
+        if self.has_favourite {
+            return None;
+        }
+        let grows = |waiter: &&Waiter| waiter.piece.held > 0 && !waiter.granted.is_closed();
+        let waiting = || self.waiting.iter().flat_map(|(_, queue)| queue);
+        let growing = || waiting().filter(grows);
+        let first = growing().map(|it| it.since).min()?;
+        // One alone waits for pieces that do not wait themselves.
+        growing().nth(1)?;
+        let mut next = self.waiting.next(|_, queue| {
+            let waiting = &mut queue.waiting;
+            let place = waiting
+                .iter()
+                .position(|it| grows(&it) && it.since == first)?;
+            waiting.remove(place)
+        })?;
+        next.piece.favoured = true;
+        self.has_favourite = true;
+        Some(next)
+    }
+
+    fn next_with_room(&mut self) -> Option<Waiter> {
         let overdue = self.overdue(Instant::now());
         let usage = &self.usage;
-        let next = self.waiting.next(|_, queue| {
+        self.waiting.next(|_, queue| {
             while queue
                 .waiting
                 .front()
@@ -216,9 +263,7 @@ impl ShareState {
                 true => queue.waiting.pop_front(),
                 false => None,
             }
-        })?;
-        self.usage.add(next.piece);
-        Some(next)
+        })
     }
 
     /// The piece that has waited for the longest, too long, for nothing but room.
@@ -247,7 +292,7 @@ impl Usage {
     /// Whether a peer does not have more than its part with this piece.
     fn is_due(&self, piece: Piece) -> bool {
         let has = self.of(piece.peer);
-        let left_by_others = self.pages - (self.used - has);
+        let left_by_others = self.pages.saturating_sub(self.used - has);
         let with_it = u64::from(has) + u64::from(piece.pages);
         has == piece.held || 2 * with_it <= u64::from(left_by_others)
     }
@@ -257,7 +302,7 @@ impl Usage {
         let passes = overdue.is_none_or(|overdue| {
             overdue.peer == piece.peer || self.of(piece.peer) + piece.pages <= overdue.others
         });
-        piece.pages <= self.pages - self.used && passes && self.is_due(piece)
+        piece.pages <= self.pages.saturating_sub(self.used) && passes && self.is_due(piece)
     }
 
     fn add(&mut self, piece: Piece) {
@@ -344,6 +389,46 @@ mod tests {
                 .now_or_never()
                 .is_some()
         );
+    }
+
+    #[tokio::test]
+    async fn pieces_that_grow_do_not_wait_for_each_other() {
+        let share = share();
+        let mut permits: Vec<Permit> = (1..=3).map(|k| take(&share, k, 16).unwrap()).collect();
+        let [first, second, third] = &mut permits[..] else {
+            unreachable!();
+        };
+        {
+            let mut one = Box::pin(share.extend(first, 40 * PAGE));
+            assert!(one.as_mut().now_or_never().is_none(), "the others go on");
+            let mut other = Box::pin(share.extend(third, 40 * PAGE));
+            assert!(other.as_mut().now_or_never().is_none());
+            assert!(one.now_or_never().is_some(), "it came first");
+            assert!(other.now_or_never().is_none());
+        }
+        // Whatever it asks for, as often as it does, and nobody else.
+        assert!(share.extend(first, PAGE).now_or_never().is_some());
+        assert_eq!(share.used(), (57 + 16 + 16) * PAGE);
+        let mut one = Box::pin(share.extend(second, 30 * PAGE));
+        let mut other = Box::pin(share.extend(third, 40 * PAGE));
+        assert!(one.as_mut().now_or_never().is_none());
+        assert!(other.as_mut().now_or_never().is_none());
+        assert!(share.take_at_once(peer(4), PAGE).is_none());
+        drop((one, other));
+        // The next one, when that one has given everything back.
+        let [first, mut second, mut third] = <[Permit; 3]>::try_from(permits).unwrap();
+        let mut one = Box::pin(share.extend(&mut second, 60 * PAGE));
+        let mut other = Box::pin(share.extend(&mut third, 60 * PAGE));
+        assert!(one.as_mut().now_or_never().is_none());
+        assert!(other.as_mut().now_or_never().is_none());
+        drop(first);
+        assert!(one.now_or_never().is_some());
+        assert!(other.as_mut().now_or_never().is_none());
+        drop(second);
+        assert!(other.now_or_never().is_some());
+        drop(third);
+        assert_eq!(share.used(), 0);
+        assert!(!share.state.lock().has_favourite);
     }
 
     #[tokio::test]
