@@ -174,6 +174,7 @@ bench: $(VENV)/benches
 	cargo bench --locked --bench kernels
 	$(PYTHON) benches/http/compare.py target/release/piad
 	$(PYTHON) benches/http/neighbours.py target/release/piad
+	$(PYTHON) benches/http/bodies.py target/release/piad
 	$(PYTHON) benches/files/reading.py target/release/piad
 	$(PYTHON) benches/scipy/compare.py target/release/piad
 

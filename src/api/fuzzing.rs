@@ -116,14 +116,17 @@ fn config() -> &'static Config {
 
 fn job_of_json(bytes: &[u8]) -> Result<ValidJob, Refusal> {
     check_quick(bytes);
-    let (request, places) = json_job::read(Bytes::copy_from_slice(bytes))?;
+    let most = config().max_points;
+    let (request, places) = json_job::read(Bytes::copy_from_slice(bytes), most)?;
     valid(request, &places)
 }
 
 /// What is read quickly is what serde reads, to the last bit.
 fn check_quick(bytes: &[u8]) {
-    if let Some(quick) = json_job::read_quickly(bytes, SHORT) {
-        let read = json_job::read_by_serde(bytes).map_err(|problem| problem.detail().to_owned());
+    let most = config().max_points;
+    if let Some(quick) = json_job::read_quickly(bytes, SHORT, most) {
+        let read = json_job::read_by_serde(bytes, most);
+        let read = read.map_err(|problem| problem.detail().to_owned());
         assert_eq!(
             view::to_bytes(&quick),
             view::to_bytes(&read.unwrap_or_default())

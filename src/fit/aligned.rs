@@ -84,6 +84,12 @@ impl Lane {
         self.numbers.extend_from_slice(values);
     }
 
+    /// Makes room for `more` numbers, and for no others.
+    pub(super) fn make_room(&mut self, more: usize) {
+        // Without so much memory it doubles when it is full.
+        let _ = self.numbers.try_reserve_exact(more);
+    }
+
     /// Keeps the first numbers, as many as `count`.
     pub fn truncate(&mut self, count: usize) {
         self.numbers.truncate(self.start + count);

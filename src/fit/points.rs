@@ -67,17 +67,33 @@ impl Points {
     /// The same of parts that follow one another, each of whole points.
     pub(crate) fn from_parts(dimension: usize, parts: &[&[f64]]) -> Self {
         let numbers: usize = parts.iter().map(|part| part.len()).sum();
-        let count = numbers / dimension;
-        let lane = |c| {
-            let mut lane = Lane::with_room(count);
+        let mut points = Self::with_room(dimension, numbers / dimension);
+        points.extend_from_parts(parts);
+        points
+    }
+
+    /// No points yet, and room for `count` of them.
+    pub(crate) fn with_room(dimension: usize, count: usize) -> Self {
+        let lanes = (0..dimension).map(|_| Lane::with_room(count));
+        Self {
+            lanes: lanes.collect(),
+        }
+    }
+
+    /// Appends points whose coordinates follow one another, in parts of whole points; many of them by several
+    /// threads.
+    pub(crate) fn extend_from_parts(&mut self, parts: &[&[f64]]) {
+        let dimension = self.lanes.len();
+        let extend = |(c, lane): (usize, &mut Lane)| {
             for part in parts {
                 let numbers = part.iter().skip(c).step_by(dimension);
                 numbers.for_each(|x| lane.push(*x));
             }
-            lane
         };
-        Self {
-            lanes: aligned::lanes(dimension, count, lane),
+        let numbers: usize = parts.iter().map(|part| part.len()).sum();
+        match numbers / dimension.max(1) {
+            PARALLEL.. => self.lanes.par_iter_mut().enumerate().for_each(extend),
+            _ => self.lanes.iter_mut().enumerate().for_each(extend),
         }
     }
 
@@ -234,6 +250,11 @@ impl Points {
         for lane in &mut self.lanes {
             lane.truncate(count);
         }
+    }
+
+    /// Makes room for `more` points, and for no others.
+    pub(crate) fn make_room(&mut self, more: usize) {
+        self.lanes.iter_mut().for_each(|lane| lane.make_room(more));
     }
 
     /// Gives back memory that growing has left over.

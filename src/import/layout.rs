@@ -1,6 +1,7 @@
 //! What stands where in the lines of a file, and which lines are words instead of points.
 
 use super::notation::Notation;
+use super::table::MOST_COLUMNS;
 use crate::model::short::quoted;
 
 /// The most coordinates of a point.
@@ -167,7 +168,8 @@ fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
 /// with x.
 fn named_columns(words: &str, notation: Notation, width: usize) -> Option<Vec<usize>> {
     let of_names = Notation::of_names(words);
-    let names: Vec<String> = of_names.fields(words).map(str::to_lowercase).collect();
+    let names = of_names.fields(words).take(MOST_COLUMNS + 1);
+    let names: Vec<String> = names.map(str::to_lowercase).collect();
     if names.len() != width {
         return None;
     }

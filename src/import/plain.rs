@@ -1,5 +1,5 @@
 //! Lines that are points like those before them, and nothing else: most of every large file. They are
-//! read by all threads.
+//! read by all threads, some of them at a time, as they are there twice until they are put where they stay.
 
 use rayon::prelude::*;
 
@@ -10,6 +10,9 @@ const LEAST: usize = 64 * 1024;
 
 /// How much of the text a thread reads at a time.
 const PIECE: usize = 256 * 1024;
+
+/// How many pieces each thread reads, before they are put where they stay.
+const PIECES: usize = 4;
 
 /// The points of some lines.
 #[derive(Debug, Default)]
@@ -24,17 +27,29 @@ pub(super) struct Piece {
     pub(super) count: u32,
 }
 
-/// The points of a text, piece by piece. `None` if it is short or a line is anything but a point in plain
-/// numbers, or blank.
-pub(super) fn points(text: &str, end: char, layout: &Layout) -> Option<Vec<Piece>> {
+/// Reads the points of a text, piece by piece, and puts each where it belongs. `None` if the text is short or a
+/// line is anything but a point in plain numbers, or blank.
+pub(super) fn points(
+    text: &str,
+    end: char,
+    layout: &Layout,
+    mut put: impl FnMut(&[Piece]),
+) -> Option<()> {
     if text.len() < LEAST {
         return None;
     }
-    let pieces = pieces(text, end);
-    pieces
-        .into_par_iter()
-        .map(|piece| read(piece, end, layout))
-        .collect()
+    for pieces in pieces(text, end).chunks(PIECES * rayon::current_num_threads()) {
+        let read = |piece: &&str| read(piece, end, layout);
+        let pieces: Option<Vec<Piece>> = pieces.par_iter().map(read).collect();
+        put(&pieces?);
+    }
+    Some(())
+}
+
+/// How many lines a text has.
+pub(super) fn count_lines(text: &str, end: char) -> usize {
+    let ends = memchr::memchr_iter(end as u8, text.as_bytes()).count();
+    ends + usize::from(!text.ends_with(end))
 }
 
 /// The text in pieces of whole lines, each without its last end of line.
@@ -55,8 +70,10 @@ fn pieces(mut text: &str, end: char) -> Vec<&str> {
 
 fn read(text: &str, end: char, layout: &Layout) -> Option<Piece> {
     let dimension = layout.dimension();
+    let lines = count_lines(text, end);
     let mut piece = Piece {
-        lanes: vec![Vec::new(); dimension],
+        lanes: (0..dimension).map(|_| Vec::with_capacity(lines)).collect(),
+        lines: Vec::with_capacity(lines),
         ..Piece::default()
     };
     let mut point = [0.0; 3];

@@ -5,12 +5,16 @@ use rayon::prelude::*;
 
 use super::layout::Layout;
 use super::notation::Notation;
-use super::{MOST_MISTAKES, Mistake, airfoil, plain};
+use super::plain::{self, Piece};
+use super::{MOST_MISTAKES, Mistake, airfoil};
 use crate::fit::points::Points;
 use crate::model::short::quoted;
 
 /// The most columns of a file, most of which are not read.
-const MOST_COLUMNS: usize = 1000;
+pub(super) const MOST_COLUMNS: usize = 1000;
+
+/// Files of more points get room for all of them at once.
+const LONG: usize = 1024;
 
 /// The most lines of words above the points. More of them are the head of a format of its own.
 const MOST_TITLES: usize = 3;
@@ -32,10 +36,10 @@ pub(super) struct Table {
 
 /// Reads the lines of a file, no more points than that.
 pub(super) fn read(text: &str, most: usize) -> Result<Table, Vec<Mistake>> {
-    let mut reader = Reader::new(most);
     // Blanks at the ends of lines are taken away, among them that of `\r\n`. Old Macintosh files end
     // their lines with it alone.
     let end = if text.contains('\n') { '\n' } else { '\r' };
+    let mut reader = Reader::new(most, plain::count_lines(text, end));
     let mut rest = Some(text);
     for number in 1.. {
         let Some(text) = rest.filter(|text| !reader.takes_all(text, end, number)) else {
@@ -80,6 +84,8 @@ enum Domain {
 
 struct Reader {
     most: usize,
+    /// As many points as there can be, by the lines of the file.
+    possible: usize,
     /// Known from the first line of numbers on.
     layout: Option<Layout>,
     /// The lines of words before the first line of numbers.
@@ -98,9 +104,10 @@ struct Reader {
 }
 
 impl Reader {
-    fn new(most: usize) -> Self {
+    fn new(most: usize, lines: usize) -> Self {
         Self {
             most,
+            possible: lines.min(most.saturating_add(1)),
             layout: None,
             titles: Vec::new(),
             domain: Domain::None,
@@ -119,38 +126,49 @@ impl Reader {
     }
 
     /// Takes all lines of a text, of which the first has this number, if they are points like the first
-    /// one of the file.
+    /// one of the file, and not too many.
     fn takes_all(&mut self, text: &str, end: char, number: usize) -> bool {
         let settled = self.lines.len() == 1 && !matches!(self.domain, Domain::Possible(_));
         let (Some(layout), Some(points), true) = (&self.layout, &mut self.points, settled) else {
             return false;
         };
-        let Some(pieces) = plain::points(text, end, layout) else {
-            return false;
-        };
-        let count: usize = pieces.iter().map(|piece| piece.lines.len()).sum();
+        let count = plain::count_lines(text, end);
         if self.lines.len() + count > self.most {
             return false;
         }
+        let (lines, breaks) = (&mut self.lines, &mut self.breaks);
+        let before = (lines.len(), breaks.len());
         let mut first = u32::try_from(number).unwrap_or(u32::MAX);
-        for piece in &pieces {
-            for place in &piece.breaks {
-                let place = self.lines.len() + place;
-                if self.breaks.last() != Some(&place) {
-                    self.breaks.push(place);
+        let put = |pieces: &[Piece]| {
+            // Not before there is a piece: most of a text that has none would never be read.
+            if lines.len() == before.0 {
+                lines.reserve_exact(count);
+                points.make_room(count);
+            }
+            for piece in pieces {
+                for place in &piece.breaks {
+                    let place = lines.len() + place;
+                    if breaks.last() != Some(&place) {
+                        breaks.push(place);
+                    }
                 }
+                lines.extend(piece.lines.iter().map(|line| first.saturating_add(*line)));
+                first = first.saturating_add(piece.count);
             }
-            let lines = piece.lines.iter().map(|line| first.saturating_add(*line));
-            self.lines.extend(lines);
-            first = first.saturating_add(piece.count);
+            let lanes = points.lanes_mut().par_iter_mut().enumerate();
+            lanes.for_each(|(c, lane)| {
+                for piece in pieces {
+                    lane.extend_from_slice(piece.lanes.get(c).map_or(&[], Vec::as_slice));
+                }
+            });
+        };
+        let all = plain::points(text, end, layout, put);
+        if all.is_none() {
+            points.truncate(before.0);
+            lines.truncate(before.0);
+            breaks.truncate(before.1);
         }
-        let lanes = points.lanes_mut().par_iter_mut().enumerate();
-        lanes.for_each(|(c, lane)| {
-            for piece in &pieces {
-                lane.extend_from_slice(piece.lanes.get(c).map_or(&[], Vec::as_slice));
-            }
-        });
-        true
+        all.is_some()
     }
 
     /// A blank line.
@@ -182,7 +200,9 @@ impl Reader {
                 if self.remarks.is_empty() {
                     line.clone_into(&mut self.remark);
                 }
-                self.remarks.push(mistake);
+                if self.remarks.len() < MOST_MISTAKES {
+                    self.remarks.push(mistake);
+                }
                 Ok(())
             }
         }
@@ -219,6 +239,12 @@ impl Reader {
         // Points below them: they were no remarks.
         self.mistakes.append(&mut self.remarks);
         let points = self.points.get_or_insert_with(|| Points::new(point.len()));
+        if self.lines.len() == LONG {
+            // What doubles instead is there three times while it is moved.
+            let more = self.possible.saturating_sub(LONG);
+            points.make_room(more);
+            self.lines.reserve_exact(more);
+        }
         points.push(point);
         self.lines.push(u32::try_from(number).unwrap_or(u32::MAX));
         if self.is_full() {

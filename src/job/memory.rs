@@ -6,8 +6,9 @@
 //! | `quick` | 2 | running jobs with small steps, which wait for no large one |
 //! | `replays` | 5 | runs that compute levels again that readers have missed |
 //! | `requests` | ½ | small requests while they arrive and are read |
-//! | `bodies` | ½ | large ones, which small ones do not wait for |
-//! | `files` | 1 | files that are made as a whole, and searches for foot points |
+//! | `bodies` | ½ | large ones while they arrive, which small ones do not wait for |
+//! | `reading` | ¼ | large ones while they are read, which wait for no client |
+//! | `files` | ¾ | files that are made as a whole, and searches for foot points |
 //! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
 //! All but the cache are [shares](Share): those who need memory wait for it. The cache only counts its
@@ -27,6 +28,7 @@ pub(crate) struct Memory {
     pub replays: Share,
     pub requests: Share,
     pub bodies: Share,
+    pub reading: Share,
     pub files: Share,
     pub cache: Arc<Cache>,
 }
@@ -34,17 +36,18 @@ pub(crate) struct Memory {
 impl Memory {
     /// Divides this many bytes.
     pub(super) fn new(bytes: usize) -> Self {
-        let part = |parts: usize| bytes / 32 * parts;
+        let part = |parts: usize| bytes / 64 * parts;
         Self {
             limit: bytes,
-            heavy: Share::new(part(10)),
-            quick: Share::new(part(4)),
-            replays: Share::new(part(10)),
-            requests: Share::new(part(1)),
-            bodies: Share::new(part(1)),
-            files: Share::new(part(2)),
+            heavy: Share::new(part(20)),
+            quick: Share::new(part(8)),
+            replays: Share::new(part(20)),
+            requests: Share::new(part(2)),
+            bodies: Share::new(part(2)),
+            reading: Share::new(part(1)),
+            files: Share::new(part(3)),
             cache: Arc::new(Cache {
-                limit: part(4),
+                limit: part(8),
                 used: AtomicUsize::new(0),
             }),
         }
@@ -63,6 +66,7 @@ impl Memory {
             &self.replays,
             &self.requests,
             &self.bodies,
+            &self.reading,
             &self.files,
         ];
         let used = shares.iter().map(|share| share.used());

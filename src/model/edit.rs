@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::either::object;
 use super::iteration::IterationChoice;
 use super::job::{LONGEST_NAME, Limits, ValidJob, check_name};
+use super::list_limits::for_points;
 use super::lists::PointNumbers;
 use super::method::MethodInput;
 use super::mistakes::{ChangePart, Mistake, Mistakes, OrMistakes, SpecPart};
@@ -40,6 +41,7 @@ pub(crate) struct EditRequest {
     /// The iteration of the parent to start from.
     pub iteration: Option<IterationChoice>,
     /// Data points that go elsewhere or get another weight; none twice.
+    #[serde(default, deserialize_with = "for_points")]
     pub points: Option<Vec<Move>>,
     /// New weights of all data points.
     #[schemars(with = "Option<NewWeights>")]

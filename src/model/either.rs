@@ -218,6 +218,9 @@ pub(crate) struct Kept<'de, A> {
     map: A,
 }
 
+/// The most fields before the `kind` of an object; none has so many.
+const MOST_BEFORE: usize = 100;
+
 impl<'de, A: MapAccess<'de>> Kept<'de, A> {
     /// Reads the kind, wherever it stands.
     pub(crate) fn read<T: Deserialize<'de>>(mut map: A) -> Result<(T, Self), A::Error> {
@@ -227,6 +230,10 @@ impl<'de, A: MapAccess<'de>> Kept<'de, A> {
                 let kind = map.next_value()?;
                 let (before, value) = (before.into_iter(), None);
                 return Ok((kind, Self { before, value, map }));
+            }
+            if before.len() == MOST_BEFORE {
+                let detail = format!("there are more than {MOST_BEFORE} fields before the kind");
+                return Err(below(&step(&name), detail));
             }
             before.push((name, map.next_value()?));
         }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::either::object;
 use super::method::MethodInput;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::points::check_count;
 use super::scattered::{FootPoints, no_base, on_surface};
 use super::schema;
 use super::shape::{CurveInput, SurfaceInput};
@@ -146,7 +147,9 @@ impl JobRequest {
             }
         };
         let count = grid.map_or(0, Grid::count);
-        let is_small = mistakes.keep(check_count(count, most_points)).is_some();
+        let too_many = |detail| Mistake::at(SpecPart::Fit(fit::Place::Points), detail);
+        let is_small = check_count(count, most_points).map_err(too_many);
+        let is_small = mistakes.keep(is_small).is_some();
         let stop = self.stop.unwrap_or_default();
         let (tolerance, max_iterations) = stop.resolve(most_iterations, mistakes);
         if let Some(stream) = &self.stream {
@@ -195,12 +198,4 @@ pub(super) fn check_name(name: Option<&str>) -> OrMistakes<()> {
         }
         _ => Ok(()),
     }
-}
-
-fn check_count(count: usize, limit: usize) -> OrMistakes<()> {
-    if count > limit {
-        let detail = format!("{count} points are more than {limit}, the limit of this server");
-        return Err(Mistake::at(SpecPart::Fit(fit::Place::Points), detail).into());
-    }
-    Ok(())
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::list_limits::{ListLimits, too_many};
 use super::shape::MAX_DIMENSION;
 use crate::fit::points::{Grid, Points};
 
@@ -26,18 +27,23 @@ const DEEPEST: usize = 3;
 pub(crate) const LISTS: &str = "a list of numbers, or of lists of them";
 
 impl Lists {
-    /// Reads lists, or a number where that is one of the things that are `expected`.
+    /// Reads lists with at most `each` numbers for a data point, or a number where that is one of the things
+    /// that are `expected`.
     pub(crate) fn read<'de, D: Deserializer<'de>>(
         deserializer: D,
         expected: &'static str,
         may_be_number: bool,
+        each: usize,
     ) -> Result<Self, D::Error> {
         let mut lists = Self::default();
+        let limits = ListLimits::current();
         deserializer.deserialize_any(Level {
             lists: &mut lists,
             level: 0,
             expected,
             may_be_number,
+            limits,
+            most: limits.numbers(each),
         })?;
         lists.values.shrink_to_fit();
         Ok(lists)
@@ -71,6 +77,9 @@ struct Level<'a> {
     level: usize,
     expected: &'static str,
     may_be_number: bool,
+    limits: ListLimits,
+    /// The most numbers in all lists.
+    most: usize,
 }
 
 impl<'de> DeserializeSeed<'de> for Level<'_> {
@@ -105,7 +114,12 @@ impl<'de> Visitor<'de> for Level<'_> {
         if known != 0 && known != self.level {
             return Err(E::custom("a number stands here where others have lists"));
         }
-        self.lists.values.push(x);
+        let values = &mut self.lists.values;
+        if values.len() == self.most {
+            return Err(E::custom(too_many(self.most)));
+        }
+        self.limits.make_room(values, self.most);
+        values.push(x);
         Ok(false)
     }
 
@@ -123,6 +137,8 @@ impl<'de> Visitor<'de> for Level<'_> {
                 level: self.level + 1,
                 expected: "a number or a list of numbers",
                 may_be_number: true,
+                limits: self.limits,
+                most: self.most,
             };
             of_lists = match list.next_element_seed(Element(inner, of_lists))? {
                 None => break,
@@ -182,7 +198,7 @@ pub(crate) struct Vectors(Lists);
 
 impl<'de> Deserialize<'de> for Vectors {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let lists = Lists::read(deserializer, LISTS, false)?;
+        let lists = Lists::read(deserializer, LISTS, false, MAX_DIMENSION)?;
         match lists.values.is_empty() {
             true => Err(D::Error::custom("a list is empty")),
             false => Ok(Self(lists)),
@@ -219,6 +235,11 @@ impl Vectors {
             values: points().flatten().collect(),
             lengths: lengths.into_iter().flatten().collect(),
         })
+    }
+
+    /// How many lists there are in the outermost one, or numbers.
+    pub(crate) fn count(&self) -> usize {
+        self.0.lengths.first().copied().unwrap_or(0)
     }
 
     /// The vectors of each order, of a boundary of one data point or of many; none if these are other
@@ -315,7 +336,7 @@ impl PointNumbers {
 
 impl<'de> Deserialize<'de> for PointNumbers {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::of(Lists::read(deserializer, LISTS, false)?, "weights")
+        Self::of(Lists::read(deserializer, LISTS, false, 1)?, "weights")
     }
 }
 

@@ -7,8 +7,8 @@
 //! - [`mistakes`]: all that is wrong with a request, each at a part of the model; `mathematics`: what is
 //!   wrong with the fitting problem;
 //! - [`either`]: readers of what has several forms; [`per_direction`]: one value for both directions of a surface, or
-//!   one for each; [`lists`]: numbers in lists; [`named`]: enumerations whose values have names; [`short`]:
-//!   texts of clients, cut;
+//!   one for each; [`lists`]: numbers in lists, and [`list_limits`]: how long they get; [`named`]: enumerations whose
+//!   values have names; [`short`]: texts of clients, cut;
 //! - [`schema`], [`numbers`]: schemas that are not derived.
 
 pub(crate) mod basis;
@@ -17,6 +17,7 @@ pub(crate) mod either;
 pub(crate) mod ends;
 pub(crate) mod iteration;
 pub mod job;
+pub(crate) mod list_limits;
 pub(crate) mod lists;
 mod mathematics;
 pub(crate) mod method;

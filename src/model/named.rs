@@ -5,10 +5,11 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use serde::Deserializer;
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
 
+use super::list_limits;
 use super::short::quoted;
 
 /// A value with a name.
@@ -160,7 +161,7 @@ pub(crate) fn read_rule<'de, T: Rule, D: Deserializer<'de>>(
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<T, A::Error> {
-            let numbers = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+            let numbers = list_limits::numbers(SeqAccessDeserializer::new(list))?;
             Ok(T::explicit(Arc::new(numbers)))
         }
     }

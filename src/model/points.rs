@@ -5,9 +5,12 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+use serde::de::{
+    DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor,
+};
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::list_limits::{LONG, ListLimits};
 use super::shape::MAX_DIMENSION;
 use crate::fit::points::{Grid, Points};
 
@@ -116,9 +119,9 @@ impl From<PointList> for PointGrid {
 
 impl<'de> Deserialize<'de> for PointList {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let gathered = RefCell::default();
+        let gathered = RefCell::new(Gathered::default());
         Row(&gathered, Under::List).deserialize(deserializer)?;
-        Ok(Self(Arc::new(gathered.into_inner().points())))
+        Ok(Self(Arc::new(gathered.into_inner().points()?)))
     }
 }
 
@@ -134,7 +137,7 @@ impl<'de> Deserialize<'de> for PointGrid {
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<PointGrid, A::Error> {
-                let gathered = RefCell::default();
+                let gathered = RefCell::new(Gathered::default());
                 let (mut rows, mut columns) = (0, None);
                 let row = Row(&gathered, Under::Surface);
                 while let Some(length) = list.next_element_seed(GridRow(row, columns))? {
@@ -144,7 +147,7 @@ impl<'de> Deserialize<'de> for PointGrid {
                 let mut gathered = gathered.into_inner();
                 Ok(PointGrid {
                     missing: std::mem::take(&mut gathered.missing),
-                    points: gathered.points().into(),
+                    points: gathered.points()?.into(),
                     grid: Grid {
                         rows,
                         columns: columns.unwrap_or(0),
@@ -157,6 +160,22 @@ impl<'de> Deserialize<'de> for PointGrid {
     }
 }
 
+/// Points beyond the limit are counted up to so many times the limit.
+const COUNTED: usize = 2;
+
+/// Says that there are too many points, if there are.
+pub(super) fn check_count(count: usize, most: usize) -> Result<(), String> {
+    let counted = most.saturating_mul(COUNTED);
+    let points = match count {
+        _ if count <= most => return Ok(()),
+        _ if count <= counted => format!("{count} points"),
+        _ => format!("more than {counted} points"),
+    };
+    Err(format!(
+        "{points} are more than {most}, the limit of this server"
+    ))
+}
+
 /// What points belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Under {
@@ -165,20 +184,46 @@ enum Under {
     Edit,
 }
 
-/// Points that were read so far.
-#[derive(Default)]
+/// Points that were read so far. Those beyond the limit are only counted.
 struct Gathered {
+    limits: ListLimits,
     /// None before the first point, which says how many coordinates there are.
     points: Option<Points>,
     count: usize,
     missing: Vec<usize>,
 }
 
+impl Default for Gathered {
+    fn default() -> Self {
+        Self {
+            limits: ListLimits::current(),
+            points: None,
+            count: 0,
+            missing: Vec::new(),
+        }
+    }
+}
+
 impl Gathered {
-    fn points(self) -> Points {
+    /// All of them, if there are not too many.
+    fn points<E: Error>(self) -> Result<Points, E> {
+        check_count(self.count, self.limits.points).map_err(E::custom)?;
         let mut points = self.points.unwrap_or_else(|| Points::zeros(1, self.count));
         points.shrink_to_fit();
-        points
+        Ok(points)
+    }
+
+    /// Returns true if there are as many as there may be.
+    fn is_full(&self) -> bool {
+        self.count >= self.limits.points
+    }
+
+    /// Refuses to count any more.
+    fn check_counted<E: Error>(&self) -> Result<(), E> {
+        match self.count > self.limits.points.saturating_mul(COUNTED) {
+            true => check_count(self.count, self.limits.points).map_err(E::custom),
+            false => Ok(()),
+        }
     }
 
     /// Appends a point, or that it is missing.
@@ -189,6 +234,7 @@ impl Gathered {
                 if let Some(points) = &mut self.points {
                     points.push(&[0.0; MAX_DIMENSION]);
                 }
+                self.limits.make_room(&mut self.missing, self.limits.points);
                 self.missing.push(before);
             }
             Some(point) => {
@@ -197,6 +243,10 @@ impl Gathered {
                     .points
                     .get_or_insert_with(|| Points::zeros(count, before));
                 let dimension = points.dimension();
+                if points.len() == LONG {
+                    let most = (self.limits.elements / dimension).min(self.limits.points);
+                    points.make_room(most.saturating_sub(LONG));
+                }
                 if dimension != count {
                     return Err(E::custom(format_args!(
                         "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
@@ -244,6 +294,7 @@ impl<'de> Visitor<'de> for Row<'_> {
             .is_some()
         {
             length += 1;
+            self.0.borrow().check_counted()?;
         }
         if heights.get() && length <= MAX_DIMENSION {
             return Err(A::Error::custom(format_args!(
@@ -284,6 +335,11 @@ impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        if self.gathered.borrow().is_full() {
+            IgnoredAny::deserialize(deserializer)?;
+            self.gathered.borrow_mut().count += 1;
+            return Ok(());
+        }
         let point = deserializer.deserialize_any(PointVisitor(self.under, self.heights))?;
         self.gathered.borrow_mut().push(point)
     }

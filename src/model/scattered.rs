@@ -106,7 +106,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<SurfaceParameters, A::Error> {
         let Lists { values, lengths } =
-            Lists::read(SeqAccessDeserializer::new(list), LISTS, false)?;
+            Lists::read(SeqAccessDeserializer::new(list), LISTS, false, 2)?;
         match lengths[..] {
             [_] => {
                 let numbers = Parametrization::Explicit(Arc::new(values));

@@ -59,7 +59,7 @@ impl Thresholds {
 
 impl<'de> Deserialize<'de> for Thresholds {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let lists = Lists::read(deserializer, "a number, or one for each point", true)?;
+        let lists = Lists::read(deserializer, "a number, or one for each point", true, 1)?;
         match (&lists.lengths[..], &lists.values[..]) {
             ([], [threshold]) => Ok(Self::All(*threshold)),
             _ => PointNumbers::of(lists, "thresholds").map(Self::Each),
@@ -68,7 +68,7 @@ impl<'de> Deserialize<'de> for Thresholds {
 }
 
 /// The rows of a matrix.
-pub(crate) type Matrix = AtMost<Vec<f64>, LARGEST>;
+pub(crate) type Matrix = AtMost<AtMost<f64, LARGEST>, LARGEST>;
 
 /// The index of a point: of a curve `i`, of a surface `[row, column]`. It takes eight bytes, since lists of
 /// them may be as long as a body allows: a column is kept as the number behind it, which is not zero.

@@ -7,6 +7,7 @@ use super::values::known;
 use crate::fit::ends::{End, Ends};
 use crate::fit::invalid::Side;
 use crate::fit::points::Points;
+use crate::model::ends::check_orders;
 use crate::model::mistakes::Mistake;
 
 /// The ends that a message asks for; `boundary` is the number of data points on a boundary and that of
@@ -81,6 +82,8 @@ fn vectors(
         );
         return Err(Mistake::at_text(field, detail));
     }
+    let orders = flat.len() / numbers;
+    check_orders(orders).map_err(|detail| Mistake::at_text(field, detail))?;
     let order = |flat| Arc::new(Points::from_flat(dimension, flat));
     Ok(flat.chunks_exact(numbers).map(order).collect())
 }

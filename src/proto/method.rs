@@ -152,7 +152,7 @@ fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Mistake> {
         let detail = format!("{count} entries are no square matrix");
         return Err(Mistake::at_text(field, detail));
     }
-    let rows = entries.chunks_exact(rows).map(<[f64]>::to_vec);
+    let rows = entries.chunks_exact(rows).map(|row| AtMost(row.to_vec()));
     Ok(AtMost(rows.collect()))
 }
 

@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use axum::http::Request;
 use bytes::Bytes;
+use futures_util::{StreamExt, stream};
 use h2::client::SendRequest;
+use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::task::JoinHandle;
@@ -39,6 +41,39 @@ async fn small_bodies_that_trickle_in_are_given_up() {
         () = sending => unreachable!(),
     };
     assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");
+}
+
+/// Each of them holds some memory when it needs more, and all together need more than there is.
+#[tokio::test]
+async fn large_bodies_of_one_client_do_not_wait_for_each_other() {
+    let server = Server::with(|config| config.memory = Some("128MiB".parse().unwrap())).await;
+    let points: Vec<_> = (0..20_000).map(|i| [f64::from(i), 0.1]).collect();
+    let job = json!({"curve": {"points": points}, "stop": {"max_iterations": 1, "tolerance": 1.0}});
+    let body = Bytes::from(job.to_string());
+    let send = async |is_announced: bool| {
+        let request = server
+            .post("/v1/fit")
+            .header("content-type", "application/json");
+        // Not all at once, so that they all grow at the same time.
+        let parts: Vec<Bytes> = body
+            .chunks(body.len() / 10)
+            .map(Bytes::copy_from_slice)
+            .collect();
+        let parts = stream::iter(parts).then(async |part| {
+            sleep(Duration::from_millis(50)).await;
+            Ok::<_, std::io::Error>(part)
+        });
+        let mut request = request.body(reqwest::Body::wrap_stream(Box::pin(parts)));
+        if is_announced {
+            request = request.header("content-length", body.len());
+        }
+        let answer = request.send().await.unwrap();
+        (answer.status(), answer.text().await.unwrap())
+    };
+    let sent = futures_util::future::join_all((0..16).map(|k| send(k % 2 == 0)));
+    for (status, text) in sent.await {
+        assert_eq!(status, 200, "{}", &text[..text.len().min(500)]);
+    }
 }
 
 /// An HTTP/2 connection.

@@ -1,6 +1,7 @@
 //! Bodies of many megabytes that are wrong: the answers stay small, and so does the server.
 
 use prost::Message;
+use prost::encoding::{WireType, encode_key, encode_varint};
 use reqwest::Response;
 
 use crate::data;
@@ -93,7 +94,7 @@ fn too_much() -> Vec<(String, &'static str)> {
         ),
         (
             many(&of_job("method", r#""kind":"local","indices""#), "1", "]}}"),
-            "index 1 repeats an earlier one",
+            "there are more than 100000 of them",
         ),
         (
             many(
@@ -101,7 +102,7 @@ fn too_much() -> Vec<(String, &'static str)> {
                 "[1,1]",
                 "]}}",
             ),
-            "have single indices",
+            "there are more than 100000 of them",
         ),
         (
             many(
@@ -112,23 +113,59 @@ fn too_much() -> Vec<(String, &'static str)> {
             "found \"x\"",
         ),
         (format!("{{{keys}}}"), "unknown field \"key0\""),
+        (
+            format!("{{\"{}\":0}}", "x".repeat(BODY)),
+            "unknown field \"xxx",
+        ),
         (many("{\"curve\":{", "\"points\":[]", "}}"), "given twice"),
         (
             many(&of_curve("parameters"), "1", "]}}"),
-            "parameters for 3 points",
+            "there are more than 102002 of them",
         ),
         (
             many(&of_curve("weights"), "1", "]}}"),
-            "weights for 3 points",
+            "there are more than 102002 of them",
         ),
         (
             many(&of_curve("weights"), "[1]", "]}}"),
-            "weights of a curve are a list",
+            "there are more than 102002 of them",
         ),
         (many(&of_curve("basis"), "1", "]}}"), "expected an object"),
         (
             many("{\"curve\":{\"points\":[", "[0,0]", "]}}"),
             "points are more than 100000",
+        ),
+        (
+            many(
+                &(of_job("method", r#""kind":"custom","transform""#) + "["),
+                "1",
+                "]]}}",
+            ),
+            "at most 500 of them",
+        ),
+        (
+            many(
+                r#"{"curve":{"points":[[0],[1],[2]],"ends":{"start":{"derivatives":["#,
+                "[1]",
+                "]}}}}",
+            ),
+            "there are more than 302002 of them",
+        ),
+        (
+            many(
+                r#"{"curve":{"points":[[0],[1],[2]],"basis":{"kind":"bspline","knots":["#,
+                "1",
+                "]}}}",
+            ),
+            "there are more than 102002 of them",
+        ),
+        (
+            many(
+                r#"{"curve":{"points":[[0],[1],[2]]},"method":{"#,
+                r#""a":0"#,
+                "}}",
+            ),
+            "more than 100 fields before the kind",
         ),
         (
             many("{\"curve\":{\"points\":[", "[0,\"\"]", "]}}"),
@@ -180,6 +217,19 @@ fn edit_with_indices() -> pb::Edit {
     }
 }
 
+/// A job whose method has constraints of two bytes each, which take fifty times as much when they are decoded.
+fn job_with_constraints() -> Vec<u8> {
+    let field = |tag, content: Vec<u8>| {
+        let mut field = Vec::new();
+        encode_key(tag, WireType::LengthDelimited, &mut field);
+        encode_varint(content.len() as u64, &mut field);
+        [field, content].concat()
+    };
+    let constraints = field(10, Vec::new()).repeat(BODY / 2);
+    let method = field(5, field(10, constraints));
+    [curve(&data::helix()).encode_to_vec(), method].concat()
+}
+
 /// Sends a body that must be refused, with this as a part of the reason; gives the most memory that
 /// the server has needed so far.
 async fn refuse(
@@ -214,20 +264,47 @@ async fn too_much_of_anything_costs_no_more_than_its_body() {
     let edit = (
         (edits.as_str(), JSON),
         edit.into_bytes(),
-        "have weights of their own",
+        "there are more than 100 of them",
     );
     let messages = [
         (jobs, job_with_indices().encode_to_vec()),
         (edits.as_str(), edit_with_indices().encode_to_vec()),
     ];
     let messages = messages.map(|(path, body)| ((path, PROTOBUF), body, "indices, the limit here"));
-    let cases: Vec<_> = cases.chain([edit]).chain(messages).collect();
-    // The body, eight bytes for each number of two, and half as many again while a list grows to a power
-    // of two.
-    let bound = program.most_memory() + BODY * 12;
+    let constraints = (
+        (jobs, PROTOBUF),
+        job_with_constraints(),
+        "more than 1000 messages, the limit here",
+    );
+    let cases = cases.chain([edit, constraints]).chain(messages);
+    let cases: Vec<_> = cases.collect();
+    // The body, also while it grows, and lists of as many points as there may be.
+    let bound = program.most_memory() + BODY * 5;
     for (to, body, reason) in cases {
         let most = refuse(&program, to, body, reason).await;
         assert!(most < bound, "{reason}: {most} bytes of {bound}");
+    }
+}
+
+/// Files whose points are few: what else is in them is not kept.
+#[tokio::test]
+async fn words_around_points_cost_no_more_than_their_file() {
+    let directory = tempfile::tempdir().unwrap();
+    let program = Program::in_shell(
+        "export MIMALLOC_PURGE_DELAY=0; exec \"$@\"",
+        directory.path(),
+    );
+    let bound = program.most_memory() + BODY * 5;
+    let remarks = format!("1 2\n3 4\n\n{}", "a\n".repeat(BODY / 2));
+    let names = format!("{}\n1,2\n3,4\n", "a,".repeat(BODY / 2));
+    for file in [remarks, names] {
+        let request = program
+            .post("/v1/points")
+            .header("content-type", "text/csv");
+        let response = request.body(file).send().await.unwrap();
+        assert_eq!(response.status(), 200, "{:?}", response.text().await);
+        let most = program.most_memory();
+        assert!(most < bound, "{most} bytes of {bound}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Requests beyond the limits, and what is wrong with paths, methods, headers and parameters.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::data;
 use crate::support::{Server, problem};
@@ -40,6 +40,77 @@ async fn limits_are_named() {
     let (status, answer) = problem(server.post("/v1/jobs").json(&job).send().await.unwrap()).await;
     assert_eq!(status, 422);
     assert!(answer["detail"].as_str().unwrap().contains("more than 10"));
+}
+
+/// Lists end where they are longer than a job of as many points as there may be has them, and the error names them.
+#[tokio::test]
+async fn lists_that_are_too_long_are_named() {
+    let server = Server::with(|config| config.max_points = 50).await;
+    let numbers = |count: usize| vec![1; count];
+    // As many knots or weights of control points as the largest degree has more.
+    let (long, most) = (numbers(3000), 50 + 2002);
+    let curve = |field: &str, value: Value| json!({"curve": {"points": [[0], [1]], field: value}});
+    let method = |value: Value| json!({"curve": {"points": [[0], [1]]}, "method": value});
+    let too_many = format!("more than {most} of them");
+    let rows = json!({"surface": {"points": vec![vec![1; 10]; 10]}});
+    let cases = [
+        (
+            json!({"curve": {"points": vec![[1]; 75]}}),
+            "/curve/points",
+            "75 points are more than 50",
+        ),
+        (
+            json!({"curve": {"points": vec![[1]; 2000]}}),
+            "/curve/points",
+            "more than 100 points are more than 50",
+        ),
+        (rows, "/surface/points", "100 points are more than 50"),
+        (curve("weights", json!(long)), "/curve/weights", &too_many),
+        (
+            curve("parameters", json!(long)),
+            "/curve/parameters",
+            &too_many,
+        ),
+        (
+            curve("basis", json!({"kind": "bspline", "knots": long})),
+            "/curve/basis/knots",
+            &too_many,
+        ),
+        (
+            method(json!({"kind": "local", "indices": numbers(51)})),
+            "/method/indices",
+            "more than 50 of them",
+        ),
+        (
+            method(json!({"kind": "adaptive", "threshold": long})),
+            "/method/threshold",
+            &too_many,
+        ),
+        (
+            method(json!({"kind": "least_squares", "control_points": 2, "data_weights": long})),
+            "/method/data_weights",
+            &too_many,
+        ),
+        (
+            method(json!({"kind": "custom", "transform": [numbers(501)]})),
+            "/method/transform/0",
+            "at most 500 of them",
+        ),
+        (
+            curve("ends", json!({"start": {"derivatives": vec![[1]; 1001]}})),
+            "/curve/ends/start",
+            "1001 orders of derivatives",
+        ),
+    ];
+    for (job, pointer, reason) in cases {
+        let (status, answer) =
+            problem(server.post("/v1/jobs").json(&job).send().await.unwrap()).await;
+        assert_eq!(status, 422, "{answer:#}");
+        let said = answer["errors"][0]["pointer"].as_str().unwrap();
+        assert!(said.starts_with(pointer), "{pointer}: {answer:#}");
+        let detail = answer["detail"].as_str().unwrap();
+        assert!(detail.contains(reason), "{reason}: {detail}");
+    }
 }
 
 #[tokio::test]

@@ -49,12 +49,14 @@ pub(crate) fn routes(app: &App) -> Router<App> {
 /// that serve the network.
 async fn take_in(State(app): State<App>, request: Request, next: Next) -> Response {
     let (parts, body) = request.into_parts();
-    let taken = match body_limits::take_in(&app, &parts.headers, body).await {
+    let path = parts.uri.path();
+    let more = |bytes: &[u8]| bounds::memory_of_call(path, bytes);
+    let taken = match body_limits::take_in(&app, &parts.headers, body, None, more).await {
         Ok(taken) => taken,
         Err(problem) => return Status::from(problem).into_http(),
     };
     let most = app.config.max_points;
-    if let Err(problem) = bounds::check_call(parts.uri.path(), &taken.bytes, most) {
+    if let Err(problem) = bounds::check_call(path, &taken.bytes, most) {
         return Status::from(problem).into_http();
     }
     let large = taken.bytes.len() > PARSED_AT_ONCE;

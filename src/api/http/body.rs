@@ -8,16 +8,28 @@ use super::{body_limits, coding};
 use crate::api::app::App;
 use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
+use crate::api::proto::bounds::{self, Bounded};
 use crate::model::short::quoted;
 
-/// Reads the body of a request, which is JSON or a protobuf message.
-pub(super) async fn read(app: &App, request: Request) -> Result<(Language, ReceivedBody), Problem> {
+/// Receives the body of a request, which is JSON or such a protobuf message.
+pub(super) async fn read<M: Bounded>(
+    app: &App,
+    request: Request,
+) -> Result<(Language, ReceivedBody), Problem> {
     let language = language(&request)?;
-    Ok((language, take_in(app, request).await?))
+    let more = match language {
+        Language::Json => |_: &[u8]| 0,
+        Language::Protobuf => bounds::memory::<M>,
+    };
+    Ok((language, take_in(app, request, more).await?))
 }
 
-/// Reads the body of a request, which is a file of points.
-pub(super) async fn read_points(app: &App, request: Request) -> Result<ReceivedBody, Problem> {
+/// Receives the body of a request, which is a file of points. They take `more` memory for each byte.
+pub(super) async fn read_points(
+    app: &App,
+    request: Request,
+    more: usize,
+) -> Result<ReceivedBody, Problem> {
     if !is_points(request.headers()) {
         let given = content_type(request.headers());
         let detail = format!(
@@ -26,16 +38,17 @@ pub(super) async fn read_points(app: &App, request: Request) -> Result<ReceivedB
         );
         return Err(Problem::new(Kind::UnsupportedMediaType, detail));
     }
-    take_in(app, request).await
+    take_in(app, request, |bytes| more.saturating_mul(bytes.len())).await
 }
 
-async fn take_in(app: &App, request: Request) -> Result<ReceivedBody, Problem> {
+async fn take_in(
+    app: &App,
+    request: Request,
+    more: impl FnOnce(&[u8]) -> usize,
+) -> Result<ReceivedBody, Problem> {
     let coding = coding::of_body(request.headers())?;
     let (parts, body) = request.into_parts();
-    match coding {
-        None => body_limits::take_in(app, &parts.headers, body).await,
-        Some(coding) => body_limits::unpack(app, &parts.headers, body, coding).await,
-    }
+    body_limits::take_in(app, &parts.headers, body, coding, more).await
 }
 
 /// Whether a body is a file of points by its media type.

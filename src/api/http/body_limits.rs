@@ -1,6 +1,9 @@
 //! Receives the bodies of requests: within the limits of size, from a share of the memory (small ones from
-//! another than large ones), and with limits on pauses and rate. Compressed ones are unpacked as they come, and the limits are those of
-//! what is in them.
+//! another than large ones), and with limits on pauses and rate. Compressed ones are unpacked as they come, and
+//! the limits are those of what is in them.
+//!
+//! A body takes memory for its bytes as it arrives, and for what is read from it once it is there: large ones
+//! from another share, whose memory is held by no client that is slow.
 
 use std::mem::take;
 use std::time::{Duration, Instant};
@@ -22,9 +25,12 @@ use crate::job::scheduler::WorkLane;
 /// Bodies up to this size have a share of the memory for themselves.
 const SMALL: usize = 64 * 1024;
 
-/// A body takes memory as bytes, and as the numbers that are read from them: of eight bytes each, for
-/// two in the body.
-const COPIES: usize = 5;
+/// A body takes memory as it arrives, and for the bytes that it is moved from as it grows.
+const ARRIVING: usize = 2;
+
+/// What is read from a body takes memory until a job is made of it: of two bytes become a number of eight and a
+/// parameter, or a number, its line and both once more in a part of the file. `benches/http/bodies.py` measures it.
+const READING: usize = 14;
 
 /// How many bytes are unpacked at a time, once there are some.
 const STEP: usize = 1024 * 1024;
@@ -43,35 +49,21 @@ pub(crate) struct ReceivedBody {
 /// The memory of a body.
 #[derive(Default)]
 pub(crate) struct Room {
-    /// While it is small.
+    /// While it is small, and for what is read from a small one.
     small: Option<Permit>,
     large: Option<Permit>,
+    /// For what is read from a large one.
+    reading: Option<Permit>,
 }
 
-/// Collects a body, as it is.
+/// Collects a body, and unpacks it if it is compressed. What is read from it takes some memory for each byte, and
+/// `more` for what is in it.
 pub(crate) async fn take_in(
     app: &App,
     headers: &HeaderMap,
     body: Body,
-) -> Result<ReceivedBody, Problem> {
-    collect(app, headers, body, None).await
-}
-
-/// Collects a body, which is compressed like that, and unpacks it.
-pub(crate) async fn unpack(
-    app: &App,
-    headers: &HeaderMap,
-    body: Body,
-    coding: Coding,
-) -> Result<ReceivedBody, Problem> {
-    collect(app, headers, body, Some(coding)).await
-}
-
-async fn collect(
-    app: &App,
-    headers: &HeaderMap,
-    body: Body,
     coding: Option<Coding>,
+    more: impl FnOnce(&[u8]) -> usize,
 ) -> Result<ReceivedBody, Problem> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
     let announced = headers
@@ -93,6 +85,9 @@ async fn collect(
         None => intake.collect(body).await?,
         Some(coding) => intake.collect_packed(body, coding).await?,
     };
+    let needed = READING.saturating_mul(bytes.len());
+    let needed = needed.saturating_add(more(&bytes));
+    intake.take_for_reading(bytes.len(), needed).await?;
     Ok(ReceivedBody {
         bytes,
         room: intake.room,
@@ -116,7 +111,7 @@ impl Intake<'_> {
         while let Some(data) = self.receive(&mut body).await? {
             // A large body that comes as a whole, as that of `piad fit` does, is not copied.
             if self.bytes.is_empty() && data.len() > SMALL && body.is_end_stream() {
-                self.take_large(COPIES * data.len()).await?;
+                self.take_large(ARRIVING * data.len()).await?;
                 return Ok(data);
             }
             self.grow(data.len()).await?;
@@ -206,10 +201,10 @@ impl Intake<'_> {
         };
         let wanted = wanted.min(self.limit).max(needed);
         if wanted <= SMALL {
-            self.take_small(COPIES * (wanted - capacity)).await?;
+            self.take_small(ARRIVING * (wanted - capacity)).await?;
         } else {
             let before = if capacity > SMALL { capacity } else { 0 };
-            self.take_large(COPIES * (wanted - before)).await?;
+            self.take_large(ARRIVING * (wanted - before)).await?;
             self.room.small = None;
         }
         self.bytes
@@ -228,6 +223,15 @@ impl Intake<'_> {
     async fn take_large(&mut self, bytes: usize) -> Result<(), Problem> {
         let share = &self.app.jobs.resources().memory.bodies;
         take_memory(share, &mut self.room.large, bytes).await
+    }
+
+    /// Takes memory for what is read from a body of this length.
+    async fn take_for_reading(&mut self, length: usize, bytes: usize) -> Result<(), Problem> {
+        if length <= SMALL {
+            return self.take_small(bytes).await;
+        }
+        let share = &self.app.jobs.resources().memory.reading;
+        take_memory(share, &mut self.room.reading, bytes).await
     }
 
     /// Refuses bodies that come so slowly that they keep memory from others.

@@ -23,6 +23,7 @@ use crate::api::order;
 use crate::api::order::{EditOrder, Order};
 use crate::api::problem::{Problem, Words};
 use crate::api::proto;
+use crate::api::proto::bounds::Bounded;
 use crate::api::resuming::Start;
 use crate::api::stream::feed::Feed;
 use crate::config::Config;
@@ -32,6 +33,7 @@ use crate::job::store::IdempotencyKey;
 use crate::model::edit::EditRequest;
 use crate::model::stream::form::Encoding;
 use crate::model::stream::options::{self, StreamOptions};
+use crate::proto::messages as pb;
 
 const IDEMPOTENCY_KEY: &str = "idempotency-key";
 const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
@@ -58,7 +60,8 @@ fn events_only(headers: &HeaderMap) -> Result<Answer, Problem> {
 
 async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response, Problem> {
     let fields = Fields::of_points(&request, &OF_STREAMS)?;
-    let mut posted = Posted::read(&app, request, choice, fields.as_ref()).await?;
+    let fields_of = fields.as_ref();
+    let mut posted = Posted::read::<pb::JobInput>(&app, request, choice, fields_of).await?;
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known, None).await;
     }
@@ -82,7 +85,7 @@ pub(super) async fn order(
             Order::new(app, length, read).await
         }
         (Language::Json, None) => {
-            let read = move |_: &Config| json::request::job::read(body);
+            let read = move |config: &Config| json::request::job::read(body, config.max_points);
             Order::new(app, length, read).await
         }
         (Language::Protobuf, None) => {
@@ -116,7 +119,7 @@ async fn post_edit(
     request: Request,
     choice: Choice,
 ) -> Result<Response, Problem> {
-    let mut posted = Posted::read(&app, request, choice, None).await?;
+    let mut posted = Posted::read::<pb::Edit>(&app, request, choice, None).await?;
     // Before the parent is looked for, which may have been deleted.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known, None).await;
@@ -160,8 +163,8 @@ struct Posted {
 }
 
 impl Posted {
-    /// Reads a request; the points of a job may be its body, and these its fields.
-    async fn read(
+    /// Reads a request with such a message; the points of a job may be its body, and these its fields.
+    async fn read<M: Bounded>(
         app: &App,
         request: Request,
         choice: Choice,
@@ -184,8 +187,8 @@ impl Posted {
             format!("{path}?{}", fields.text())
         });
         let (language, body) = match fields {
-            None => body::read(app, request).await?,
-            Some(_) => (Language::Json, body::read_points(app, request).await?),
+            None => body::read::<M>(app, request).await?,
+            Some(_) => (Language::Json, body::read_points(app, request, 0).await?),
         };
         let key = match name {
             None => None,

@@ -15,6 +15,7 @@ use crate::api::order;
 use crate::api::problem::{Kind, Problem};
 use crate::job::Job;
 use crate::job::state::{Levels, State as JobState, Status};
+use crate::proto::messages as pb;
 
 /// Fits, and answers with the geometry.
 pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Response, Problem> {
@@ -26,8 +27,8 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     };
     let representation = export::representation(request.headers())?;
     let (language, body) = match fields {
-        None => body::read(&app, request).await?,
-        Some(_) => (Language::Json, body::read_points(&app, request).await?),
+        None => body::read::<pb::JobInput>(&app, request).await?,
+        Some(_) => (Language::Json, body::read_points(&app, request, 0).await?),
     };
     let (bytes, room) = (body.bytes, body.room);
     let order = create::order(&app, language, bytes, fields).await?;

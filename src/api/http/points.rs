@@ -38,6 +38,10 @@ use crate::model::stream::Samples;
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 const SIZE: &str = "surface.size";
 
+/// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
+/// digits there.
+const JSON_OF_POINTS: usize = 12;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PointsQuery {
@@ -50,7 +54,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     negotiate::json(request.headers())?;
     let query: PointsQuery = negotiate::query(request.uri())?;
     let size = query.size.as_deref().map(size).transpose()?;
-    let body = body::read_points(&app, request).await?;
+    let body = body::read_points(&app, request, JSON_OF_POINTS).await?;
     let (length, most) = (body.bytes.len(), app.config.limits().points);
     let work = move || {
         let hints = file::hints(&Map::new(), size, most);
@@ -148,7 +152,7 @@ impl Fields {
     ) -> Result<(JobRequest, FileWords), Problem> {
         let hints = file::hints(&self.json, self.size, config.limits().points);
         let points = imported(bytes, &hints)?;
-        file::read(self.json, points, hints.kind)
+        file::read(self.json, points, &hints)
     }
 }
 

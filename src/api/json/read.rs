@@ -5,22 +5,32 @@ use serde_json::Deserializer as Json;
 use serde_json::error::{Category, Error};
 use serde_path_to_error::{Deserializer, Track};
 
+use super::long_strings;
 use crate::api::problem::{Kind, Problem};
 use crate::model::either::{MARK, pointer};
+use crate::model::list_limits::ListLimits;
 use crate::model::short::{cut, plain, quoted, without_mark};
 
-/// Reads a body. Only if that fails it is read once more, for the place of the error.
-pub(crate) fn parse<T: DeserializeOwned>(body: &[u8]) -> Result<T, Problem> {
+/// Reads a body, which is about at most so many points. Only if that fails it is read once more, for the place
+/// of the error.
+pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Result<T, Problem> {
     let body = without_mark(body);
     if body.trim_ascii().is_empty() {
         let detail = "the body is empty; a job is expected";
         return Err(Problem::new(Kind::NotJson, detail));
     }
-    serde_json::from_slice(body).map_err(|error| {
-        let mut track = Track::new();
-        let _ = T::deserialize(Deserializer::new(&mut Json::from_slice(body), &mut track));
-        problem(body, &error, pointer(&track.path()))
-    })
+    let cut = long_strings::cut(body);
+    let body = &*cut;
+    let limits = ListLimits::new(body, most_points);
+    limits
+        .within(|| serde_json::from_slice(body))
+        .map_err(|error| {
+            let mut track = Track::new();
+            let mut json = Json::from_slice(body);
+            let again = || T::deserialize(Deserializer::new(&mut json, &mut track));
+            let _ = limits.within(again);
+            problem(body, &error, pointer(&track.path()))
+        })
 }
 
 /// What is wrong, at a place that the error says more about.

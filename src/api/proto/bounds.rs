@@ -1,19 +1,40 @@
-//! Lists of indices in messages: each of them may be a single byte that becomes four in memory, so
-//! they are counted before a message is decoded.
+//! Lists in messages: what they have is counted before a message is decoded, as an index may be a single byte
+//! that becomes many in memory, and an empty message two.
 
 use prost::Message;
 use prost::encoding::{WireType, decode_key, decode_varint};
 
 use crate::api::problem::Problem;
+use crate::fit::method::{LARGEST, MOST_CONDITIONS};
+use crate::model::list_limits::EXTRA;
+use crate::model::shape::MAX_DIMENSION;
 use crate::proto::messages as pb;
 
-/// A field that has a list of indices, or a message with such fields.
+/// What an index takes until a job or an edit is made of it, at most: as such, as a place that a point goes to, and
+/// in a table of those that change.
+const INDEX: usize = 160;
+
+/// What a field has.
+#[derive(Clone, Copy, Debug)]
+enum Content {
+    /// At most one index for each point.
+    Indices,
+    /// At most so many numbers for each point, and as many as knot vectors have more.
+    Numbers(usize),
+    /// The entries of a matrix.
+    Matrix,
+    /// One message, with fields that are lists or such messages.
+    Message(&'static [Part]),
+    /// At most so many of them, or one for each point.
+    Messages(Option<usize>, &'static [Part]),
+}
+
+/// A field that is a list, or a message with such fields.
 #[derive(Debug)]
 pub(crate) struct Part {
     tag: u32,
     name: &'static str,
-    /// The fields of the message; none of a list.
-    within: &'static [Part],
+    content: Content,
 }
 
 /// Messages in which lists are counted.
@@ -22,83 +43,230 @@ pub(crate) trait Bounded: Message + Default {
     const PARTS: &'static [Part];
 }
 
-const fn part(tag: u32, name: &'static str, within: &'static [Part]) -> Part {
-    Part { tag, name, within }
+const fn part(tag: u32, name: &'static str, content: Content) -> Part {
+    Part { tag, name, content }
 }
 
-const LOCAL: &[Part] = &[part(1, "indices", &[])];
-const METHOD: &[Part] = &[part(3, "local", LOCAL)];
-const SURFACE: &[Part] = &[part(5, "missing", &[])];
+use Content::{Indices, Matrix, Message as One, Messages as Many, Numbers};
+
+/// A number for each point, and vectors of as many coordinates as there are for each point.
+const NUMBERS: Content = Numbers(1);
+const VECTORS: Content = Numbers(MAX_DIMENSION);
+
+const BASIS: &[Part] = &[part(4, "knots", NUMBERS)];
+const PARAMETERS: &[Part] = &[part(2, "values", NUMBERS)];
+const END: &[Part] = &[
+    part(2, "derivatives", VECTORS),
+    part(3, "tangents", VECTORS),
+];
+const ENDS: &[Part] = &[part(1, "start", One(END)), part(2, "end", One(END))];
+const CURVE: &[Part] = &[
+    part(2, "points", VECTORS),
+    part(3, "basis", One(BASIS)),
+    part(4, "parameters", One(PARAMETERS)),
+    part(5, "weights", NUMBERS),
+    part(7, "ends", One(ENDS)),
+];
+const DIRECTION: &[Part] = &[
+    part(1, "basis", One(BASIS)),
+    part(2, "parameters", One(PARAMETERS)),
+    part(4, "weights", NUMBERS),
+    part(5, "ends", One(ENDS)),
+];
+const SCATTERED: &[Part] = &[part(2, "values", Numbers(2))];
+const SURFACE: &[Part] = &[
+    part(4, "points", VECTORS),
+    part(5, "missing", Indices),
+    part(6, "u", One(DIRECTION)),
+    part(7, "v", One(DIRECTION)),
+    part(8, "weights", NUMBERS),
+    part(9, "scattered", One(SCATTERED)),
+];
+const LOCAL: &[Part] = &[part(1, "indices", Indices)];
+const ADAPTIVE: &[Part] = &[part(3, "thresholds", NUMBERS)];
+const CUSTOM: &[Part] = &[
+    part(1, "transform_u", Matrix),
+    part(2, "transform_v", Matrix),
+];
+const VECTOR: &[Part] = &[part(1, "coordinates", VECTORS)];
+const DERIVATIVE: &[Part] = &[part(3, "vector", One(VECTOR))];
+const ACROSS: &[Part] = &[part(2, "control_points", Many(None, VECTOR))];
+const CONSTRAINT: &[Part] = &[
+    part(6, "derivative", One(DERIVATIVE)),
+    part(7, "tangent", One(VECTOR)),
+    part(8, "across", One(ACROSS)),
+];
+const LEAST_SQUARES: &[Part] = &[
+    part(7, "data_weights", NUMBERS),
+    part(10, "constraints", Many(Some(MOST_CONDITIONS), CONSTRAINT)),
+];
+const METHOD: &[Part] = &[
+    part(3, "local", One(LOCAL)),
+    part(4, "adaptive", One(ADAPTIVE)),
+    part(10, "least_squares", One(LEAST_SQUARES)),
+    part(11, "custom", One(CUSTOM)),
+];
+const MILESTONES: &[Part] = &[part(1, "distances", NUMBERS)];
+const STREAM: &[Part] = &[part(5, "milestones", One(MILESTONES))];
+const WEIGHTS: &[Part] = &[
+    part(1, "values", NUMBERS),
+    part(2, "u", NUMBERS),
+    part(3, "v", NUMBERS),
+];
 
 impl Bounded for pb::JobInput {
-    const PARTS: &'static [Part] = &[part(3, "surface", SURFACE), part(5, "method", METHOD)];
+    const PARTS: &'static [Part] = &[
+        part(2, "curve", One(CURVE)),
+        part(3, "surface", One(SURFACE)),
+        part(5, "method", One(METHOD)),
+        part(7, "stream", One(STREAM)),
+    ];
 }
 
 impl Bounded for pb::Edit {
     const PARTS: &'static [Part] = &[
-        part(3, "moved", &[]),
-        part(5, "weighted", &[]),
-        part(9, "method", METHOD),
+        part(3, "moved", Indices),
+        part(4, "points", VECTORS),
+        part(5, "weighted", Indices),
+        part(6, "point_weights", NUMBERS),
+        part(7, "weights", One(WEIGHTS)),
+        part(9, "method", One(METHOD)),
+        part(11, "stream", One(STREAM)),
     ];
 }
 
 /// The parts of the message of a call.
-fn parts_of(call: &str) -> &'static [Part] {
-    const JOB: &[Part] = &[part(1, "input", pb::JobInput::PARTS)];
-    const EDIT: &[Part] = &[part(2, "edit", pb::Edit::PARTS)];
-    match call {
-        "CreateJob" | "Fit" => JOB,
-        "EditJob" => EDIT,
+fn parts_of(path: &str) -> &'static [Part] {
+    const JOB: &[Part] = &[part(1, "input", One(pb::JobInput::PARTS))];
+    const EDIT: &[Part] = &[part(2, "edit", One(pb::Edit::PARTS))];
+    match path.rsplit('/').next() {
+        Some("CreateJob" | "Fit") => JOB,
+        Some("EditJob") => EDIT,
         _ => &[],
     }
 }
 
-/// Refuses a message with more indices in a list than there can be points.
+/// The message of a call, which follows a byte and its length.
+fn message_of(body: &[u8]) -> &[u8] {
+    body.get(5..).unwrap_or(&[])
+}
+
+/// Refuses a message with more in a list than belongs to as many points as `most`.
 pub(crate) fn check<M: Bounded>(body: &[u8], most: usize) -> Result<(), Problem> {
-    count(body, M::PARTS, most, &mut vec![])
+    check_parts(body, M::PARTS, most)
 }
 
-/// The same of the message of a call, which follows a byte and its length.
+/// The same of the message of a call.
 pub(crate) fn check_call(path: &str, body: &[u8], most: usize) -> Result<(), Problem> {
-    let call = path.rsplit('/').next().unwrap_or("");
-    let message = body.get(5..).unwrap_or(&[]);
-    count(message, parts_of(call), most, &mut vec![])
+    check_parts(message_of(body), parts_of(path), most)
 }
 
-/// Counts what is in the lists. What is no message is left to the one who decodes it.
-fn count(
-    mut message: &[u8],
-    parts: &[Part],
-    most: usize,
-    path: &mut Vec<&'static str>,
-) -> Result<(), Problem> {
-    let mut counts = vec![0; parts.len()];
+fn check_parts(message: &[u8], parts: &'static [Part], most: usize) -> Result<(), Problem> {
+    let mut counts = Count::of(parts);
+    add(&mut counts, message, most);
+    match counts.iter().find_map(|count| count.excess(most)) {
+        None => Ok(()),
+        Some((path, detail)) => Err(Problem::at_field(path, detail)),
+    }
+}
+
+/// The memory that the indices of a message take until it is read, beside what its bytes take.
+pub(crate) fn memory<M: Bounded>(body: &[u8]) -> usize {
+    memory_of_parts(body, M::PARTS)
+}
+
+/// The same of the message of a call.
+pub(crate) fn memory_of_call(path: &str, body: &[u8]) -> usize {
+    memory_of_parts(message_of(body), parts_of(path))
+}
+
+fn memory_of_parts(message: &[u8], parts: &'static [Part]) -> usize {
+    let mut counts = Count::of(parts);
+    add(&mut counts, message, usize::MAX);
+    let small = counts.iter().map(Count::small).sum::<usize>();
+    small.saturating_mul(INDEX)
+}
+
+/// How much there is of a part in all of its occurrences, which are put together when they are decoded.
+struct Count {
+    part: &'static Part,
+    count: usize,
+    within: Vec<Count>,
+}
+
+impl Count {
+    /// Nothing yet of these.
+    fn of(parts: &'static [Part]) -> Vec<Self> {
+        let count = |part: &'static Part| Self {
+            part,
+            count: 0,
+            within: match part.content {
+                One(parts) | Many(_, parts) => Self::of(parts),
+                Indices | Numbers(_) | Matrix => Vec::new(),
+            },
+        };
+        parts.iter().map(count).collect()
+    }
+
+    /// The most that there may be of it, and what it is called.
+    fn most(&self, points: usize) -> (usize, &'static str) {
+        match self.part.content {
+            Indices => (points, "indices"),
+            Numbers(each) => (points.saturating_mul(each).saturating_add(EXTRA), "numbers"),
+            Matrix => (LARGEST * LARGEST, "numbers"),
+            One(_) => (usize::MAX, "messages"),
+            Many(most, _) => (most.unwrap_or(points), "messages"),
+        }
+    }
+
+    /// The field within this one that has too much, and what is wrong with it.
+    fn excess(&self, points: usize) -> Option<(String, String)> {
+        let name = self.part.name;
+        let (most, things) = self.most(points);
+        if self.count > most {
+            let detail = format!("more than {most} {things}, the limit here");
+            return Some((name.to_owned(), detail));
+        }
+        let inner = self.within.iter().find_map(|count| count.excess(points))?;
+        Some((format!("{name}.{}", inner.0), inner.1))
+    }
+
+    /// How many parts are smaller in a message than in memory.
+    fn small(&self) -> usize {
+        let own = match self.part.content {
+            Indices | Many(..) => self.count,
+            Numbers(_) | Matrix | One(_) => 0,
+        };
+        own + self.within.iter().map(Self::small).sum::<usize>()
+    }
+}
+
+/// Counts what is in a message, until there is too much of something. What is no message is left to the one who
+/// decodes it.
+fn add(counts: &mut [Count], mut message: &[u8], points: usize) -> bool {
     while !message.is_empty() {
         let Ok((tag, wire_type)) = decode_key(&mut message) else {
-            return Ok(());
+            return true;
         };
         let Some((value, rest)) = split(message, wire_type) else {
-            return Ok(());
+            return true;
         };
         message = rest;
-        let known = parts.iter().zip(&mut counts).find(|(it, _)| it.tag == tag);
-        let Some((part, counted)) = known else {
+        let Some(count) = counts.iter_mut().find(|it| it.part.tag == tag) else {
             continue;
         };
-        path.push(part.name);
-        if part.within.is_empty() {
+        count.count += match count.part.content {
             // The last byte of each number is below 128.
-            *counted += value.iter().filter(|byte| **byte < 0x80).count();
-            if *counted > most {
-                let detail = format!("more than {most} indices, the limit here");
-                return Err(Problem::at_field(path.join("."), detail));
-            }
-        } else {
-            count(value, part.within, most, path)?;
+            Indices => value.iter().filter(|byte| **byte < 0x80).count(),
+            Numbers(_) | Matrix => value.len() / size_of::<f64>(),
+            One(_) | Many(..) => 1,
+        };
+        let fits = count.count <= count.most(points).0 && add(&mut count.within, value, points);
+        if !fits {
+            return false;
         }
-        path.pop();
     }
-    Ok(())
+    true
 }
 
 /// The value of a field, and what follows it.

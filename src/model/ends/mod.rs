@@ -10,6 +10,7 @@ use super::either::{Object, read_object, some};
 use super::lists::Vectors;
 use super::mistakes::{Mistake, SpecPart};
 use super::named::{Named, names};
+use crate::fit::basis::MAX_DEGREE;
 use crate::fit::ends::{End, Ends};
 use crate::fit::invalid::{Axis, Place, Side};
 
@@ -259,6 +260,16 @@ impl EndsInput {
     }
 }
 
+/// Refuses more orders of derivatives than a fit of any degree has, before anything is made of each.
+pub(crate) fn check_orders(count: usize) -> Result<(), String> {
+    match count > MAX_DEGREE {
+        true => Err(format!(
+            "{count} orders of derivatives, but there are at most {MAX_DEGREE}, the largest degree"
+        )),
+        false => Ok(()),
+    }
+}
+
 impl EndInput {
     fn end(self, (axis, side): (Axis, Side), is_surface: bool) -> Result<End, Mistake> {
         let (name, vectors) = match self {
@@ -267,7 +278,12 @@ impl EndInput {
             Self::Word(EndWord::Natural) => return Ok(End::Natural),
             Self::Vectors(name, vectors) => (name, vectors),
         };
-        let vectors = vectors.orders(is_surface, name == "derivatives");
+        let place = SpecPart::Fit(Place::End(axis, side));
+        let are_many = name == "derivatives";
+        if are_many {
+            check_orders(vectors.count()).map_err(|detail| Mistake::at(place, detail))?;
+        }
+        let vectors = vectors.orders(is_surface, are_many);
         match (name, vectors) {
             ("tangent", Some(mut vectors)) if vectors.len() == 1 => {
                 Ok(vectors.pop().map_or(End::Estimated, End::Tangent))
@@ -283,8 +299,7 @@ impl EndInput {
                     "derivatives" => format!("expected a list of {one}, one for each order"),
                     _ => format!("expected {one}"),
                 };
-                let place = Place::End(axis, side);
-                Err(Mistake::at(SpecPart::Fit(place), detail))
+                Err(Mistake::at(place, detail))
             }
         }
     }

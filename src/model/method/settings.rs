@@ -13,6 +13,7 @@ use crate::fit::method::{
 use crate::fit::points::Grid;
 use crate::fit::problem::Request;
 use crate::model::either::AtMost;
+use crate::model::list_limits::for_points;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::named::{Named, names};
 use crate::model::per_direction::PerDirection;
@@ -33,7 +34,11 @@ pub(crate) struct WeightedInput {
 #[serde(deny_unknown_fields)]
 pub(crate) struct LocalInput {
     /// The data points whose control points may move.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "for_points",
+        skip_serializing_if = "Option::is_none"
+    )]
     #[schemars(length(min = 1), extend("uniqueItems" = true))]
     pub indices: Option<Vec<Index>>,
     /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
@@ -236,8 +241,8 @@ impl AdaptiveInput {
 impl CustomInput {
     pub(super) fn settings(self) -> OrMistakes<Custom> {
         match self.transform {
-            Some(PerDirection::Both(AtMost(u))) => Ok(Custom::new(u, None)),
-            Some(PerDirection::Each { u, v }) => Ok(Custom::new(u.0, Some(v.0))),
+            Some(PerDirection::Both(u)) => Ok(Custom::new(rows(u), None)),
+            Some(PerDirection::Each { u, v }) => Ok(Custom::new(rows(u), Some(rows(v)))),
             None => incomplete(
                 "custom needs a transform: the rows of a matrix, on surfaces also {\"u\": …, \"v\": …}",
             ),
@@ -245,18 +250,27 @@ impl CustomInput {
     }
 
     pub(super) fn of(custom: &Custom) -> Self {
-        let u = AtMost(custom.u().to_vec());
         let transform = match custom.v() {
-            None => PerDirection::Both(u),
+            None => PerDirection::Both(matrix(custom.u())),
             Some(v) => PerDirection::Each {
-                u,
-                v: AtMost(v.to_vec()),
+                u: matrix(custom.u()),
+                v: matrix(v),
             },
         };
         Self {
             transform: Some(transform),
         }
     }
+}
+
+/// The rows of a matrix.
+fn rows(AtMost(rows): Matrix) -> Vec<Vec<f64>> {
+    rows.into_iter().map(|AtMost(row)| row).collect()
+}
+
+/// The matrix that has these rows.
+fn matrix(rows: &[Vec<f64>]) -> Matrix {
+    AtMost(rows.iter().cloned().map(AtMost).collect())
 }
 
 /// A setting is missing.

@@ -10,7 +10,7 @@ use crate::model::edit::EditRequest;
 
 /// The edit of a job that a body asks for, and where its parts stand.
 pub(crate) fn read(body: Bytes, parent: &Outline) -> Result<(EditRequest, Places), Problem> {
-    let request: EditRequest = parse(&body)?;
+    let request: EditRequest = parse(&body, parent.grid.count())?;
     let places = Places::of_edit(&request, parent.surface.then_some(parent.grid));
     Ok((request, places))
 }

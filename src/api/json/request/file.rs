@@ -41,18 +41,18 @@ fn closed(fields: &Map<String, Value>) -> Option<bool> {
     said.or(open.then_some(false))
 }
 
-/// Reads a job of these fields, with these points of a file, which are of that kind if anybody says so.
+/// Reads a job of these fields, with these points of a file, about which that was known.
 pub(crate) fn read(
     mut fields: Map<String, Value>,
     file: Imported,
-    kind: Option<Kind>,
+    hints: &Hints,
 ) -> Result<(JobRequest, FileWords), Problem> {
     let lines = Lines {
         columns: file.grid.map_or(1, |grid| grid.columns),
         lines: file.lines,
     };
     let shown = file.grid.map_or(Kind::Curve, |_| Kind::Surface);
-    let kind = kind.unwrap_or(shown);
+    let kind = hints.kind.unwrap_or(shown);
     let (name, list) = match (kind, file.grid) {
         (Kind::Curve, _) => ("curve", "points"),
         (Kind::Surface, Some(_)) => ("surface", "points"),
@@ -78,7 +78,7 @@ pub(crate) fn read(
         (Kind::Surface, Some(grid)) => Data::Grid(file.points, grid),
         (Kind::Surface, None) => Data::Scattered(file.points),
     };
-    match job::read_with(&to_bytes(&fields), data) {
+    match job::read_with(&to_bytes(&fields), data, hints.most) {
         Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
         Err(problem) => Err(problem.relocated(|place| match place {
             Location::Pointer(pointer) => lines.place(pointer),

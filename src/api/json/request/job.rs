@@ -16,28 +16,28 @@ const LONG: usize = 2 * 1024;
 /// How many bytes of points one thread reads at a time.
 const PART: usize = 1 << 20;
 
-/// The job that a body asks for, and where its parts stand.
-pub(crate) fn read(body: Bytes) -> Result<(JobRequest, Places), Problem> {
+/// The job that a body asks for, with at most so many points, and where its parts stand.
+pub(crate) fn read(body: Bytes, most_points: usize) -> Result<(JobRequest, Places), Problem> {
     let quick = (body.len() >= LONG)
-        .then(|| read_quickly(&body, PART))
+        .then(|| read_quickly(&body, PART, most_points))
         .flatten();
     match quick {
         Some(request) => Ok(placed(request)),
-        None => read_by_serde(&body).map(placed),
+        None => read_by_serde(&body, most_points).map(placed),
     }
 }
 
 /// The request that [`read_by_serde`] reads, or nothing for a body that is in some way unusual.
-pub(crate) fn read_quickly(body: &[u8], part: usize) -> Option<JobRequest> {
-    let (fields, data) = points::take_out(body, part)?;
-    let mut request: JobRequest = parse(&fields).ok()?;
+pub(crate) fn read_quickly(body: &[u8], part: usize, most_points: usize) -> Option<JobRequest> {
+    let (fields, data) = points::take_out(body, part, most_points)?;
+    let mut request: JobRequest = parse(&fields, most_points).ok()?;
     let is_one = request.curve.is_some() != request.surface.is_some();
     (is_one && request.take(data)).then_some(request)
 }
 
 /// The request of any body, or what is wrong with it.
-pub(crate) fn read_by_serde(body: &[u8]) -> Result<JobRequest, Problem> {
-    parse(body)
+pub(crate) fn read_by_serde(body: &[u8], most_points: usize) -> Result<JobRequest, Problem> {
+    parse(body, most_points)
 }
 
 fn placed(request: JobRequest) -> (JobRequest, Places) {
@@ -57,8 +57,12 @@ pub(crate) enum Data {
 }
 
 /// The job that these fields ask for, with these points in the place of the ones that are empty there.
-pub(crate) fn read_with(fields: &[u8], data: Data) -> Result<(JobRequest, Places), Problem> {
-    let mut request: JobRequest = parse(fields)?;
+pub(crate) fn read_with(
+    fields: &[u8],
+    data: Data,
+    most_points: usize,
+) -> Result<(JobRequest, Places), Problem> {
+    let mut request: JobRequest = parse(fields, most_points)?;
     // Without a curve or a surface that is an object nothing was read.
     request.take(data);
     Ok(placed(request))

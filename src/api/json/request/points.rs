@@ -18,24 +18,23 @@ use crate::model::shape::MAX_DIMENSION;
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;
 
-/// A part begins with room for one number per so many bytes of text. Numbers with all digits take more, and
-/// memory that is not written to costs nothing.
-const WIDTH: usize = 16;
+/// How many parts each thread reads, before what was read is put where it stays.
+const PARTS: usize = 2;
 
 /// The fields that have points. No other field of a job, nor of anything in it, is called so.
 const POINTS: &[u8] = b"\"points\"";
 const SCATTERED: &[u8] = b"\"scattered\"";
 
-/// Takes the points out of the JSON of a job: what is left has an empty list in their place. Lists that
-/// are longer than `part`, in bytes, are read in parts by several threads.
-pub(super) fn take_out(body: &[u8], part: usize) -> Option<(Vec<u8>, Data)> {
+/// Takes the points out of the JSON of a job, at most as many as `most`: what is left has an empty list in their
+/// place. Lists that are longer than `part`, in bytes, are read in parts by several threads.
+pub(super) fn take_out(body: &[u8], part: usize, most: usize) -> Option<(Vec<u8>, Data)> {
     let after = |name: &[u8]| Some(memmem::find(body, name)? + name.len());
     let points = after(POINTS);
     let mut reader = Reader::at(body, points.or_else(|| after(SCATTERED))?);
     reader.eat(b':')?;
     reader.skip_blanks();
     let start = body.len() - reader.rest.len();
-    let data = match (reader.lists(part)?, points) {
+    let data = match (reader.lists(part, most)?, points) {
         (Lists::Points(points), Some(_)) => Data::Curve(points),
         (Lists::Points(points), None) => Data::Scattered(points),
         (Lists::Rows(points, grid), Some(_)) => Data::Grid(points, grid),
@@ -126,41 +125,93 @@ impl<'a> Reader<'a> {
         iter::from_fn(|| ahead.eat(b'[')).take(DEEP).count()
     }
 
-    /// Reads lists, all of a level of the same length.
-    fn lists(&mut self, part: usize) -> Option<Lists> {
+    /// Reads lists, all of a level of the same length, of at most as many points as `most`.
+    fn lists(&mut self, part: usize, most: usize) -> Option<Lists> {
         let depth = self.depth();
         self.eat(b'[')?;
         let text = self.rest;
         let ranges = ranges(text, depth, part);
-        let read = |range| Part::read(text, range, depth);
-        // A short list does not wait for what others compute in parallel.
-        let parts: Vec<_> = match ranges.len() {
-            1 => ranges.into_iter().map(read).collect(),
-            _ => ranges.into_par_iter().map(read).collect(),
-        };
-        // What was begun behind the end of the list is no part of it.
-        let count = 1 + parts
-            .iter()
-            .position(|part| part.as_ref().is_none_or(Part::is_last))?;
-        let parts = parts.into_iter().take(count).collect::<Option<Vec<_>>>()?;
-        self.rest = text.get(parts.last()?.end?..)?;
-
-        let (mut innermost, mut columns) = (None, None);
-        for part in &parts {
-            same(&mut innermost, part.innermost?)?;
-            part.columns
-                .map_or(Some(()), |count| same(&mut columns, count))?;
-        }
-        let rows = parts.iter().map(|part| part.rows).sum();
-        let numbers: Vec<&[f64]> = parts.iter().map(|part| &part.numbers[..]).collect();
-        let points = |dimension| Points::from_parts(dimension, &numbers);
-        match (columns, innermost?) {
-            (None, dimension @ 1..=MAX_DIMENSION) => Some(Lists::Points(points(dimension))),
-            (None, columns) => Some(Lists::Rows(points(1), Grid { rows, columns })),
-            (Some(columns), dimension @ 1..=MAX_DIMENSION) => {
-                Some(Lists::Rows(points(dimension), Grid { rows, columns }))
+        let read = |range: &Range<usize>| Part::read(text, range.clone(), depth, most);
+        let mut gathered = None;
+        // As what is read in parts is there twice, only some of them are read at a time.
+        for ranges in ranges.chunks(PARTS * rayon::current_num_threads()) {
+            // A short list does not wait for what others compute in parallel.
+            let parts: Vec<Option<Part>> = match ranges {
+                [range] => vec![read(range)],
+                _ => ranges.par_iter().map(read).collect(),
+            };
+            // What was begun behind the end of the list is no part of it.
+            let last = parts
+                .iter()
+                .position(|part| part.as_ref().is_none_or(Part::is_last));
+            let count = last.map_or(parts.len(), |last| last + 1);
+            let parts = parts.into_iter().take(count).collect::<Option<Vec<_>>>()?;
+            let end = parts.last()?.end;
+            match &mut gathered {
+                None => gathered = Some(Gathered::new(&parts, text, most)?),
+                Some(gathered) => gathered.add(&parts)?,
             }
-            _ => None,
+            if let Some(end) = end {
+                self.rest = text.get(end..)?;
+                return gathered.map(Gathered::lists);
+            }
+        }
+        None
+    }
+}
+
+/// What was read of lists so far.
+struct Gathered {
+    points: Points,
+    innermost: usize,
+    columns: Option<usize>,
+    rows: usize,
+    /// The most points.
+    most: usize,
+}
+
+impl Gathered {
+    /// The first parts of a text, with room for the points of all of it.
+    fn new(parts: &[Part], text: &[u8], most: usize) -> Option<Self> {
+        let first = parts.first()?;
+        let (innermost, columns) = (first.innermost?, first.columns);
+        let dimension = match (columns, innermost) {
+            (_, 1..=MAX_DIMENSION) => innermost,
+            // Rows of heights.
+            (None, _) => 1,
+            _ => return None,
+        };
+        // A comma stands between any two numbers.
+        let numbers = memchr::memchr_iter(b',', text).count() + 1;
+        let mut gathered = Self {
+            points: Points::with_room(dimension, most.min(numbers / dimension)),
+            innermost,
+            columns,
+            rows: 0,
+            most,
+        };
+        gathered.add(parts)?;
+        Some(gathered)
+    }
+
+    fn add(&mut self, parts: &[Part]) -> Option<()> {
+        for part in parts {
+            let is_same = part.innermost == Some(self.innermost) && part.columns == self.columns;
+            is_same.then_some(())?;
+            self.rows += part.rows;
+        }
+        let numbers: Vec<&[f64]> = parts.iter().map(|part| &part.numbers[..]).collect();
+        self.points.extend_from_parts(&numbers);
+        (self.points.len() <= self.most).then_some(())
+    }
+
+    fn lists(mut self) -> Lists {
+        self.points.shrink_to_fit();
+        let rows = self.rows;
+        match (self.columns, self.innermost) {
+            (None, 1..=MAX_DIMENSION) => Lists::Points(self.points),
+            (None, columns) => Lists::Rows(self.points, Grid { rows, columns }),
+            (Some(columns), _) => Lists::Rows(self.points, Grid { rows, columns }),
         }
     }
 }
@@ -195,13 +246,18 @@ struct Part {
 }
 
 impl Part {
-    /// Reads the elements that begin in this range, up to the end of the list.
-    fn read(text: &[u8], range: Range<usize>, depth: usize) -> Option<Self> {
+    /// Reads the elements that begin in this range, up to the end of the list, and no more points than that.
+    fn read(text: &[u8], range: Range<usize>, depth: usize, most: usize) -> Option<Self> {
         let mut reader = Reader::at(text, range.start);
-        let mut numbers = Vec::with_capacity(range.len() / WIDTH);
+        let most = most.saturating_mul(MAX_DIMENSION);
+        let commas = memchr::memchr_iter(b',', text.get(range.clone())?).count();
+        let mut numbers = Vec::with_capacity(most.min(commas + 1));
         let (mut innermost, mut columns) = (None, None);
         let mut innermost_list = |reader: &mut Reader| {
-            let number = |reader: &mut Reader| reader.number().map(|x| numbers.push(x));
+            let number = |reader: &mut Reader| {
+                let x = reader.number()?;
+                (numbers.len() < most).then(|| numbers.push(x))
+            };
             same(&mut innermost, reader.list(number)?)
         };
         let (mut rows, mut is_last, mut at) = (0, false, range.start);
@@ -243,6 +299,9 @@ mod tests {
 
     /// A part of a few points.
     const PART: usize = 40;
+
+    /// More points than any of these bodies has.
+    const MOST: usize = 100;
 
     /// Numbers as programs write them, and others that are JSON: large, tiny, or with many digits.
     fn number() -> impl Strategy<Value = String> {
@@ -301,10 +360,10 @@ mod tests {
 
     /// The same by serde, if it is taken at all.
     fn agrees(body: &str) -> bool {
-        let Some(quick) = read_quickly(body.as_bytes(), PART) else {
+        let Some(quick) = read_quickly(body.as_bytes(), PART, MOST) else {
             return false;
         };
-        let read = read_by_serde(body.as_bytes()).unwrap();
+        let read = read_by_serde(body.as_bytes(), MOST).unwrap();
         assert_eq!(
             serde_json::to_string(&quick).unwrap(),
             serde_json::to_string(&read).unwrap()

@@ -104,7 +104,8 @@ impl Serialize for PlaceInput {
 impl<'de> Deserialize<'de> for Parameter {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         const TWO: &str = "a surface has two parameters, [u, v]";
-        let Lists { values, lengths } = Lists::read(deserializer, "a parameter, or [u, v]", true)?;
+        let Lists { values, lengths } =
+            Lists::read(deserializer, "a parameter, or [u, v]", true, 1)?;
         match (&values[..], &lengths[..]) {
             ([t], []) => Ok(Self::One(*t)),
             ([u, v], [_]) => Ok(Self::Two(*u, *v)),

@@ -1,0 +1,177 @@
+//! How long the lists of a request may get while they are read.
+//!
+//! Readers of serde take no arguments, so the limits are those of the thread that reads.
+
+use std::cell::Cell;
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
+
+use super::either::below;
+use crate::fit::basis::MAX_DEGREE;
+
+/// Knot vectors, and weights of control points, are longer than lists with a number for each data point by at
+/// most as many numbers as this.
+pub(crate) const EXTRA: usize = 2 * (MAX_DEGREE + 1);
+
+/// Shorter lists grow as they like.
+pub(super) const LONG: usize = 1024;
+
+thread_local! {
+    static CURRENT: Cell<ListLimits> = const { Cell::new(ListLimits::NONE) };
+}
+
+/// The limits of the lists in a text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ListLimits {
+    /// The most data points.
+    pub(super) points: usize,
+    /// As many elements as the lists in the text can have together; 0 if that is not known.
+    pub(super) elements: usize,
+}
+
+/// Brings the limits before back, also if the stack is unwound.
+struct Scope(ListLimits);
+
+impl Drop for Scope {
+    fn drop(&mut self) {
+        CURRENT.set(self.0);
+    }
+}
+
+impl ListLimits {
+    const NONE: Self = Self {
+        points: usize::MAX,
+        elements: 0,
+    };
+
+    /// The limits of lists in this JSON, which is about at most as many points as `points`.
+    pub(crate) fn new(text: &[u8], points: usize) -> Self {
+        let commas = memchr::memchr_iter(b',', text).count();
+        Self {
+            points,
+            elements: commas + 1,
+        }
+    }
+
+    /// Reads something within these limits.
+    pub(crate) fn within<T>(self, read: impl FnOnce() -> T) -> T {
+        let _scope = Scope(CURRENT.replace(self));
+        read()
+    }
+
+    /// Those that hold for this thread.
+    pub(super) fn current() -> Self {
+        CURRENT.get()
+    }
+
+    /// The most numbers of a list that has `each` of them for a data point.
+    pub(super) fn numbers(self, each: usize) -> usize {
+        self.points.saturating_mul(each).saturating_add(EXTRA)
+    }
+
+    /// Makes room for all that can follow in a list that has become long. If it doubled instead, it would be
+    /// in memory three times while it is moved; memory that is not written to costs nothing.
+    pub(super) fn make_room<T>(self, list: &mut Vec<T>, most: usize) {
+        if list.len() == list.capacity() && list.len() >= LONG {
+            let more = most.min(self.elements).saturating_sub(list.len());
+            // Without so much memory it doubles.
+            let _ = list.try_reserve_exact(more);
+        }
+    }
+}
+
+/// Says that a list is too long.
+pub(super) fn too_many(most: usize) -> String {
+    format!("there are more than {most} of them, the most that can be given here")
+}
+
+/// Reads a list of at most one element for each data point, if it is there.
+pub(super) fn for_points<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<Vec<T>>, D::Error> {
+    struct ForPoints<T>(Vec<T>);
+
+    impl<'de, T: Deserialize<'de>> Deserialize<'de> for ForPoints<T> {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            read(deserializer, ListLimits::current().points).map(Self)
+        }
+    }
+
+    let list = Option::<ForPoints<T>>::deserialize(deserializer)?;
+    Ok(list.map(|list| list.0))
+}
+
+/// Reads a list with a number for each data point, and maybe some more, as knots are.
+pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    read(deserializer, ListLimits::current().numbers(1))
+}
+
+/// Reads a list of at most so many elements.
+fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+    most: usize,
+) -> Result<Vec<T>, D::Error> {
+    struct ListVisitor<T>(usize, PhantomData<T>);
+
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for ListVisitor<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a sequence")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+            let (limits, most) = (ListLimits::current(), self.0);
+            let mut elements = Vec::new();
+            while let Some(element) = list.next_element()? {
+                if elements.len() == most {
+                    return Err(below(&format!("/{most}"), too_many(most)));
+                }
+                limits.make_room(&mut elements, most);
+                elements.push(element);
+            }
+            elements.shrink_to_fit();
+            Ok(elements)
+        }
+    }
+
+    deserializer.deserialize_seq(ListVisitor(most, PhantomData))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Deserializer as Json;
+
+    use super::*;
+
+    fn read_numbers(text: &str, points: usize) -> Result<Vec<f64>, String> {
+        let limits = ListLimits::new(text.as_bytes(), points);
+        let read = || numbers(&mut Json::from_str(text)).map_err(|error| error.to_string());
+        limits.within(read)
+    }
+
+    #[test]
+    fn a_long_list_takes_as_much_memory_as_its_text_can_need() {
+        let text = format!("[1{}]", ",1".repeat(9_999));
+        let numbers = read_numbers(&text, 10_000).unwrap();
+        assert_eq!((numbers.len(), numbers.capacity()), (10_000, 10_000));
+        let limits = ListLimits::new(text.as_bytes(), 10_000);
+        let mut list = vec![0.0; LONG];
+        limits.make_room(&mut list, limits.numbers(1));
+        assert_eq!(list.capacity(), 10_000);
+        // Without limits it grows as it likes.
+        ListLimits::current().make_room(&mut list, usize::MAX);
+        assert_eq!(ListLimits::current().points, usize::MAX);
+    }
+
+    #[test]
+    fn a_list_ends_at_its_limit() {
+        let most = 3 + EXTRA;
+        let text = format!("[1{}]", ",1".repeat(most - 1));
+        assert_eq!(read_numbers(&text, 3).unwrap().len(), most);
+        let error = read_numbers(&text, 2).unwrap_err();
+        assert!(error.contains(&too_many(most - 1)), "{error}");
+    }
+}
