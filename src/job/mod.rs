@@ -15,7 +15,8 @@
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`peer`]: for whom work is done; [`tenant`]: to whom jobs belong; [`quota`]: how many;
-//! - [`store`]: where jobs are kept; [`recent`]: ended jobs that are still in memory;
+//! - [`store`]: where jobs are kept; [`probation`]: those that were running in a crash; [`recent`]: ended jobs that
+//!   are still in memory;
 //! - [`counters`]: the metrics of the server; [`trace`]: the spans of a job.
 //!
 //! An iterate is a pure function of the problem and its level. So frames are never stored: those that
@@ -30,6 +31,7 @@ pub(crate) mod frame;
 pub(crate) mod memory;
 pub(crate) mod outline;
 pub(crate) mod peer;
+pub(crate) mod probation;
 pub(crate) mod quota;
 pub(crate) mod reader_budget;
 pub(crate) mod recent;

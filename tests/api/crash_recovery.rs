@@ -38,6 +38,26 @@ async fn becomes(program: &Program, job: &str, wanted: &str) -> bool {
     }
 }
 
+/// Requests that bring the server down are not the fault of the jobs that run meanwhile.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_that_runs_beside_requests_that_crash_the_server_goes_on() {
+    let data = tempfile::tempdir().unwrap();
+    let mut program = start(data.path());
+    let request = program.post("/v1/jobs").json(&data::endless_job());
+    let job: Value = request.send().await.unwrap().json().await.unwrap();
+    let job = job["id"].as_str().unwrap();
+    for _ in 0..5 {
+        assert!(becomes(&program, job, "running").await);
+        // From here on the job is not on probation: a crash could be the fault of this body.
+        let request = program.post("/v1/jobs").body("[".repeat(100_000));
+        let request = request.header("content-type", "application/json");
+        assert!(request.send().await.unwrap().status().is_client_error());
+        program.kill();
+        program = start(data.path());
+    }
+    assert!(becomes(&program, job, "running").await);
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_job_that_crashes_the_server_fails_and_the_others_go_on() {
     let data = tempfile::tempdir().unwrap();

@@ -20,6 +20,7 @@ use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
 use crate::job::memory::{Permit, Share};
 use crate::job::peer::Peer;
+use crate::job::probation::LargeBody;
 use crate::job::scheduler::WorkLane;
 
 /// Bodies up to this size have a share of the memory for themselves.
@@ -54,6 +55,8 @@ pub(crate) struct Room {
     large: Option<Permit>,
     /// For what is read from a large one.
     reading: Option<Permit>,
+    /// A large one is read, which jobs on probation do not run beside.
+    large_body: Option<LargeBody>,
 }
 
 /// Collects a body, and unpacks it if it is compressed. What is read from it takes some memory for each byte, and
@@ -231,7 +234,12 @@ impl Intake<'_> {
             return self.take_small(bytes).await;
         }
         let share = &self.app.jobs.resources().memory.reading;
-        take_memory(share, &mut self.room.reading, bytes).await
+        take_memory(share, &mut self.room.reading, bytes).await?;
+        let begun = timeout(WAIT, self.app.jobs.read_large_body()).await;
+        self.room.large_body = Some(begun.map_err(|_| {
+            busy("the server is starting a job again that was running when it crashed")
+        })?);
+        Ok(())
     }
 
     /// Refuses bodies that come so slowly that they keep memory from others.

@@ -4,26 +4,26 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use jiff::Timestamp;
-use tokio::sync::OwnedSemaphorePermit;
-use tokio::time::{sleep, timeout};
+use tokio::time::sleep;
 use tracing::{debug, error, info, warn};
 
 use super::Jobs;
 use crate::fit::iteration::Outcome;
 use crate::job::frame::Frame;
+use crate::job::probation::OnProbation;
 use crate::job::result::LastGeometry;
 use crate::job::run::{Ending, Run, SharedSystem};
 use crate::job::slots::Slot;
 use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
-use crate::job::store::crash_recovery::PROBATION;
+use crate::job::store::crash_recovery::probation;
 use crate::job::{Job, STORE_AGAIN, patiently};
 
 /// A run that was started.
 struct StartedRun {
     run: Arc<Run>,
     /// Held while the job is on probation after a crash.
-    probation: Option<OwnedSemaphorePermit>,
+    probation: Option<OnProbation>,
 }
 
 /// What has come of waiting for a turn.
@@ -184,7 +184,7 @@ impl Jobs {
             let memory = self.share(outline).take(job.peer, outline.memory).await?;
             let probation = match job.crashes {
                 0 => None,
-                _ => Arc::clone(&self.probation).acquire_owned().await.ok(),
+                _ => Some(self.probation.begin().await),
             };
             Some((memory, probation))
         };
@@ -219,7 +219,7 @@ impl Jobs {
         }
         let end = match start.probation {
             None => run.complete().await,
-            Some(probation) => complete_on_probation(job, run, probation).await,
+            Some(probation) => self.complete_on_probation(job, run, probation).await,
         };
         // The levels must outlive the run. If another replica has ended the job meanwhile, they are its own.
         job.status.send_if_modified(|status| {
@@ -233,23 +233,26 @@ impl Jobs {
         }
         end
     }
-}
 
-/// Takes the run of a job to its end that was running in a crash. Its first moments are its probation.
-async fn complete_on_probation(
-    job: &Job,
-    run: &Arc<Run>,
-    probation: OwnedSemaphorePermit,
-) -> (Ending, Option<Arc<Frame>>) {
-    if let Ok(end) = timeout(PROBATION, run.complete()).await {
-        return end;
+    /// Takes the run of a job to its end that was running in a crash. Its first moments are its probation.
+    async fn complete_on_probation(
+        &self,
+        job: &Job,
+        run: &Arc<Run>,
+        on_probation: OnProbation,
+    ) -> (Ending, Option<Arc<Frame>>) {
+        tokio::select! {
+            end = run.complete() => return end,
+            () = sleep(probation(job.crashes)) => {}
+            () = self.probation.interrupted() => {}
+        }
+        let status = job.status.borrow().clone();
+        if let Some(store) = &job.store
+            && let Err(error) = store.start(job.id(), status, false).await
+        {
+            warn!(job = %job.id(), %error, "the end of a probation could not be stored");
+        }
+        drop(on_probation);
+        run.complete().await
     }
-    let status = job.status.borrow().clone();
-    if let Some(store) = &job.store
-        && let Err(error) = store.start(job.id(), status, false).await
-    {
-        warn!(job = %job.id(), %error, "the end of a probation could not be stored");
-    }
-    drop(probation);
-    run.complete().await
 }

@@ -18,7 +18,7 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 use parking_lot::Mutex;
-use tokio::sync::{Notify, Semaphore};
+use tokio::sync::Notify;
 use tokio::time::{sleep, timeout};
 use tracing::{error, info};
 use uuid::Uuid;
@@ -27,6 +27,7 @@ use super::Job;
 use super::memory::Share;
 use super::outline::Outline;
 use super::peer::Peer;
+use super::probation::{LargeBody, Probation};
 use super::recent::Recent;
 use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
@@ -72,7 +73,7 @@ pub(crate) struct Jobs {
     resources: Arc<Resources>,
     limits: JobLimits,
     /// For the one job that is on probation after a crash.
-    probation: Arc<Semaphore>,
+    probation: Probation,
     /// For jobs that have not ended.
     slots: Arc<Slots>,
     /// The process is about to end: running jobs go back to the queue.
@@ -96,7 +97,7 @@ impl Jobs {
             store,
             resources,
             limits,
-            probation: Arc::new(Semaphore::new(1)),
+            probation: Probation::default(),
             slots: Slots::new(limits.jobs, limits.jobs_of_a_peer),
             suspended: AtomicBool::new(false),
             recent: Recent::new(limits.recent, cache),
@@ -123,6 +124,11 @@ impl Jobs {
             step: MOST_OF_A_STEP,
             start: MOST_OF_A_START,
         }
+    }
+
+    /// Waits until no job is on probation, before a large body is read.
+    pub(crate) async fn read_large_body(&self) -> LargeBody {
+        self.probation.read_large_body().await
     }
 
     /// How many jobs wait for their turn.

@@ -3,8 +3,12 @@
 //! They go back to the queue and run again one at a time: each is on probation for a moment before the
 //! next one starts. If the process crashes meanwhile, the crash is counted for the job on probation and
 //! for jobs that were running for the first time, not for jobs that have passed. So a job that crashes the
-//! process as soon as it runs fails after [`MOST_CRASHES`], and the others do not. Crashes while nothing
-//! is on probation are counted for every running job. An orderly stop clears the counts.
+//! process as soon as it runs fails after [`MOST_CRASHES`], and the others do not.
+//!
+//! Crashes while nothing is on probation are counted for every running job, but none fails with them: the fault
+//! may be that of a request, or of nothing here at all. With each crash that is counted for a job its next
+//! probation is twice as long, up to [`LONGEST_PROBATION`], so that it is on probation when it crashes the process
+//! again. An orderly stop clears the counts.
 
 use std::time::Duration;
 
@@ -13,11 +17,20 @@ use jiff::Timestamp;
 use super::Record;
 use crate::job::state::{Failure, State, Status};
 
-/// A job that was running in so many crashes is not run again.
+/// A job that was running in so many crashes, and on probation in the last one, is not run again.
 pub(crate) const MOST_CRASHES: u32 = 3;
 
 /// How long a job that was running in a crash runs before the next one starts.
-pub(crate) const PROBATION: Duration = Duration::from_millis(250);
+const PROBATION: Duration = Duration::from_millis(250);
+
+/// How long a job that was running in many crashes does.
+const LONGEST_PROBATION: Duration = Duration::from_secs(32);
+
+/// How long a job that was running in so many crashes runs before the next one starts.
+pub(crate) fn probation(crashes: u32) -> Duration {
+    let factor = 2_u32.saturating_pow(crashes.saturating_sub(1));
+    PROBATION.saturating_mul(factor).min(LONGEST_PROBATION)
+}
 
 impl Record {
     /// Whether it was on probation in the crash.
@@ -29,9 +42,10 @@ impl Record {
     pub(crate) fn recover(&mut self, any_on_probation: bool) {
         let counts = !any_on_probation || self.on_probation || self.crashes == 0;
         self.crashes += u32::from(counts);
+        let fails = self.on_probation && self.crashes >= MOST_CRASHES;
         self.on_probation = false;
-        self.status = match self.crashes {
-            MOST_CRASHES.. => Status {
+        self.status = match fails {
+            true => Status {
                 state: State::Failed,
                 finished: Some(Timestamp::now()),
                 failure: Some(Failure::Crashes),
@@ -39,7 +53,7 @@ impl Record {
                 levels: None,
                 ..self.status.clone()
             },
-            _ => Status::QUEUED,
+            false => Status::QUEUED,
         };
     }
 }
@@ -94,13 +108,34 @@ mod tests {
     }
 
     #[test]
-    fn jobs_that_crash_after_their_probation_fail_in_the_end() {
+    fn a_job_that_crashes_the_process_late_fails_in_the_end_and_alone() {
         let mut jobs = [samples::queued(), samples::queued()];
-        for crashes in 1..=MOST_CRASHES {
+        let late = Duration::from_secs(10);
+        for crashes in 1.. {
+            let before = jobs[0].crashes;
+            let is_on_probation = before > 0 && probation(before) > late;
+            run(&mut jobs[0], is_on_probation);
+            // It has passed, or waits for its turn.
+            run(&mut jobs[1], false);
+            crash(&mut jobs);
+            assert_eq!(jobs[0].crashes, crashes);
+            if has_failed(&jobs[0]) {
+                assert_eq!(crashes, 8);
+                break;
+            }
+        }
+        assert!(!has_failed(&jobs[1]));
+    }
+
+    #[test]
+    fn crashes_after_a_probation_fail_nobody() {
+        let mut jobs = [samples::queued(), samples::queued()];
+        for crashes in 1..100 {
             jobs.iter_mut().for_each(|job| run(job, false));
             crash(&mut jobs);
             assert!(jobs.iter().all(|job| job.crashes == crashes));
         }
-        assert!(jobs.iter().all(has_failed));
+        assert!(!jobs.iter().any(has_failed));
+        assert_eq!(probation(jobs[0].crashes), LONGEST_PROBATION);
     }
 }

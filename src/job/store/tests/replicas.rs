@@ -237,7 +237,8 @@ async fn a_job_whose_replicas_go_fails_in_the_end() {
         assert_eq!(record.crashes, crash);
         match crash {
             MOST_CRASHES => assert_eq!(record.status.failure, Some(Failure::Crashes)),
-            _ => assert!(one.start(id, Status::running(), false).await.unwrap()),
+            // It is on probation, as after every crash.
+            _ => assert!(one.start(id, Status::running(), true).await.unwrap()),
         }
     }
     assert!(!one.finish(id, converged(0), None).await.unwrap());
