@@ -2,6 +2,7 @@
 
 use super::source::{open_file, read_file};
 use crate::config::Storage;
+use crate::job::store::copy::Batch;
 use crate::job::store::embedded::salvage::{Salvage, Salvaged};
 
 /// Puts a new file in the place of a damaged one, which stays beside it.
@@ -23,11 +24,14 @@ pub(super) async fn repair(storage: &Storage) -> Result<String, String> {
     }
     let told = |error| format!("{storage:?} could not be repaired: {error}");
     let fresh = Salvage::make(directory).map_err(|error| told(error.to_string()))?;
+    let mut batch = Batch::to(&fresh);
     let put = async |salvaged: Salvaged| {
-        let kept = fresh.put(salvaged.job).await;
+        let kept = batch.put(salvaged.job).await;
         kept.map_err(|error| told(error.to_string()))
     };
     read_file(&file, put).await?;
+    let ended = batch.end().await;
+    ended.map_err(|error| told(error.to_string()))?;
     let kept = file.replace(directory, fresh);
     let kept = kept.map_err(|error| told(error.to_string()))?;
     Ok(format!(

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{IdempotencyKey, Record, Selection, Store, StoreError};
+use super::{Acknowledgement, IdempotencyKey, Record, Selection, Store, StoreError};
 use crate::fit::problem::Problem;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
@@ -10,6 +10,10 @@ use crate::job::state::Status;
 
 /// So many jobs are looked up at a time.
 const PAGE: usize = 1000;
+
+/// The most jobs that are under way at a time, and their points: they are in memory.
+const JOBS_OF_BATCH: usize = 100;
+const POINTS_OF_BATCH: usize = 1_000_000;
 
 /// All that is kept of a job.
 pub(crate) struct WholeJob {
@@ -28,16 +32,54 @@ pub(crate) async fn copy(
 ) -> Result<usize, StoreError> {
     let mut count = 0;
     let mut jobs = Records::of(from);
+    let mut batch = Batch::to(to);
     while let Some(record) = jobs.next().await? {
         let id = record.outline.id;
         let there = to.get(id).await?;
         if !there.is_some_and(|it| it.status.state.is_final()) {
-            to.put(from.whole(record).await?).await?;
+            batch.put(from.whole(record).await?).await?;
         }
         count += 1;
         tell(count);
     }
+    batch.end().await?;
     Ok(count)
+}
+
+/// Jobs on their way to a store, many at a time: so they go into few commits.
+pub(crate) struct Batch<'a> {
+    store: &'a Store,
+    under_way: Vec<Acknowledgement<()>>,
+    points: usize,
+}
+
+impl<'a> Batch<'a> {
+    pub(crate) fn to(store: &'a Store) -> Self {
+        Self {
+            store,
+            under_way: Vec::new(),
+            points: 0,
+        }
+    }
+
+    /// Keeps a job in a moment.
+    pub(crate) async fn put(&mut self, job: WholeJob) -> Result<(), StoreError> {
+        self.points += job.problem.grid().count();
+        self.under_way.push(self.store.put(job));
+        if self.points >= POINTS_OF_BATCH || self.under_way.len() >= JOBS_OF_BATCH {
+            self.end().await?;
+        }
+        Ok(())
+    }
+
+    /// Returns when all are kept.
+    pub(crate) async fn end(&mut self) -> Result<(), StoreError> {
+        self.points = 0;
+        for kept in self.under_way.drain(..) {
+            kept.await?;
+        }
+        Ok(())
+    }
 }
 
 /// The jobs of a store, the newest first.
@@ -85,17 +127,21 @@ impl Store {
     }
 
     /// Keeps a job of another store. If it had not ended it waits.
-    pub(crate) async fn put(&self, job: WholeJob) -> Result<(), StoreError> {
+    fn put(&self, job: WholeJob) -> Acknowledgement<()> {
         let (id, status) = (job.record.outline.id, job.record.status);
         let queued = Record {
             status: Status::QUEUED,
             ..job.record
         };
-        let quota = Quota::default();
-        self.insert(queued, job.problem, job.key, quota).await?;
-        if status.state.is_final() {
-            self.finish(id, status, job.result).await?;
-        }
-        Ok(())
+        let inserted = self.insert(queued, job.problem, job.key, Quota::default());
+        let is_final = status.state.is_final();
+        let finished = is_final.then(|| self.finish(id, status, job.result));
+        Box::pin(async move {
+            inserted.await?;
+            if let Some(finished) = finished {
+                finished.await?;
+            }
+            Ok(())
+        })
     }
 }
