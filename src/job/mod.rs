@@ -409,14 +409,14 @@ impl Job {
 /// How long to wait before the store is asked again that could not do something.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
-/// Asks the store again and again while its database cannot be reached.
+/// Asks the store again and again while it has no room, or its database cannot be reached.
 async fn patiently<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
 where
     F: Future<Output = Result<T, StoreError>>,
 {
     loop {
         match ask().await {
-            Err(StoreError::Away(_)) => sleep(STORE_AGAIN).await,
+            Err(error) if error.may_pass() => sleep(STORE_AGAIN).await,
             answer => return answer,
         }
     }

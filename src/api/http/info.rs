@@ -18,7 +18,6 @@ use super::path::InPath;
 use crate::api::app::App;
 use crate::api::order;
 use crate::api::problem::{Kind, Problem};
-use crate::job::store::StoreError;
 use crate::model::short::quoted;
 use crate::telemetry;
 
@@ -112,9 +111,8 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
     if *app.stopping.borrow() {
         return order::stopping().into_response();
     }
-    if app.jobs.store_is_away() {
-        let reason = "the last statements have had no answer".to_owned();
-        return Problem::from(StoreError::Away(reason)).into_response();
+    if let Err(error) = app.jobs.check_store() {
+        return Problem::from(error).into_response();
     }
     Json(Health { status: "ready" }).into_response()
 }

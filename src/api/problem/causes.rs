@@ -81,7 +81,9 @@ impl From<StoreError> for Problem {
         match error {
             StoreError::Gone(id) => Self::unknown_job(&id.to_string()),
             StoreError::Full(_) => Self::new(Kind::StoreFull, detail).retry_after(60),
-            StoreError::Away(_) => Self::new(Kind::StoreAway, detail).retry_after(5),
+            StoreError::Away(_) | StoreError::Unusable(_) => {
+                Self::new(Kind::StoreAway, detail).retry_after(5)
+            }
             StoreError::Failed(_) | StoreError::Broken(_) => Self::new(Kind::Internal, detail),
         }
     }

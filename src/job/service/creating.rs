@@ -16,6 +16,9 @@ use crate::job::state::Status;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Insertion, Record, StoreError};
 use crate::telemetry::request::RequestTrace;
 
+/// So often a job is made for a key whose job is gone before it is found.
+const ATTEMPTS: usize = 16;
+
 /// The job for a request that was accepted.
 #[derive(Debug)]
 pub(crate) struct Accepted {
@@ -40,7 +43,7 @@ impl Jobs {
         let (peer, request) = (Peer::current(), RequestTrace::current());
         // In a task of its own: a client that disconnects must not leave half a job behind.
         let accepted = tokio::spawn(async move {
-            loop {
+            for _ in 0..ATTEMPTS {
                 let (label, problem) = (label.clone(), Arc::clone(&problem));
                 let (similar, key) = (similar.clone(), key.clone());
                 let jobs = Arc::clone(&jobs);
@@ -50,6 +53,8 @@ impl Jobs {
                     return Ok(accepted);
                 }
             }
+            let reason = "the jobs that are made for this key are deleted again and again";
+            Err(StoreError::Unusable(reason.to_owned()).into())
         });
         accepted.await.unwrap_or_else(|error| {
             Err(StoreError::Failed(format!("the job could not be started: {error}")).into())
@@ -93,10 +98,7 @@ impl Jobs {
             }
             None => Some(slot),
         };
-        let inserted = inserted.await.inspect_err(|_| {
-            self.abandon(&job);
-            self.follow_abandoned(&job);
-        })?;
+        let inserted = inserted.await.inspect_err(|_| self.give_up(&job))?;
         match inserted {
             Insertion::New => {}
             Insertion::Known(entry) => {
@@ -120,7 +122,17 @@ impl Jobs {
         }))
     }
 
-    /// Drops a job that was not stored, or may not have been. Whoever finds it in the store finds another one.
+    /// Drops a job that was not stored. In a database it may have been, without an answer: then another
+    /// replica runs it, or this one anew.
+    fn give_up(self: &Arc<Self>, job: &Arc<Job>) {
+        self.abandon(job);
+        match self.store.shared() {
+            Some(shared) => self.follow_abandoned(Arc::clone(shared), job),
+            None => self.let_go(job),
+        }
+    }
+
+    /// Stops a job, and forgets it.
     fn abandon(&self, job: &Job) {
         self.live.lock().remove(&job.id());
         job.abandon();

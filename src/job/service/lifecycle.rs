@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use jiff::Timestamp;
-use tokio::time::sleep;
+use tokio::time::{sleep, timeout};
 use tracing::{debug, error, info, warn};
 
 use super::Jobs;
@@ -117,7 +117,7 @@ impl Jobs {
         let (state, reason, failure) = verdict(ending);
         let status = Status {
             state,
-            finished: Some(Timestamp::now()),
+            finished: Some(self.store.stamp()),
             reason,
             failure,
             ..job.status()
@@ -201,10 +201,20 @@ impl Jobs {
         // After a crash the store must tell which jobs were running.
         let on_probation = probation.is_some();
         let start = || store.start(job.id(), status.clone(), on_probation);
-        if !job.trace.store("start", patiently(start)).await? {
+        let started = job.trace.store("start", patiently(start));
+        let started = tokio::select! {
+            biased;
+            started = started => started?,
+            () = job.cancel_requested() => return Ok(Turn::Cancelled),
+        };
+        if !started {
             return Ok(Turn::Elsewhere);
         }
-        let problem = patiently(|| job.problem()).await?;
+        let problem = tokio::select! {
+            biased;
+            problem = patiently(|| job.problem()) => problem?,
+            () = job.cancel_requested() => return Ok(Turn::Cancelled),
+        };
         let system = SharedSystem::new(problem, None);
         let run = job.begin(Arc::new(system), Some(memory));
         job.status.send_replace(status);

@@ -16,7 +16,6 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-use jiff::Timestamp;
 use parking_lot::Mutex;
 use tokio::sync::Notify;
 use tokio::time::{sleep, timeout};
@@ -51,7 +50,10 @@ const MOST_OF_A_STEP: usize = 2_000_000_000;
 /// The most multiplications before the first iteration. They have the long lane and take some seconds.
 const MOST_OF_A_START: usize = 20_000_000_000;
 
-/// How long a deletion waits for the end of a job that another replica runs.
+/// So often a job is looked for that is in the store and not in memory, or may be deleted meanwhile.
+const LOOKS: usize = 16;
+
+/// How long a deletion waits for the end of a job that other replicas may know of.
 const MOST_WAITING: Duration = Duration::from_secs(5);
 
 /// Limits of the jobs of a server.
@@ -137,9 +139,9 @@ impl Jobs {
         self.slots.taken().saturating_sub(running)
     }
 
-    /// Whether the database of the store could not be reached the last time.
-    pub(crate) fn store_is_away(&self) -> bool {
-        self.store.shared().is_some_and(|shared| shared.is_away())
+    /// What is wrong with the store, if new jobs cannot be kept.
+    pub(crate) fn check_store(&self) -> Result<(), StoreError> {
+        self.store.check()
     }
 
     /// Connections with the database of the store that are open, and those that are in use.
@@ -224,7 +226,7 @@ impl Jobs {
         if let Some(shared) = self.store.shared() {
             return self.find_among_replicas(shared, id).await;
         }
-        loop {
+        for _ in 0..LOOKS {
             if let Some(job) = self.live(id) {
                 return Ok(Some(job));
             }
@@ -243,6 +245,8 @@ impl Jobs {
                 Some(_) => {}
             }
         }
+        // It was refused, and is about to be removed from the store.
+        Ok(None)
     }
 
     /// Jobs, the newest first.
@@ -273,11 +277,10 @@ impl Jobs {
         };
         if let Some(job) = job {
             job.request_cancel();
-            // One that another replica runs ends there when it is gone.
-            if job.is_elsewhere() {
-                let _ = timeout(MOST_WAITING, job.ended()).await;
-            } else {
-                job.ended().await;
+            // One that another replica runs ends there when it is gone; and without the database none ends.
+            match self.store.shared() {
+                Some(_) => drop(timeout(MOST_WAITING, job.ended()).await),
+                None => drop(job.ended().await),
             }
         }
         let existed = self.store.remove(id).await?;
@@ -339,7 +342,13 @@ impl Jobs {
     async fn retain(&self) -> HashSet<Uuid> {
         loop {
             // Jobs that end from here on are not known to be held.
-            let since = Timestamp::now();
+            let since = match self.store.now().await {
+                Ok(since) => since,
+                Err(error) => {
+                    error!(%error, "old jobs could not be looked for");
+                    return self.held();
+                }
+            };
             let held = self.held();
             let spared = Spared {
                 held: held.clone(),

@@ -115,7 +115,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// A job that was deleted at another replica.
+    /// A job that is not in the store any more, or never was: those who wait for its end wait no longer.
     pub(super) fn let_go(&self, job: &Job) {
         job.follow(Status {
             state: State::Cancelled,
@@ -124,12 +124,9 @@ impl Jobs {
         self.forget(&[job.id()]);
     }
 
-    /// Tells those who have found a job in the store what becomes of it, although the answer that it was stored
+    /// Shows those who have found a job in the store what becomes of it, although the answer that it was stored
     /// was lost.
-    pub(super) fn follow_abandoned(self: &Arc<Self>, job: &Arc<Job>) {
-        let Some(shared) = self.store.shared().map(Arc::clone) else {
-            return;
-        };
+    pub(super) fn follow_abandoned(self: &Arc<Self>, shared: Arc<Shared>, job: &Arc<Job>) {
         job.elsewhere.store(true, Ordering::Release);
         let (jobs, job) = (Arc::downgrade(self), Arc::downgrade(job));
         tokio::spawn(async move {

@@ -105,9 +105,9 @@ pub(crate) struct IdempotencyEntry {
 }
 
 impl IdempotencyEntry {
-    /// Whether the key is not remembered any more.
-    pub(crate) fn has_expired(&self) -> bool {
-        is_older(self.created, KEY_LIFETIME)
+    /// Returns true if the key is not remembered any more at this time.
+    pub(crate) fn has_expired(&self, now: Timestamp) -> bool {
+        is_older(self.created, KEY_LIFETIME, now)
     }
 }
 
@@ -154,8 +154,8 @@ pub(crate) const LOOK_LIFETIME: Duration = Duration::from_secs(10 * 60);
 pub(crate) struct Spared {
     /// Those that somebody holds.
     pub held: HashSet<Uuid>,
-    /// When that was looked up. Jobs that have ended since then may be held, too; not those of a clock that was
-    /// far ahead.
+    /// When that was looked up, by [`Store::now`]. Jobs that have ended since then may be held, too; not those of
+    /// a clock that was far ahead.
     pub since: Timestamp,
 }
 
@@ -180,6 +180,9 @@ pub enum StoreError {
     /// The database cannot be reached. It may succeed later.
     #[error("the database cannot be reached: {0}")]
     Away(String),
+    /// The file cannot be used now. It may succeed later.
+    #[error("the store cannot be used now: {0}")]
+    Unusable(String),
     /// Anything else.
     #[error("the store failed: {0}")]
     Failed(String),
@@ -189,6 +192,11 @@ pub enum StoreError {
 }
 
 impl StoreError {
+    /// Returns true if the same may succeed later.
+    pub(crate) fn may_pass(&self) -> bool {
+        matches!(self, Self::Full(_) | Self::Away(_) | Self::Unusable(_))
+    }
+
     /// What was read makes no sense.
     fn damaged(what: impl Display, reason: impl Display) -> Self {
         Self::Failed(format!("{what} cannot be read: {reason}"))
@@ -204,7 +212,8 @@ pub(crate) type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
 ///
 /// - **Order.** Changes of a job take effect in the order in which the methods are called, whether or not
 ///   anybody waits for their acknowledgements.
-/// - **Atomicity.** A change happens as a whole or not at all. One that has failed can be asked for again.
+/// - **Atomicity.** A change happens as a whole or not at all. One that has failed can be asked for again. In a
+///   store of one process, a job whose insertion has failed is not there.
 /// - **Durability.** A change that was acknowledged survives whatever happens to the process, and in a store
 ///   on a disk also a loss of power. A crash may lose changes that were not acknowledged yet, of each job
 ///   the latest ones first. A store in memory ends with the process.
@@ -247,6 +256,31 @@ impl Store {
         match self {
             Self::Embedded(_) => None,
             Self::Shared(it) => Some(it),
+        }
+    }
+
+    /// The time by which it is decided when jobs have ended. What ends later has a later time.
+    pub(crate) async fn now(&self) -> Result<Timestamp, StoreError> {
+        match self {
+            Self::Embedded(it) => Ok(it.now()),
+            Self::Shared(it) => it.now().await,
+        }
+    }
+
+    /// The time of a job that ends now, for those who ask for it. A database keeps its own time beside it, by
+    /// which jobs are forgotten.
+    pub(crate) fn stamp(&self) -> Timestamp {
+        match self {
+            Self::Embedded(it) => it.stamp(),
+            Self::Shared(_) => Timestamp::now(),
+        }
+    }
+
+    /// What is wrong with the store, if new jobs cannot be kept.
+    pub(crate) fn check(&self) -> Result<(), StoreError> {
+        match self {
+            Self::Embedded(it) => it.check_place(),
+            Self::Shared(it) => it.check_reached(),
         }
     }
 
@@ -381,10 +415,10 @@ impl Store {
     }
 }
 
-/// Whether it was longer ago than this. A time in the future is not: a clock that was ahead must not make
-/// anything be forgotten.
-fn is_older(at: Timestamp, age: Duration) -> bool {
-    let passed = Timestamp::now().duration_since(at);
+/// Returns true if it was longer ago than this. A time in the future is not: a clock that was ahead must not
+/// make anything be forgotten.
+fn is_older(at: Timestamp, age: Duration, now: Timestamp) -> bool {
+    let passed = now.duration_since(at);
     Duration::try_from(passed).is_ok_and(|passed| passed > age)
 }
 

@@ -1,6 +1,7 @@
-//! A change of the store on its way to the thread that writes, and back to whoever waits for it.
+//! A change of the store on its way to the thread that writes, and back to the task that has asked for it.
 
 use tokio::sync::oneshot;
+use uuid::Uuid;
 
 use super::transaction::Transaction;
 use super::writer::closed;
@@ -10,18 +11,31 @@ use crate::job::store::StoreError;
 pub(super) trait Change: Send {
     /// How many points it writes. Without any it needs no more than a few pages of the file, and must be
     /// possible when the disk is full.
-    fn points(&self) -> usize;
+    fn points(&self) -> usize {
+        0
+    }
+
+    /// The new job that it writes.
+    fn inserts(&self) -> Option<Uuid> {
+        None
+    }
+
+    /// Returns true if it writes something.
+    fn writes(&self) -> bool {
+        true
+    }
 
     /// Does it; again if the transaction was not committed.
     fn apply(&mut self, transaction: &mut Transaction<'_>) -> Result<(), StoreError>;
 
-    /// Tells its outcome, once it is committed, or why it is not.
+    /// Sends its outcome, once it is committed, or why it is not.
     fn answer(self: Box<Self>, committed: Result<(), StoreError>);
 }
 
 /// A change by a function.
 pub(super) struct Pending<T, F> {
     pub(super) points: usize,
+    pub(super) inserts: Option<Uuid>,
     pub(super) function: F,
     /// What came of it in the transaction.
     pub(super) outcome: Option<T>,
@@ -37,6 +51,10 @@ where
         self.points
     }
 
+    fn inserts(&self) -> Option<Uuid> {
+        self.inserts
+    }
+
     fn apply(&mut self, transaction: &mut Transaction<'_>) -> Result<(), StoreError> {
         self.outcome = Some((self.function)(transaction)?);
         Ok(())
@@ -44,7 +62,24 @@ where
 
     fn answer(self: Box<Self>, committed: Result<(), StoreError>) {
         let Self { outcome, reply, .. } = *self;
-        // Nobody may wait for it any more.
+        // The task may have ended.
         let _ = reply.send(committed.and_then(|()| outcome.ok_or_else(closed)));
+    }
+}
+
+/// No change: it is answered after the changes before it, by a store that is open.
+pub(super) struct Barrier(pub(super) oneshot::Sender<Result<(), StoreError>>);
+
+impl Change for Barrier {
+    fn writes(&self) -> bool {
+        false
+    }
+
+    fn apply(&mut self, _: &mut Transaction<'_>) -> Result<(), StoreError> {
+        Ok(())
+    }
+
+    fn answer(self: Box<Self>, committed: Result<(), StoreError>) {
+        let _ = self.0.send(committed);
     }
 }

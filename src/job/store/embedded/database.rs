@@ -1,61 +1,74 @@
 //! The open database: reading jobs, and opening it again after an error.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
-use parking_lot::{RwLock, RwLockReadGuard};
+use parking_lot::{Mutex, RwLock, RwLockReadGuard};
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
-use tracing::error;
+use tracing::{error, info};
 use uuid::Uuid;
 
+use super::clock::Clock;
 use super::error::{catch_panic, not_open};
+use super::file::{Bytes, StoreFile};
 use super::opening::{self, OpenError};
-use super::tables::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, Values};
+use super::tables::{self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, Values};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::store::record;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Selection, StoreError};
 
-/// How long those who read the file may hold it when it is opened again.
-const MOST_READING: Duration = Duration::from_secs(5);
-
-/// The database of a store. It is opened again when an I/O error or a panic has made it unusable.
+/// The database of a store. It is closed by an I/O error or a panic that has made it unusable; the thread that
+/// writes opens it again.
 pub(super) struct JobDatabase {
+    /// `None` if it cannot be opened again.
+    bytes: Option<Bytes>,
     /// `None` if it is in memory.
-    path: Option<PathBuf>,
+    file: Option<Arc<StoreFile>>,
     /// `None` after a failure until it could be opened again.
     redb: RwLock<Option<Database>>,
+    /// Why new jobs would be lost.
+    misplaced: Mutex<Option<String>>,
+    pub(super) clock: Clock,
 }
 
 impl JobDatabase {
     /// Opens the database in a file of a directory, or makes it, and checks its version.
     pub(super) fn open(directory: &Path, name: &str) -> Result<Self, OpenError> {
         let path = directory.join(name);
-        let redb = opening::open_or_make(directory, &path)?;
-        Ok(Self::new(Some(path), redb))
+        let (file, redb) = opening::open_or_make(directory, &path)?;
+        Ok(Self::new(
+            Some(Arc::clone(&file) as Bytes),
+            Some(file),
+            redb,
+        ))
     }
 
     /// A database whose file stays as it is.
     pub(super) fn on_overlay(redb: Database) -> Self {
-        Self::new(None, redb)
+        Self::new(None, None, redb)
     }
 
-    /// Makes a database in memory.
-    pub(super) fn in_memory() -> Result<Self, OpenError> {
-        Ok(Self::new(None, opening::make_in_memory()?))
+    /// Opens the database in these bytes, or makes it.
+    pub(super) fn in_bytes(bytes: Bytes) -> Result<Self, OpenError> {
+        let redb = opening::in_bytes(&bytes)?;
+        Ok(Self::new(Some(bytes), None, redb))
     }
 
-    fn new(path: Option<PathBuf>, redb: Database) -> Self {
-        let redb = RwLock::new(Some(redb));
-        Self { path, redb }
+    fn new(bytes: Option<Bytes>, file: Option<Arc<StoreFile>>, redb: Database) -> Self {
+        Self {
+            bytes,
+            file,
+            redb: RwLock::new(Some(redb)),
+            misplaced: Mutex::new(None),
+            clock: Clock::new(),
+        }
     }
 
     /// Whether it is on a disk, which can be full.
     pub(super) fn is_on_disk(&self) -> bool {
-        self.path.is_some()
+        self.file.is_some()
     }
 
     /// Reads. If the database panics, as it does where pages are damaged, only this read fails.
@@ -64,9 +77,8 @@ impl JobDatabase {
         read: impl FnOnce(&Self) -> Result<T, StoreError>,
     ) -> Result<T, StoreError> {
         catch_panic(|| read(self)).unwrap_or_else(|panic| {
-            let works = catch_panic(|| self.idempotency_entry("").is_ok()).unwrap_or(false);
-            if !works && let Err(error) = self.reopen() {
-                error!(%error, "the store could not be opened again");
+            if !catch_panic(|| self.idempotency_entry("").is_ok()).unwrap_or(false) {
+                self.close();
             }
             Err(panic)
         })
@@ -77,27 +89,62 @@ impl JobDatabase {
         self.redb.read()
     }
 
+    /// Returns true if it takes changes: it is open, and no error has ended that.
+    pub(super) fn is_open(&self) -> bool {
+        let redb = self.redb();
+        let begin = || match &*redb {
+            Some(redb) => redb.begin_write().is_ok_and(|it| it.abort().is_ok()),
+            None => false,
+        };
+        catch_panic(begin).unwrap_or(false)
+    }
+
+    fn close(&self) {
+        if self.bytes.is_some() {
+            let closed = self.redb.write().take();
+            // A panic while it is closed changes nothing: what was committed is in the file.
+            let _ = catch_panic(|| drop(closed));
+        }
+    }
+
     /// Opens the database again after an error, with what was committed before it: redb takes no more
-    /// changes after an I/O error. In memory there are none.
+    /// changes after an I/O error.
     pub(super) fn reopen(&self) -> Result<(), StoreError> {
-        let Some(path) = &self.path else {
+        let Some(bytes) = &self.bytes else {
             return Ok(());
         };
         let mut redb = self.redb.write();
-        // The lock on the file goes with the old one, and with the last of those who still read it.
-        // A panic while it is closed changes nothing: what was committed is in the file.
-        let _ = catch_panic(|| drop(redb.take()));
-        let begin = Instant::now();
-        let opened = loop {
-            match opening::open_again(path) {
-                Err(OpenError::InUse(_)) if begin.elapsed() < MOST_READING => {
-                    sleep(Duration::from_millis(5));
-                }
-                opened => break opened,
-            }
-        };
-        *redb = Some(opened.map_err(|error| StoreError::Failed(error.to_string()))?);
+        let closed = redb.take();
+        let _ = catch_panic(|| drop(closed));
+        *redb = Some(opening::open_again(bytes)?);
         Ok(())
+    }
+
+    /// The number of the last commit.
+    pub(super) fn last_commit(&self) -> Result<u64, StoreError> {
+        let redb = self.redb();
+        let redb = redb.as_ref().ok_or_else(not_open)?;
+        let facts = redb.begin_read()?.open_table(FACTS)?;
+        Ok(facts.get(COMMIT_FACT)?.map_or(0, |number| number.value()))
+    }
+
+    /// Looks if the file is where it was opened; says so in the log when that changes.
+    pub(super) fn look_for_file(&self) {
+        let Some(file) = &self.file else { return };
+        let is = file.misplaced();
+        let mut was = self.misplaced.lock();
+        match (&is, was.is_some()) {
+            (Some(reason), false) => error!("{reason}: no more jobs are accepted"),
+            (None, true) => info!(path = ?file.path(), "the file of jobs is back"),
+            _ => {}
+        }
+        *was = is;
+    }
+
+    /// Why no more jobs are accepted: they would be in a file that nobody finds.
+    pub(super) fn check_place(&self) -> Result<(), StoreError> {
+        let reason = self.misplaced.lock().clone();
+        reason.map_or(Ok(()), |reason| Err(StoreError::Unusable(reason)))
     }
 
     /// The ids of all jobs.
@@ -180,7 +227,8 @@ impl JobDatabase {
         let keys = self.table(KEYS)?;
         let bytes = keys.get(key)?;
         let entry = bytes.map(|bytes| tables::key_in(bytes.value()));
-        Ok(entry.transpose()?.filter(|entry| !entry.has_expired()))
+        let now = self.clock.measured();
+        Ok(entry.transpose()?.filter(|entry| !entry.has_expired(now)))
     }
 
     /// A table as it is now. Its pages are not used again as long as it lives. What `ReadOnlyTable`
@@ -211,6 +259,7 @@ impl JobDatabase {
 #[cfg(test)]
 mod tests {
     use redb::Table;
+    use redb::backends::InMemoryBackend;
 
     use super::*;
     use crate::job::store::embedded::envelope::{Kind, envelope};
@@ -219,7 +268,7 @@ mod tests {
 
     #[test]
     fn what_is_being_decoded_can_be_deleted() {
-        let database = JobDatabase::in_memory().unwrap();
+        let database = JobDatabase::in_bytes(Arc::new(InMemoryBackend::new())).unwrap();
         let write = |change: &dyn Fn(&mut Results<'_>)| {
             let redb = database.redb();
             let transaction = redb.as_ref().unwrap().begin_write().unwrap();

@@ -28,10 +28,15 @@ impl Ended {
 
     /// The jobs to be forgotten, without those that are spared. Younger jobs do not have to go instead of these:
     /// until nobody holds them any more, there are so many jobs more.
-    pub(crate) fn surplus(&self, retention: Retention, spared: &Spared) -> Vec<Uuid> {
+    pub(crate) fn surplus(
+        &self,
+        retention: Retention,
+        spared: &Spared,
+        now: Timestamp,
+    ) -> Vec<Uuid> {
         let (mut jobs, mut bytes) = (self.jobs.len(), self.bytes);
         let surplus = self.jobs.iter().take_while(|&(&(at, _), size)| {
-            let old = is_older(at, retention.age);
+            let old = is_older(at, retention.age, now);
             let forget = old || jobs > retention.jobs || bytes > retention.bytes;
             jobs -= 1;
             bytes -= size;

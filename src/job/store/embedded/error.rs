@@ -16,19 +16,24 @@ pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> 
 
 /// After a failure there is no database until it could be opened again.
 pub(super) fn not_open() -> StoreError {
-    StoreError::Failed("the database could not be opened again after an error".to_owned())
+    StoreError::Unusable("it could not be opened again after an error".to_owned())
+}
+
+/// Whether an error says that there is no room.
+pub(super) fn means_full(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge
+    )
 }
 
 impl From<redb::Error> for StoreError {
     fn from(error: redb::Error) -> Self {
         let text = error.to_string();
-        let full = [
-            ErrorKind::StorageFull,
-            ErrorKind::QuotaExceeded,
-            ErrorKind::FileTooLarge,
-        ];
         match error {
-            redb::Error::Io(reason) if full.contains(&reason.kind()) => Self::Full(text),
+            redb::Error::Io(reason) if means_full(reason.kind()) => Self::Full(text),
+            // After an error it is opened again.
+            redb::Error::PreviousIo | redb::Error::DatabaseClosed => Self::Unusable(text),
             _ => Self::Failed(text),
         }
     }

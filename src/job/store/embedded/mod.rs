@@ -1,18 +1,24 @@
 //! The store of one process: one file of the embedded ACID database redb, or in memory.
 //!
 //! - [`tables`]: the tables of the file, and what stands in them; [`envelope`]: the checksum of each value;
-//! - [`database`]: the open file, and what is read from it; [`opening`]: opens the file, or says what is
-//!   wrong with it; [`error`]: errors and panics of the database;
+//! - [`file`]: the open file; [`database`]: the open database, and what is read from it; [`opening`]: opens it,
+//!   or says what is wrong with it; [`error`]: errors and panics of the database; [`clock`]: its time;
 //! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
-//!   and back; [`transaction`]: what changes do to the tables; [`ended`]: which jobs that have ended to
+//!   and back; [`committer`]: commits, and what has become of those that fail; [`transaction`]: what changes do
+//!   to the tables; [`ended`]: which jobs that have ended to
 //!   forget; [`usage`]: what tenants have; [`recovery`]: after a crash;
 //! - [`salvage`]: what can be read of a damaged file, with an [`overlay`] above it.
 
 mod change;
+mod clock;
+mod committer;
 mod database;
 mod ended;
 mod envelope;
 mod error;
+#[cfg(test)]
+mod failures;
+mod file;
 pub(super) mod opening;
 mod overlay;
 mod recovery;
@@ -25,6 +31,8 @@ mod writer;
 use std::path::Path;
 use std::sync::Arc;
 
+use jiff::Timestamp;
+use redb::backends::InMemoryBackend;
 use uuid::Uuid;
 
 use super::{
@@ -37,10 +45,14 @@ use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use database::JobDatabase;
+use file::Bytes;
 use writer::Writer;
 
 /// The name of the file in the data directory.
 const FILE: &str = "piad.redb";
+
+/// So often a read is done again that was cut off.
+const READS: usize = 3;
 
 /// The store of one process. All its changes take effect in the order in which the methods are called.
 pub(crate) struct Embedded {
@@ -64,7 +76,11 @@ impl Embedded {
 
     /// Makes a store in memory, which ends with the process.
     pub(crate) fn in_memory(counters: Counters) -> Result<Self, OpenError> {
-        let database = Arc::new(JobDatabase::in_memory()?);
+        Self::in_bytes(Arc::new(InMemoryBackend::new()), counters)
+    }
+
+    fn in_bytes(bytes: Bytes, counters: Counters) -> Result<Self, OpenError> {
+        let database = Arc::new(JobDatabase::in_bytes(bytes)?);
         let writer = Writer::start(Arc::clone(&database), counters);
         let writer = writer.map_err(OpenError::Recovery)?;
         Ok(Self { database, writer })
@@ -78,8 +94,8 @@ impl Embedded {
         key: Option<IdempotencyKey>,
         quota: Quota,
     ) -> Acknowledgement<Insertion> {
-        let points = problem.grid().count();
-        self.writer.write(points, move |transaction| {
+        let (id, points) = (record.outline.id, problem.grid().count());
+        self.writer.insert(id, points, move |transaction| {
             transaction.insert(&record, &problem, key.as_ref(), &quota)
         })
     }
@@ -159,8 +175,7 @@ impl Embedded {
 
     /// Jobs, the newest first.
     pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Record>, StoreError> {
-        // An empty change is acknowledged after the changes before it.
-        self.writer.write(0, |_| Ok(())).await?;
+        self.writer.barrier().await?;
         self.read(move |database| database.list(selection)).await
     }
 
@@ -184,8 +199,37 @@ impl Embedded {
             .await
     }
 
-    /// Reads off the threads that serve the network.
+    /// See [`super::Store::now`].
+    pub(super) fn now(&self) -> Timestamp {
+        self.database.clock.now()
+    }
+
+    /// See [`super::Store::stamp`].
+    pub(super) fn stamp(&self) -> Timestamp {
+        self.database.clock.stamp()
+    }
+
+    /// See [`super::Store::check`].
+    pub(super) fn check_place(&self) -> Result<(), StoreError> {
+        self.database.check_place()
+    }
+
+    /// Reads off the threads that serve the network. What an error elsewhere has cut off is read again, from the
+    /// database that is opened then.
     async fn read<T: Send + 'static>(
+        &self,
+        read: impl Fn(&JobDatabase) -> Result<T, StoreError> + Clone + Send + 'static,
+    ) -> Result<T, StoreError> {
+        for _ in 0..READS {
+            match self.read_once(read.clone()).await {
+                Err(StoreError::Unusable(_)) => self.writer.barrier().await?,
+                done => return done,
+            }
+        }
+        self.read_once(read).await
+    }
+
+    async fn read_once<T: Send + 'static>(
         &self,
         read: impl FnOnce(&JobDatabase) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, StoreError> {

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use redb::backends::InMemoryBackend;
 use redb::{Database, ReadableDatabase, TableError};
 use thiserror::Error;
 
-use super::error::catch_panic;
+use super::error::{catch_panic, means_full};
+use super::file::{Borrowed, Bytes, StoreFile};
 use super::overlay::Overlay;
 use super::tables::{FACTS, HEADERS, INPUTS, KEYS, RESULTS, SLACK, VERSION, VERSION_FACT};
 use crate::job::store::StoreError;
@@ -61,6 +61,9 @@ pub(crate) enum OpenError {
     /// The database cannot be used.
     #[error("the database cannot be used: {0}")]
     Database(StoreError),
+    /// What must be written at the start has no room.
+    #[error("there is no room on the disk of {0:?}: make some and start again; no job is lost")]
+    Full(PathBuf),
     /// What was running could not be put back into the queue.
     #[error("the jobs of the last run cannot be recovered: {0}")]
     Recovery(StoreError),
@@ -77,27 +80,32 @@ pub(crate) enum OpenError {
     },
 }
 
-/// Opens a file that was open before.
-pub(super) fn open_again(path: &Path) -> Result<Database, OpenError> {
-    attempt(path, || {
+/// Opens a database that was open before.
+pub(super) fn open_again(bytes: &Bytes) -> Result<Database, StoreError> {
+    let open = || {
         let mut builder = Database::builder();
-        Ok(builder.set_cache_size(CACHE).open(path)?)
-    })
+        let bytes = Borrowed::of(bytes);
+        Ok(builder.set_cache_size(CACHE).create_with_backend(bytes)?)
+    };
+    catch_panic(open)?.map_err(|error: redb::Error| error.into())
 }
 
-/// Makes a database in memory.
-pub(super) fn make_in_memory() -> Result<Database, OpenError> {
+/// Opens the database in these bytes, or makes it.
+pub(super) fn in_bytes(bytes: &Bytes) -> Result<Database, OpenError> {
     attempt(Path::new(":memory:"), || {
         let mut builder = Database::builder();
-        let backend = InMemoryBackend::new();
-        let database = builder.set_cache_size(CACHE).create_with_backend(backend)?;
+        let bytes = Borrowed::of(bytes);
+        let database = builder.set_cache_size(CACHE).create_with_backend(bytes)?;
         make_tables(&database)?;
         Ok(database)
     })
 }
 
 /// Opens the file in a directory, or makes it if it is not there, and checks its version.
-pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, OpenError> {
+pub(super) fn open_or_make(
+    directory: &Path,
+    path: &Path,
+) -> Result<(Arc<StoreFile>, Database), OpenError> {
     let of_directory = |reason| OpenError::Directory {
         directory: directory.to_owned(),
         reason,
@@ -115,12 +123,14 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
     if length == 0 {
         return Err(broken(path, "it is empty"));
     }
+    let file = Arc::new(StoreFile::open(path)?);
     let repaired = Arc::new(AtomicBool::new(false));
     let opened = attempt(path, || {
         let mut builder = Database::builder();
         let noted = Arc::clone(&repaired);
         builder.set_repair_callback(move |_| noted.store(true, Ordering::Relaxed));
-        let mut database = builder.set_cache_size(CACHE).open(path)?;
+        let bytes = Borrowed::of(&(Arc::clone(&file) as Bytes));
+        let mut database = builder.set_cache_size(CACHE).create_with_backend(bytes)?;
         // A repair, after a crash, has read everything.
         let checked = repaired.load(Ordering::Relaxed) || length > CHECKED;
         if !checked {
@@ -129,7 +139,7 @@ pub(super) fn open_or_make(directory: &Path, path: &Path) -> Result<Database, Op
         Ok(database)
     })?;
     match attempt(path, || version(&opened))? {
-        Some(VERSION) => Ok(opened),
+        Some(VERSION) => Ok((file, opened)),
         Some(found) => Err(OpenError::Version {
             path: path.to_owned(),
             found,
@@ -240,12 +250,13 @@ fn attempt<T>(path: &Path, work: impl FnOnce() -> Result<T, redb::Error>) -> Res
     }
 }
 
-fn explain(path: &Path, error: redb::Error) -> OpenError {
+pub(super) fn explain(path: &Path, error: redb::Error) -> OpenError {
     match error {
         redb::Error::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),
         redb::Error::Io(reason) => match reason.kind() {
             ErrorKind::InvalidData => broken(path, "it is no store of this program"),
             ErrorKind::UnexpectedEof => broken(path, "its end is missing"),
+            kind if means_full(kind) => OpenError::Full(path.to_owned()),
             _ => of_file(path, reason),
         },
         redb::Error::Corrupted(reason) => broken(path, &format!("it is damaged ({reason})")),
@@ -272,6 +283,7 @@ impl OpenError {
     pub(super) fn of_records(path: PathBuf, error: StoreError) -> Self {
         match error {
             StoreError::Failed(reason) => Self::Broken { path, reason },
+            StoreError::Full(_) => Self::Full(path),
             error => Self::Recovery(error),
         }
     }

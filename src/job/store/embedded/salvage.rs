@@ -11,6 +11,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use jiff::Timestamp;
 use memchr::memmem;
 use parking_lot::Mutex;
 use uuid::Uuid;
@@ -191,7 +192,7 @@ impl Salvage {
             None => None,
         };
         let entry = entry.or_else(|| record::entry(&self.found_value(Kind::Key, id).ok()??).ok());
-        let entry = entry.filter(|entry| entry.id == id && !entry.has_expired())?;
+        let entry = entry.filter(|entry| entry.id == id && !entry.has_expired(Timestamp::now()))?;
         let digest = entry.digest;
         Some(IdempotencyKey { name, digest })
     }

@@ -6,7 +6,7 @@ use uuid::Uuid;
 
 use super::ended::Ended;
 use super::envelope::{self, Kind, envelope};
-use super::tables::{self, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
+use super::tables::{self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
 use super::usage::Usage;
 use crate::fit::problem::Problem;
 use crate::job::quota::Quota;
@@ -29,8 +29,11 @@ pub(super) struct Transaction<'a> {
     results: Table<'a, u128, &'static [u8]>,
     keys: Table<'a, &'static str, &'static [u8]>,
     slack: Table<'a, u64, &'static [u8]>,
+    facts: Table<'a, &'static str, u64>,
     /// The jobs that had ended before the transaction.
     ended: &'a Ended,
+    /// When it began, by the clock that is not set.
+    now: Timestamp,
     /// What tenants have, with the changes of the transaction.
     pub(super) usage: Usage,
     /// To be done to [`Ended`] once the transaction is committed.
@@ -48,6 +51,7 @@ impl<'a> Transaction<'a> {
         transaction: &'a WriteTransaction,
         ended: &'a Ended,
         usage: Usage,
+        now: Timestamp,
     ) -> Result<Self, StoreError> {
         Ok(Self {
             headers: transaction.open_table(HEADERS.table)?,
@@ -55,7 +59,9 @@ impl<'a> Transaction<'a> {
             results: transaction.open_table(RESULTS.table)?,
             keys: transaction.open_table(KEYS)?,
             slack: transaction.open_table(SLACK)?,
+            facts: transaction.open_table(FACTS)?,
             ended,
+            now,
             usage,
             changes: Vec::new(),
         })
@@ -74,6 +80,12 @@ impl<'a> Transaction<'a> {
         Ok(())
     }
 
+    /// Writes the number of the commit, by which it is found again.
+    pub(super) fn number(&mut self, number: u64) -> Result<(), StoreError> {
+        self.facts.insert(COMMIT_FACT, number)?;
+        Ok(())
+    }
+
     /// Writes a new job, unless there is an entry for the same key, or it is beyond the quota of its tenant.
     pub(super) fn insert(
         &mut self,
@@ -85,7 +97,7 @@ impl<'a> Transaction<'a> {
         let (id, tenant) = (record.outline.id, record.outline.tenant);
         if let Some(key) = key
             && let Some(entry) = self.entry(&key.name)?
-            && !entry.has_expired()
+            && !entry.has_expired(self.now)
         {
             return Ok(Insertion::Known(entry));
         }
@@ -178,7 +190,7 @@ impl<'a> Transaction<'a> {
         spared: &Spared,
     ) -> Result<Vec<Uuid>, StoreError> {
         self.forget_keys()?;
-        let surplus = self.ended.surplus(retention, spared);
+        let surplus = self.ended.surplus(retention, spared, self.now);
         for &id in &surplus {
             self.remove(id)?;
         }
@@ -189,7 +201,7 @@ impl<'a> Transaction<'a> {
         let mut expired = Vec::new();
         for item in self.keys.iter()? {
             let (key, bytes) = item?;
-            if tables::key_in(bytes.value())?.has_expired() {
+            if tables::key_in(bytes.value())?.has_expired(self.now) {
                 expired.push(key.value().to_owned());
             }
         }

@@ -2,19 +2,18 @@
 //! together: a hundred clients that create jobs at the same time wait for one commit.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use tokio::sync::oneshot;
 use tracing::{error, warn};
+use uuid::Uuid;
 
-use super::change::{Change, Pending};
+use super::change::{Barrier, Change, Pending};
+use super::committer::Committer;
 use super::database::JobDatabase;
-use super::ended::Ended;
-use super::error::{catch_panic, not_open};
-use super::transaction::{EndedChange, Transaction};
-use super::usage::Usage;
+use super::transaction::Transaction;
 use crate::job::counters::Counters;
 use crate::job::store::{Acknowledgement, StoreError};
 
@@ -25,6 +24,9 @@ const POINTS_OF_COMMIT: usize = 2_000_000;
 /// attempt takes long, as the database has to be opened again: clients that keep on posting would hold up
 /// everything else (`durable::a_full_disk`).
 const PAUSE: Duration = Duration::from_millis(500);
+
+/// How often it is looked if the file is where it was opened.
+const LOOK: Duration = Duration::from_secs(1);
 
 /// Sends changes to the thread, which ends when this is dropped.
 pub(super) struct Writer {
@@ -38,14 +40,16 @@ impl Writer {
         database: Arc<JobDatabase>,
         counters: Counters,
     ) -> Result<Self, StoreError> {
+        let mut committer = Committer::new(Arc::clone(&database))?;
+        committer.transact(&[], |transaction| transaction.recover())?;
         let mut writer = WriterThread {
+            leaves_slack: database.is_on_disk(),
             database,
+            committer,
             counters,
-            ended: Ended::default(),
-            usage: Usage::default(),
             full_until: None,
+            looked: Instant::now(),
         };
-        writer.transact(|transaction| transaction.recover())?;
         let (sender, receiver) = channel();
         let thread = thread::Builder::new()
             .name("piad-store".to_owned())
@@ -63,19 +67,55 @@ impl Writer {
         points: usize,
         function: impl Fn(&mut Transaction<'_>) -> Result<T, StoreError> + Send + 'static,
     ) -> Acknowledgement<T> {
+        self.write_with(points, None, function)
+    }
+
+    /// A change that writes this new job.
+    pub(super) fn insert<T: Send + 'static>(
+        &self,
+        id: Uuid,
+        points: usize,
+        function: impl Fn(&mut Transaction<'_>) -> Result<T, StoreError> + Send + 'static,
+    ) -> Acknowledgement<T> {
+        self.write_with(points, Some(id), function)
+    }
+
+    fn write_with<T: Send + 'static>(
+        &self,
+        points: usize,
+        inserts: Option<Uuid>,
+        function: impl Fn(&mut Transaction<'_>) -> Result<T, StoreError> + Send + 'static,
+    ) -> Acknowledgement<T> {
         let (reply, receiver) = oneshot::channel();
-        let change = Box::new(Pending {
+        self.send(Box::new(Pending {
             points,
+            inserts,
             function,
             outcome: None,
             reply,
-        });
+        }));
+        answered(receiver)
+    }
+
+    /// Completes after the changes that were sent before it, with a store that is open.
+    pub(super) fn barrier(&self) -> Acknowledgement<()> {
+        let (reply, receiver) = oneshot::channel();
+        self.send(Box::new(Barrier(reply)));
+        answered(receiver)
+    }
+
+    fn send(&self, change: Box<dyn Change>) {
         if let Some(sender) = &self.sender {
             // If the thread has ended, the change is dropped with its reply.
             let _ = sender.send(change);
         }
-        Box::pin(async move { receiver.await.unwrap_or_else(|_| Err(closed())) })
     }
+}
+
+fn answered<T: Send + 'static>(
+    receiver: oneshot::Receiver<Result<T, StoreError>>,
+) -> Acknowledgement<T> {
+    Box::pin(async move { receiver.await.unwrap_or_else(|_| Err(closed())) })
 }
 
 impl Drop for Writer {
@@ -98,37 +138,38 @@ pub(super) fn closed() -> StoreError {
 /// What the thread works with.
 struct WriterThread {
     database: Arc<JobDatabase>,
+    committer: Committer,
     counters: Counters,
-    ended: Ended,
-    usage: Usage,
+    leaves_slack: bool,
     /// The end of the pause after the disk was full.
     full_until: Option<Instant>,
+    /// When it was last looked if the file is where it was opened.
+    looked: Instant,
 }
 
 impl WriterThread {
     fn serve(&mut self, receiver: &Receiver<Box<dyn Change>>) {
-        while let Ok(first) = receiver.recv() {
-            let mut points = first.points();
-            let mut changes = vec![first];
-            while points < POINTS_OF_COMMIT
-                && let Ok(change) = receiver.try_recv()
-            {
-                points += change.points();
-                changes.push(change);
+        loop {
+            match receiver.recv_timeout(LOOK) {
+                Ok(first) => self.commit_all(gather(first, receiver)),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
             }
-            self.commit_all(changes);
+            if self.looked.elapsed() >= LOOK {
+                self.look();
+            }
         }
+    }
+
+    fn look(&mut self) {
+        self.database.look_for_file();
+        self.looked = Instant::now();
     }
 
     /// Commits changes together, and one by one if that fails: one that cannot be done must not take the
     /// others with it.
     fn commit_all(&mut self, mut changes: Vec<Box<dyn Change>>) {
-        if self.full_until.is_some_and(|until| Instant::now() < until) {
-            for change in changes.extract_if(.., |change| change.points() > 0) {
-                let full = StoreError::Full("there is no room on the disk".to_owned());
-                change.answer(Err(full));
-            }
-        }
+        self.refuse(&mut changes);
         if changes.is_empty() {
             return;
         }
@@ -147,15 +188,37 @@ impl WriterThread {
         }
     }
 
-    /// Does changes in one transaction. If that fails, the database is opened again.
+    /// Answers changes that are not to be tried.
+    fn refuse(&mut self, changes: &mut Vec<Box<dyn Change>>) {
+        if self.full_until.is_some_and(|until| Instant::now() < until) {
+            for change in changes.extract_if(.., |change| change.points() > 0) {
+                let full = StoreError::Full("there is no room on the disk".to_owned());
+                change.answer(Err(full));
+            }
+        }
+        if changes.iter().any(|change| change.inserts().is_some()) {
+            self.look();
+            if let Err(error) = self.database.check_place() {
+                for change in changes.extract_if(.., |change| change.inserts().is_some()) {
+                    change.answer(Err(error.clone()));
+                }
+            }
+        }
+    }
+
+    /// Does changes in one transaction.
     fn commit(&mut self, changes: &mut [Box<dyn Change>]) -> Result<(), StoreError> {
+        if !changes.iter().any(|change| change.writes()) {
+            return self.committer.ensure_open();
+        }
         self.counters.commits.inc();
         self.counters.writes.inc_by(changes.len() as u64);
+        let inserted: Vec<Uuid> = changes.iter().filter_map(|it| it.inserts()).collect();
         let adds = changes.iter().any(|change| change.points() > 0);
-        let leaves_slack = adds && self.database.is_on_disk();
+        let leaves_slack = adds && self.leaves_slack;
         let is_single = changes.len() == 1;
-        let committed = self.transact(|transaction| {
-            for change in changes {
+        let committed = self.committer.transact(&inserted, |transaction| {
+            for change in changes.iter_mut() {
                 change.apply(transaction)?;
             }
             match leaves_slack {
@@ -163,45 +226,26 @@ impl WriterThread {
                 false => Ok(()),
             }
         });
-        if let Err(error) = &committed {
-            if let Err(error) = self.database.reopen() {
-                error!(%error, "the store could not be opened again");
-            }
-            if is_single && adds && matches!(error, StoreError::Full(_)) {
+        match committed {
+            Ok(committed) if committed.has_removed => self.full_until = None,
+            Err(StoreError::Full(_)) if is_single && adds => {
                 self.full_until = Some(Instant::now() + PAUSE);
             }
+            _ => {}
         }
-        committed
+        committed.map(|_| ())
     }
+}
 
-    /// Does everything or nothing. A panic of the database must not take the store away from everybody.
-    fn transact(
-        &mut self,
-        work: impl FnOnce(&mut Transaction<'_>) -> Result<(), StoreError>,
-    ) -> Result<(), StoreError> {
-        let transact = || {
-            let redb = self.database.redb();
-            let redb = redb.as_ref().ok_or_else(not_open)?;
-            let write = redb.begin_write()?;
-            let mut transaction = Transaction::open(&write, &self.ended, self.usage.clone())?;
-            work(&mut transaction)?;
-            let changes = std::mem::take(&mut transaction.changes);
-            let usage = std::mem::take(&mut transaction.usage);
-            drop(transaction);
-            write.commit()?;
-            Ok((changes, usage))
-        };
-        let (changes, usage) = catch_panic(transact).and_then(|done| done)?;
-        self.usage = usage;
-        for change in changes {
-            match change {
-                EndedChange::Add { at, id, bytes } => self.ended.add(at, id, bytes),
-                EndedChange::Remove { at, id } => {
-                    self.ended.remove(at, id);
-                    self.full_until = None;
-                }
-            }
-        }
-        Ok(())
+/// A change, and those behind it that go into one commit with it.
+fn gather(first: Box<dyn Change>, receiver: &Receiver<Box<dyn Change>>) -> Vec<Box<dyn Change>> {
+    let mut points = first.points();
+    let mut changes = vec![first];
+    while points < POINTS_OF_COMMIT
+        && let Ok(change) = receiver.try_recv()
+    {
+        points += change.points();
+        changes.push(change);
     }
+    changes
 }

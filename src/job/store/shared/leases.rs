@@ -40,7 +40,7 @@ WHERE state = 'running' AND lease_until < now() AND owner = (
 /// Back into the queue, or failed, if nobody was quicker.
 const RECOVER: &str = "
 UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
-    owner = NULL, lease_until = NULL, finished = to_timestamp($6)
+    owner = NULL, lease_until = NULL, finished = CASE WHEN $6 THEN now() END
 WHERE id = $1 AND epoch = $2 AND state = 'running' AND lease_until < now()
 RETURNING followed";
 
@@ -158,7 +158,6 @@ impl Shared {
 
     async fn write_recovered(&self, job: &Record, epoch: i64) -> Result<(), StoreError> {
         let (id, status) = (job.outline.id, record::write(&job.status)?);
-        let finished = job.status.finished.map(|at| at.as_duration().as_secs_f64());
         let recover = || {
             sqlx::query(RECOVER)
                 .bind(id)
@@ -166,7 +165,7 @@ impl Shared {
                 .bind(job.status.state.name())
                 .bind(&status)
                 .bind(job.crashes as i32)
-                .bind(finished)
+                .bind(job.status.finished.is_some())
         };
         if let Some(row) = self.connections.run(0, recover).await?.first() {
             self.counters.jobs_recovered.inc();

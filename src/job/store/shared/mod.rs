@@ -92,9 +92,13 @@ impl Shared {
         claims.get(&id).is_some_and(holds)
     }
 
-    /// Whether the database could not be reached the last time.
-    pub(crate) fn is_away(&self) -> bool {
-        self.connections.is_away()
+    /// See [`super::Store::check`].
+    pub(super) fn check_reached(&self) -> Result<(), StoreError> {
+        if self.connections.is_away() {
+            let reason = "the last statements have had no answer".to_owned();
+            return Err(StoreError::Away(reason));
+        }
+        Ok(())
     }
 
     /// Connections that are open, and those of them that are in use.
@@ -206,8 +210,7 @@ impl Shared {
         &self,
         name: &str,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
-        let entry = self.read_entry(name).await?;
-        Ok(entry.filter(|entry| !entry.has_expired()))
+        self.read_entry(name).await
     }
 
     /// A change of a job, which takes its place behind those that were called before, and is done whether or

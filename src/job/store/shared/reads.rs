@@ -1,12 +1,15 @@
 //! What is read of jobs.
 
+use jiff::{SignedDuration, Timestamp};
 use sqlx::Row;
 use sqlx::postgres::PgRow;
 use uuid::Uuid;
 
 use super::Shared;
 use super::connection::of_database;
-use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Selection, StoreError, record};
+use crate::job::store::{
+    IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Selection, StoreError, record,
+};
 use crate::job::tenant::Tenant;
 
 /// What [`record_of`] reads.
@@ -21,9 +24,14 @@ ORDER BY id DESC LIMIT $3";
 const UNFINISHED: &str = "
 SELECT id, outline, status, crashes, on_probation FROM jobs WHERE finished IS NULL ORDER BY id";
 
-const ENTRY: &str = "SELECT entry FROM keys WHERE name = $1";
+const ENTRY: &str = "
+SELECT entry FROM keys WHERE name = $1 AND created >= now() - make_interval(secs => $2)";
 
-const KEY: &str = "SELECT name, entry FROM keys WHERE id = $1";
+const KEY: &str = "
+SELECT name, entry FROM keys WHERE id = $1 AND created >= now() - make_interval(secs => $2)";
+
+/// In seconds.
+const NOW: &str = "SELECT extract(epoch FROM clock_timestamp())::float8";
 
 const IN_USE: &str = "
 SELECT 1 FROM jobs WHERE state = 'running' AND lease_until > now() LIMIT 1";
@@ -57,14 +65,25 @@ impl Shared {
         rows.iter().map(record_of).collect()
     }
 
-    /// The entry of an idempotency key, which may have expired.
+    /// The time of the database.
+    pub(crate) async fn now(&self) -> Result<Timestamp, StoreError> {
+        let rows = self.connections.run(0, || sqlx::query(NOW)).await?;
+        let seconds = rows.first().map(|row| row.try_get(0)).transpose();
+        let seconds: Option<f64> = seconds.map_err(of_database)?;
+        let since = SignedDuration::try_from_secs_f64(seconds.unwrap_or_default());
+        let at = since.and_then(Timestamp::from_duration);
+        at.map_err(|error| StoreError::Failed(error.to_string()))
+    }
+
+    /// The entry of an idempotency key, unless it has expired.
     pub(super) async fn read_entry(
         &self,
         name: &str,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
+        let lifetime = KEY_LIFETIME.as_secs_f64();
         let rows = self
             .connections
-            .run(0, || sqlx::query(ENTRY).bind(name))
+            .run(0, || sqlx::query(ENTRY).bind(name).bind(lifetime))
             .await?;
         let bytes = rows.first().map(|row| row.try_get(0)).transpose();
         let bytes: Option<&[u8]> = bytes.map_err(of_database)?;
@@ -73,9 +92,10 @@ impl Shared {
 
     /// The idempotency key of the request that made a job, unless it has expired.
     pub(super) async fn read_key(&self, id: Uuid) -> Result<Option<IdempotencyKey>, StoreError> {
+        let lifetime = KEY_LIFETIME.as_secs_f64();
         let rows = self
             .connections
-            .run(0, || sqlx::query(KEY).bind(id))
+            .run(0, || sqlx::query(KEY).bind(id).bind(lifetime))
             .await?;
         let Some(row) = rows.first() else {
             return Ok(None);
@@ -83,7 +103,7 @@ impl Shared {
         let entry = record::entry(row.try_get("entry").map_err(of_database)?)?;
         let name = row.try_get("name").map_err(of_database)?;
         let digest = entry.digest;
-        Ok((!entry.has_expired()).then_some(IdempotencyKey { name, digest }))
+        Ok(Some(IdempotencyKey { name, digest }))
     }
 
     /// Whether there are jobs that replicas run now.

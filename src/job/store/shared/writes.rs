@@ -6,6 +6,7 @@
 
 use std::time::Instant;
 
+use jiff::Timestamp;
 use sqlx::Row;
 use sqlx::postgres::PgRow;
 use tracing::warn;
@@ -28,7 +29,7 @@ use crate::job::store::{
 const INSERT: &str = "
 WITH key AS (
     INSERT INTO keys (name, id, entry, created)
-    SELECT $8, $1, $9, to_timestamp($10) WHERE $8 IS NOT NULL
+    SELECT $8, $1, $9, now() - make_interval(secs => $10) WHERE $8 IS NOT NULL
     ON CONFLICT (name) DO UPDATE
     SET id = excluded.id, entry = excluded.entry, created = excluded.created
     WHERE keys.created < now() - make_interval(secs => $11)
@@ -63,7 +64,7 @@ RETURNING id";
 /// The end of a job that this replica has claimed, or of one that waits.
 const FINISH: &str = "
 WITH job AS (
-    UPDATE jobs SET state = $3, status = $4, on_probation = false, finished = to_timestamp($5),
+    UPDATE jobs SET state = $3, status = $4, on_probation = false, finished = now() - make_interval(secs => $5),
         result_bytes = $6, lease_until = NULL
     WHERE id = $1 AND CASE WHEN $2 IS NULL THEN state = 'queued' ELSE epoch = $2 END
     RETURNING id, followed OR owner IS DISTINCT FROM $8 AS others
@@ -108,6 +109,13 @@ const FORGET_KEYS: &str = "DELETE FROM keys WHERE created < now() - make_interva
 /// Seconds of a century: beyond it an interval may not fit into a timestamp.
 const CENTURY: f64 = 3.2e9;
 
+/// How long something is ago, in seconds. The clocks of replicas differ from that of the database, by which
+/// things become old: so it is told how long ago they were, not when.
+fn age(at: Timestamp) -> f64 {
+    let age = Timestamp::now().duration_since(at).as_secs_f64();
+    age.clamp(-CENTURY, CENTURY)
+}
+
 impl Shared {
     /// Writes a new job, unless there is an entry for the same key, or it is beyond the quota of its tenant.
     pub(super) async fn write_job(
@@ -145,7 +153,7 @@ impl Shared {
                 .bind(value.first())
                 .bind(name)
                 .bind(&entry)
-                .bind(created.as_duration().as_secs_f64())
+                .bind(age(created))
                 .bind(KEY_LIFETIME.as_secs_f64())
                 .bind(self.replica)
                 .bind(runs.then_some(self.lease.as_secs_f64()))
@@ -166,18 +174,19 @@ impl Shared {
         };
         let inserted = connections.work(input.len(), &work).await?;
         if inserted.as_ref().map_or(true, Vec::is_empty)
-            && let Some(name) = name
+            // An attempt before may have succeeded without an answer.
+            && self.is_gone(id).await?
         {
-            let entry = self.read_entry(name).await?;
-            // If it is that of this job, an attempt before has succeeded without an answer.
-            if let Some(entry) = entry
-                && entry.id != id
-            {
-                return Ok(Insertion::Known(entry));
-            }
-        }
-        if let Err(exceeded) = inserted {
-            return Ok(Insertion::Refused(exceeded));
+            let entry = match name {
+                Some(name) => self.read_entry(name).await?,
+                None => None,
+            };
+            return match (entry, inserted) {
+                (Some(entry), _) => Ok(Insertion::Known(entry)),
+                (None, Err(exceeded)) => Ok(Insertion::Refused(exceeded)),
+                // The job of the key is gone by now.
+                (None, Ok(_)) => Err(StoreError::Away("the key has just become free".to_owned())),
+            };
         }
         if runs {
             self.claim(id, 1, begin);
@@ -243,7 +252,7 @@ impl Shared {
             claim.ends = true;
         }
         let (state, epoch) = (status.state.name(), self.epoch(id));
-        let finished = status.finished.map(|at| at.as_duration().as_secs_f64());
+        let finished = status.finished;
         let status = record::write(status)?;
         let value = result.map(|bytes| Value {
             table: Table::Results,
@@ -257,7 +266,7 @@ impl Shared {
                 .bind(epoch)
                 .bind(state)
                 .bind(&status)
-                .bind(finished)
+                .bind(finished.map(age))
                 .bind(bytes as i64)
                 .bind(value.as_ref().map(Value::first))
                 .bind(self.replica)
