@@ -73,7 +73,7 @@ export interface paths {
         };
         /**
          * Ask whether the server takes work
-         * @description It answers 503 while the server stops, and while its database cannot be reached.
+         * @description It answers 503 while the server stops, and while its database cannot be reached or the file of its jobs is not where it was opened.
          */
         get: operations["getReadiness"];
         put?: never;
@@ -3739,7 +3739,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+        /** @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
         "store-away": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -4294,7 +4294,7 @@ export interface operations {
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              */
             503: {
                 headers: {
@@ -4707,7 +4707,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -4866,7 +4866,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5031,7 +5031,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5133,7 +5133,7 @@ export interface operations {
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              */
             503: {
                 headers: {
@@ -5361,7 +5361,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5545,7 +5545,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -5806,7 +5806,7 @@ export interface operations {
             409: components["responses"]["no-export"];
             500: components["responses"]["internal"];
             /**
-             * @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             * @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
@@ -5975,7 +5975,7 @@ export interface operations {
             409: components["responses"]["no-export"];
             500: components["responses"]["internal"];
             /**
-             * @description - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             * @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */

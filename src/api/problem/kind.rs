@@ -204,8 +204,8 @@ kinds! {
     }
     StoreAway {
         "store-away", SERVICE_UNAVAILABLE, Unavailable,
-        "The database of the server cannot be reached",
-        "No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored."
+        "The store of the server cannot be used now",
+        "The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored."
     }
     Stopping {
         "stopping", SERVICE_UNAVAILABLE, Unavailable,
