@@ -278,9 +278,10 @@ impl Jobs {
         if let Some(job) = job {
             job.request_cancel();
             // One that another replica runs ends there when it is gone; and without the database none ends.
-            match self.store.shared() {
-                Some(_) => drop(timeout(MOST_WAITING, job.ended()).await),
-                None => drop(job.ended().await),
+            if self.store.shared().is_some() {
+                let _ = timeout(MOST_WAITING, job.ended()).await;
+            } else {
+                job.ended().await;
             }
         }
         let existed = self.store.remove(id).await?;
