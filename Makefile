@@ -1,4 +1,4 @@
-.PHONY: run test check library api database tokens postgres programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp freecad conformance browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database tokens postgres faketime programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp freecad conformance browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -33,7 +33,7 @@ library: tools postgres
 
 # A server, by its API; what concerns jobs themselves with them in a database, too.
 OF_JOBS := jobs|streams|durable|deleting|edits|ephemeral|milestones|views|peers|quotas|crashes
-api: tools postgres
+api: tools postgres faketime
 	tests/postgres cargo nextest run --locked --test api
 	PIAD_TEST_STORE=database tests/postgres cargo nextest run --locked --test api -E 'test(/^($(OF_JOBS))::/) - test(/^($(OF_A_FILE))/)'
 
@@ -226,6 +226,10 @@ fmt:
 postgres:
 	@ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 && command -v setpriv psql >/dev/null || \
 	  $(INSTALL) postgresql util-linux
+
+# Sets the clock of a server.
+faketime:
+	@ls /usr/lib/*/faketime/libfaketimeMT.so.1 >/dev/null 2>&1 || $(INSTALL) faketime
 
 # A linker and kill(1) from the system, the formatter and the linter of the toolchain, the runner of tests.
 tools:

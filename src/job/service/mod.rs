@@ -371,3 +371,6 @@ impl Jobs {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -145,3 +145,53 @@ impl Store {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::job::counters::Counters;
+    use crate::job::samples::{problem, queued};
+    use crate::job::state::State;
+    use crate::job::store::StorePlace;
+
+    fn ended() -> WholeJob {
+        let mut record = queued();
+        record.status = Status {
+            state: State::Exhausted,
+            finished: Some(Timestamp::now()),
+            ..Status::running()
+        };
+        WholeJob {
+            record,
+            problem: Arc::new(problem()),
+            result: None,
+            key: None,
+        }
+    }
+
+    #[tokio::test]
+    async fn many_jobs_go_into_few_commits() {
+        let directory = tempfile::tempdir().unwrap();
+        let counters = Counters::default();
+        let place = StorePlace::Directory(directory.path());
+        let store = Store::open(place, counters.clone()).await.unwrap();
+        let mut batch = Batch::to(&store);
+        let mut ids = Vec::new();
+        for _ in 0..3 * JOBS_OF_BATCH / 2 {
+            let job = ended();
+            ids.push(job.record.outline.id);
+            batch.put(job).await.unwrap();
+        }
+        batch.end().await.unwrap();
+        let mut kept = Records::of(&store);
+        while let Some(record) = kept.next().await.unwrap() {
+            assert_eq!(Some(record.outline.id), ids.pop());
+            assert_eq!(record.status.state, State::Exhausted);
+        }
+        assert!(ids.is_empty());
+        let commits = counters.commits.get();
+        assert!(commits < JOBS_OF_BATCH as u64, "{commits}");
+    }
+}
