@@ -1,10 +1,12 @@
 //! The settings of a server: flags, `PIAD_*` variables, and a file.
 //!
 //! - [`cli`]: the command line of the program; [`values`]: how values are read;
-//! - [`file`]: a file of settings; [`sources`]: where each setting comes from.
+//! - [`file`]: a file of settings; [`sources`]: where each setting comes from;
+//! - [`machine`]: the memory that there is.
 
 mod cli;
 mod file;
+mod machine;
 mod sources;
 mod values;
 
@@ -287,13 +289,13 @@ impl Config {
 
     /// Bytes that running fits may take together: as set, or half of what there is.
     pub fn memory_bytes(&self) -> u64 {
-        let half = || machine_memory().map_or(UNKNOWN_MEMORY, |memory| memory / 2);
+        let half = || machine::memory().map_or(UNKNOWN_MEMORY, |memory| memory / 2);
         self.memory.map_or_else(half, |size| size.as_u64())
     }
 
     /// Whether the memory is set, or that of the machine is known.
     pub fn knows_memory(&self) -> bool {
-        self.memory.is_some() || machine_memory().is_some()
+        self.memory.is_some() || machine::memory().is_some()
     }
 
     /// Jobs of one peer that may be unfinished: as set, or half of all.
@@ -313,17 +315,6 @@ impl Config {
 
 /// The memory for fits if that of the machine is not known.
 const UNKNOWN_MEMORY: u64 = 512 << 20;
-
-/// The memory of the machine, or of its control group if that has less. `None` if the system does not tell,
-/// such as Linux without /proc.
-fn machine_memory() -> Option<u64> {
-    let mut system = sysinfo::System::new();
-    system.refresh_memory();
-    let machine = Some(system.total_memory()).filter(|&memory| memory > 0)?;
-    let group = system.cgroup_limits().map(|limits| limits.total_memory);
-    let group = group.filter(|&group| group > 0).unwrap_or(machine);
-    Some(group.min(machine))
-}
 
 #[derive(Parser)]
 struct Standard {

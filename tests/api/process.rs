@@ -1,7 +1,7 @@
 //! The program itself: its flags, its signals, its health check.
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use futures_util::StreamExt;
@@ -219,4 +219,43 @@ async fn it_starts_without_proc() {
     assert_eq!(capabilities["limits"]["memory_bytes"], 512 << 20);
     let job = program.fit(&data::small_job()).await;
     assert_eq!(job["state"], "converged");
+}
+
+/// A group of processes with a limit of memory, which goes away with this.
+struct MemoryGroup(PathBuf);
+
+impl MemoryGroup {
+    /// A group below that of this process, where that is possible.
+    fn new(limit: u64) -> Option<Self> {
+        let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+        let own = groups.lines().find_map(|it| it.split_once(":memory:"))?.1;
+        let place = format!(
+            "/sys/fs/cgroup/memory{own}/piad-test-{}",
+            std::process::id()
+        );
+        std::fs::create_dir(&place).ok()?;
+        let group = Self(place.into());
+        let limited = std::fs::write(group.0.join("memory.limit_in_bytes"), limit.to_string());
+        limited.ok().map(|()| group)
+    }
+}
+
+impl Drop for MemoryGroup {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir(&self.0);
+    }
+}
+
+/// The limit of a group below the one that is mounted counts, as systemd and containers make them.
+#[tokio::test]
+async fn the_memory_is_that_of_its_own_group() {
+    let Some(group) = MemoryGroup::new(512 << 20) else {
+        eprintln!("nobody may limit memory here");
+        return;
+    };
+    let script = format!("echo $$ > {}/cgroup.procs; exec \"$@\"", group.0.display());
+    let program = Program::in_shell(&script, Path::new(":memory:"));
+    let capabilities = program.json("/v1/capabilities").await;
+    assert_eq!(capabilities["limits"]["memory_bytes"], 256 << 20);
+    drop(program);
 }
