@@ -28,6 +28,8 @@
 //! - [`telemetry`] — traces of requests and jobs, for a collector;
 //! - [`signals`] — of the operating system; `reload` — files that are read again when they change;
 //!   `log_throttle` — log lines about what happens often;
+//! - `files` — reading files whose size has a limit; `toml_text` — reading TOML; `redact` — settings without their
+//!   passwords; [`terminal`] — messages for people;
 //! - [`trim`] — gives memory back that nobody uses any more.
 
 pub mod access;
@@ -35,14 +37,18 @@ pub mod api;
 pub mod command;
 pub mod config;
 pub mod export;
+pub(crate) mod files;
 pub mod fit;
 pub(crate) mod import;
 pub(crate) mod job;
 pub(crate) mod log_throttle;
 pub mod model;
 pub(crate) mod proto;
+pub(crate) mod redact;
 pub(crate) mod reload;
 pub mod server;
 pub mod signals;
 pub mod telemetry;
+pub mod terminal;
+pub(crate) mod toml_text;
 pub mod trim;

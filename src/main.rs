@@ -13,6 +13,7 @@ use piad::server::probe::probe;
 use piad::signals;
 use piad::telemetry::endpoint::Endpoint;
 use piad::telemetry::{self, Telemetry};
+use piad::terminal::say;
 use piad::trim;
 use tracing::{error, info};
 use tracing_subscriber::{EnvFilter, Layer, fmt};
@@ -51,7 +52,7 @@ fn serve(config: Config) -> ExitCode {
     let telemetry = match telemetry {
         Ok(telemetry) => telemetry,
         Err(reason) => {
-            eprintln!("piad: {reason}");
+            say(format_args!("piad: {reason}"));
             return ExitCode::from(2);
         }
     };
@@ -67,7 +68,7 @@ fn serve(config: Config) -> ExitCode {
 #[tokio::main]
 async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> ExitCode {
     if let Err(reason) = start_log(&config, telemetry) {
-        eprintln!("piad: --log {:?}: {reason}", config.log);
+        say(format_args!("piad: --log {:?}: {reason}", config.log));
         return ExitCode::from(2);
     }
     let interrupted = signals::interrupted();
@@ -98,13 +99,13 @@ async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> E
 async fn health(places: &[Listen], is_secure: bool, timeout: u64) -> ExitCode {
     let mut sockets = places.iter().filter(|it| matches!(it, Listen::Unix(_)));
     let Some(place) = sockets.next().or(places.first()) else {
-        eprintln!("piad: there is no place where it listens");
+        say("piad: no listen address is configured");
         return ExitCode::FAILURE;
     };
     match probe(place, is_secure, Duration::from_secs(timeout)).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(reason) => {
-            eprintln!("piad: {place} is not ready: {reason}");
+            say(format_args!("piad: {place} is not ready: {reason}"));
             ExitCode::FAILURE
         }
     }
@@ -112,7 +113,9 @@ async fn health(places: &[Listen], is_secure: bool, timeout: u64) -> ExitCode {
 
 fn start_log(config: &Config, telemetry: Option<&Telemetry>) -> Result<(), String> {
     let filter = EnvFilter::try_new(&config.log).map_err(|reason| reason.to_string())?;
+    // A line that cannot be written is lost; to say so on the same standard error would be a panic.
     let log = fmt::layer()
+        .log_internal_errors(false)
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal());
     let log = match config.log_format {

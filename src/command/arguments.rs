@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bytesize::ByteSize;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueHint};
 
@@ -92,6 +93,10 @@ pub struct FitArguments {
     /// File with fields of a job in JSON, which flags and --set override.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Fit")]
     pub(crate) json: Option<PathBuf>,
+
+    /// Largest input, and largest file of --json.
+    #[arg(long, value_name = "SIZE", default_value = "1GiB")]
+    pub(crate) max_input: ByteSize,
 
     /// Unit of length that STEP and IGES files declare [default: mm].
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::names()))]

@@ -20,6 +20,7 @@ use tower::ServiceExt;
 use super::failure::Failure;
 use super::refusal::Refusal;
 use crate::config::{Config, Storage};
+use crate::redact::redacted;
 use crate::server::local::{self, Local};
 use crate::telemetry::request::TRACE_PARENT;
 
@@ -76,7 +77,8 @@ impl Client {
 
     /// A server at a URL, which may have a path before those of the API.
     pub(super) fn there(url: &str, token: Option<&str>) -> Result<Self, Failure> {
-        let wrong = |detail: &str| Failure::usage(format!("--server {url}: {detail}"));
+        let shown = redacted(url);
+        let wrong = |detail: &str| Failure::usage(format!("--server {shown}: {detail}"));
         let uri: Uri = url.parse().map_err(|_| wrong("it is no URL"))?;
         if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none() {
             return Err(wrong("it is no URL such as https://fits.example.org"));
@@ -89,7 +91,7 @@ impl Client {
             Ok(builder) => builder.https_or_http().enable_http1().build(),
             // Without certificates there is still plain HTTP.
             Err(_) if uri.scheme_str() == Some("http") => plain_connector(),
-            Err(_) => return Err(Failure::Failed(format!("{url}: {NO_AUTHORITIES}"))),
+            Err(_) => return Err(Failure::Failed(format!("{shown}: {NO_AUTHORITIES}"))),
         };
         Ok(Self::new(Door::There {
             client: Box::new(legacy::Client::builder(TokioExecutor::new()).build(connector)),
@@ -111,10 +113,18 @@ impl Client {
     }
 
     /// The address of a path.
-    pub(super) fn address(&self, path: &str) -> String {
+    fn address(&self, path: &str) -> String {
         match &self.door {
             Door::Here(_) => path.to_owned(),
             Door::There { base, .. } => format!("{base}{path}"),
+        }
+    }
+
+    /// The address of a path as it may be shown: a URL can have a password.
+    pub(super) fn shown(&self, path: &str) -> String {
+        match &self.door {
+            Door::Here(_) => path.to_owned(),
+            Door::There { base, .. } => format!("{}{path}", redacted(base)),
         }
     }
 
@@ -164,7 +174,7 @@ impl Client {
         let request = request
             .uri(self.address(path))
             .header(header::ACCEPT, accept);
-        let failed = |reason: String| Failure::Failed(format!("{}: {reason}", self.address(path)));
+        let failed = |reason: String| Failure::Failed(format!("{}: {reason}", self.shown(path)));
         let response = match &self.door {
             Door::Here(local) => {
                 let request = request.header(header::HOST, "localhost").body(body);

@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io;
 
+use crate::terminal::say;
+
 /// The status of a command that was asked for something that makes no sense.
 pub(super) const USAGE: u8 = 2;
 
@@ -40,8 +42,8 @@ impl Failure {
     pub(super) fn tell(&self) {
         match self {
             // Each line begins with the file, as those of compilers do.
-            Self::Usage(lines) => lines.iter().for_each(|line| eprintln!("{line}")),
-            Self::Failed(line) => eprintln!("piad: {line}"),
+            Self::Usage(lines) => lines.iter().for_each(say),
+            Self::Failed(line) => say(format_args!("piad: {line}")),
             Self::Closed => {}
         }
     }

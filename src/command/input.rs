@@ -1,7 +1,6 @@
 //! The input: where it comes from, and what it is by what is in it.
 
-use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
 use bytes::Bytes;
@@ -9,6 +8,7 @@ use serde::de::IgnoredAny;
 use serde_json::Value;
 
 use super::failure::Failure;
+use crate::files;
 use crate::import::{self, Hints};
 use crate::model::short::without_mark;
 
@@ -35,13 +35,16 @@ pub(super) struct Input {
 }
 
 impl Input {
-    /// Reads a file, or the standard input.
-    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+    /// Reads a file, or the standard input, of at most so many bytes.
+    pub(super) fn read(path: &Path, max_bytes: u64) -> Result<Self, Failure> {
         let (name, bytes) = match path.to_str() {
-            Some("-") => ("<stdin>".to_owned(), standard_input()),
-            _ => (path.display().to_string(), fs::read(path)),
+            Some("-") => {
+                let bytes = files::read_from(io::stdin().lock(), max_bytes);
+                ("<stdin>".to_owned(), bytes)
+            }
+            _ => (path.display().to_string(), files::read(path, max_bytes)),
         };
-        let bytes = bytes.map_err(|reason| Failure::usage(format!("{name}: {reason}")))?;
+        let bytes = bytes.map_err(|reason| not_read(&name, &reason))?;
         let content = content(&bytes);
         let input = Self {
             name,
@@ -85,10 +88,13 @@ pub(super) fn notices(bytes: &[u8], hints: &Hints) -> Vec<String> {
     read.map(|read| read.notices).unwrap_or_default()
 }
 
-fn standard_input() -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    io::stdin().lock().read_to_end(&mut bytes)?;
-    Ok(bytes)
+/// Why a file was not read.
+pub(super) fn not_read(name: &str, reason: &io::Error) -> Failure {
+    let advice = match reason.kind() {
+        io::ErrorKind::FileTooLarge => "; --max-input sets another limit",
+        _ => "",
+    };
+    Failure::usage(format!("{name}: {reason}{advice}"))
 }
 
 fn content(bytes: &[u8]) -> Content {

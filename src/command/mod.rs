@@ -29,7 +29,6 @@ mod summary;
 pub mod token;
 
 use std::env;
-use std::fs;
 use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -52,8 +51,10 @@ use request::Request;
 use summary::Shape;
 
 use crate::access::BOOTSTRAP;
+use crate::files;
 use crate::import::Hints;
 use crate::signals;
+use crate::terminal::say;
 
 /// The status after an interrupt, as shells tell it.
 const INTERRUPTED: u8 = 130;
@@ -66,7 +67,7 @@ pub fn fit(arguments: &FitArguments) -> ExitCode {
     let runtime = match Runtime::new() {
         Ok(runtime) => runtime,
         Err(reason) => {
-            eprintln!("piad: {reason}");
+            say(format_args!("piad: {reason}"));
             return ExitCode::FAILURE;
         }
     };
@@ -99,8 +100,8 @@ pub fn fit(arguments: &FitArguments) -> ExitCode {
 /// Fits and writes; tells whether the fit has converged.
 async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool, Failure> {
     let outputs = outputs::outputs(arguments)?;
-    let path = arguments.input.clone();
-    let reading = tokio::task::spawn_blocking(move || Input::read(&path)).await;
+    let (path, max_bytes) = (arguments.input.clone(), arguments.max_input.as_u64());
+    let reading = tokio::task::spawn_blocking(move || Input::read(&path, max_bytes)).await;
     let input = reading.map_err(|reason| Failure::Failed(reason.to_string()))??;
     let asked = Asked::of(arguments, &input)?;
     let request = Request::new(&input, &asked)?;
@@ -125,7 +126,7 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
             false => None,
         };
         for notice in notices.await.unwrap_or_default() {
-            eprintln!("{}: {notice}", input.name);
+            say(format_args!("{}: {notice}", input.name));
         }
         summary::tell(&input.name, &job, &end, shape.as_ref());
         for (place, bytes) in &written.files {
@@ -133,7 +134,7 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
         }
         if client.is_remote() {
             let path = client.job.get().map_or("", String::as_str);
-            eprintln!("job {}", client.address(path));
+            say(format_args!("job {}", client.shown(path)));
         }
     }
     match written.failure {
@@ -159,7 +160,7 @@ async fn client(arguments: &FitArguments) -> Result<Client, Failure> {
     };
     let token = arguments.token_file.as_ref().map(|path| {
         let failed = |reason| Failure::usage(format!("{}: {reason}", path.display()));
-        fs::read_to_string(path).map_err(failed)
+        files::read_settings(path).map_err(failed)
     });
     let variable = || env::var(BOOTSTRAP).ok().filter(|it| !it.is_empty());
     let token = token.transpose()?.or_else(variable);

@@ -1,14 +1,13 @@
 //! The options as fields of a job: what flags say becomes the JSON that servers read.
 
-use std::fs;
-
 use serde_json::{Map, Value, json};
 
 use super::arguments::FitArguments;
 use super::failure::Failure;
-use super::input::{Content, Input, not_json};
+use super::input::{Content, Input, not_json, not_read};
 use crate::api::json::request::file;
 use crate::api::json::request::path::{insert, insert_value};
+use crate::files;
 use crate::fit::points::Grid;
 use crate::import::{self, Hints};
 use crate::model::stream::Samples;
@@ -53,8 +52,8 @@ impl Asked {
             None => Map::new(),
             Some(path) => {
                 let name = path.display().to_string();
-                let text = fs::read(path);
-                let text = text.map_err(|reason| Failure::usage(format!("{name}: {reason}")))?;
+                let text = files::read(path, arguments.max_input.as_u64());
+                let text = text.map_err(|reason| not_read(&name, &reason))?;
                 serde_json::from_slice(&text).map_err(|error| not_json(&name, &error))?
             }
         };

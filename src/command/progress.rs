@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::events::{IterationEvent, JobEvent};
+use crate::terminal::say;
 
 /// The time between lines.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -75,7 +76,11 @@ impl Progress {
                 *told = Some(Instant::now());
                 let expected = level.predicted.or(*total);
                 let of = expected.map_or_else(String::new, |it| format!(" of about {it}"));
-                eprintln!("iteration {}{of}: {}", level.iteration, distances(level));
+                say(format_args!(
+                    "iteration {}{of}: {}",
+                    level.iteration,
+                    distances(level)
+                ));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Completions and manual pages, from the definitions of the arguments; texts on the standard output.
 
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::CommandFactory;
@@ -8,6 +8,7 @@ use clap_complete::Shell;
 
 use super::failure::Failure;
 use crate::config::Cli;
+use crate::terminal::escaped;
 
 /// Writes the completions of a shell to the standard output.
 pub fn completions(shell: Shell) -> ExitCode {
@@ -39,10 +40,23 @@ pub fn manual(name: Option<&str>) -> ExitCode {
     }
 }
 
+/// Writes lines to the standard output; names and notes in them do not control the terminal.
+pub(super) fn show_lines<'a>(lines: impl IntoIterator<Item = &'a str>) -> ExitCode {
+    let lines = lines.into_iter().map(|line| escaped(line) + "\n");
+    show(lines.collect::<String>().as_bytes())
+}
+
 /// Writes a text to the standard output.
 pub fn show(text: &[u8]) -> ExitCode {
-    match io::stdout().lock().write_all(text) {
+    let mut output = io::stdout().lock();
+    match output.write_all(text).and_then(|()| output.flush()) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(_) => ExitCode::FAILURE,
+        Err(reason) => {
+            let failure = Failure::of_file("<stdout>", &reason);
+            if reason.kind() != ErrorKind::BrokenPipe {
+                failure.tell();
+            }
+            failure.status().into()
+        }
     }
 }

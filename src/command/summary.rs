@@ -4,6 +4,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::events::{Distances, EndEvent, JobEvent};
+use crate::terminal::say;
 
 /// What a result says of its control points, if they are binary.
 #[derive(Debug, Deserialize)]
@@ -31,7 +32,7 @@ pub(super) fn is_automatic(job: &JobEvent) -> bool {
 /// What was fitted, and how it ended.
 pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
     for warning in &job.warnings {
-        eprintln!("{name}: warning: {}", warning.detail);
+        say(format_args!("{name}: warning: {}", warning.detail));
     }
     let JobEvent {
         kind,
@@ -42,33 +43,36 @@ pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sh
     } = job;
     let method = job.method["kind"].as_str().unwrap_or("");
     let control_points = shape.map_or_else(|| each(&job.control_points), Shape::told);
-    eprintln!(
+    say(format_args!(
         "{name}: {kind} of degree {} ({}), {points} points, {control_points} control points, method {method}",
         each(degree),
         each(basis),
-    );
+    ));
     let iterations = match end.iterations {
         1 => "1 iteration".to_owned(),
         count => format!("{count} iterations"),
     };
     let elapsed = end.elapsed.map(|seconds| format!(" in {}", time(seconds)));
     let error = end.error.as_ref().map(distances).unwrap_or_default();
-    eprintln!(
+    say(format_args!(
         "{} after {iterations}{}{error}",
         end.state,
         elapsed.unwrap_or_default()
-    );
+    ));
     let why = end.problem.as_ref().map(|it| &it.detail);
     if let Some(detail) = why.or(end.detail.as_ref()) {
-        eprintln!("{detail}");
+        say(detail);
     } else if end.state != "converged" {
-        eprintln!("the tolerance was {:.3e}", job.stop.tolerance);
+        say(format_args!("the tolerance was {:.3e}", job.stop.tolerance));
     }
 }
 
 /// A file that was written.
 pub(super) fn tell_written(place: &str, bytes: u64) {
-    eprintln!("wrote {place} ({})", bytesize::ByteSize(bytes));
+    say(format_args!(
+        "wrote {place} ({})",
+        bytesize::ByteSize(bytes)
+    ));
 }
 
 fn distances(error: &Distances) -> String {

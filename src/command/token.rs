@@ -1,18 +1,19 @@
 //! `piad token`: makes, lists and revokes the tokens of a server.
 
 use std::collections::BTreeSet;
-use std::io::{Write, stdout};
 use std::path::Path;
 use std::process::ExitCode;
 
 use jiff::{SignedDuration, Timestamp};
 use uuid::Uuid;
 
+use super::shells;
 use crate::access::file::{Token, TokensFile};
 use crate::access::scope::Scope;
 use crate::access::secret::{self, Hash};
 use crate::config::{Lifetime, TokenCommand};
 use crate::job::tenant::Tenant;
+use crate::terminal::say;
 
 /// How many characters an id has.
 const ID: usize = 8;
@@ -31,12 +32,9 @@ pub fn run(command: &TokenCommand) -> ExitCode {
         TokenCommand::Revoke { tokens, id } => revoke(tokens, id),
     };
     match done {
-        Ok(said) => {
-            let _ = writeln!(stdout(), "{said}");
-            ExitCode::SUCCESS
-        }
+        Ok(lines) => shells::show_lines(lines.iter().map(String::as_str)),
         Err(reason) => {
-            eprintln!("piad: {reason}");
+            say(format_args!("piad: {reason}"));
             ExitCode::FAILURE
         }
     }
@@ -49,7 +47,7 @@ fn create(
     scopes: &[Scope],
     lifetime: Lifetime,
     note: Option<String>,
-) -> Result<String, String> {
+) -> Result<Vec<String>, String> {
     let tenant: Tenant = tenant.parse()?;
     let text = secret::generate()?;
     let created = Timestamp::now();
@@ -71,8 +69,8 @@ fn create(
         file.tokens.push(token.clone());
         Ok(token)
     })?;
-    eprintln!("{}", told(&token));
-    Ok(text)
+    say(told(&token));
+    Ok(vec![text])
 }
 
 /// When a lifetime is over.
@@ -87,7 +85,7 @@ fn second(at: Timestamp) -> Timestamp {
 }
 
 /// All tokens and quotas, a line each.
-fn list(path: &Path) -> Result<String, String> {
+fn list(path: &Path) -> Result<Vec<String>, String> {
     let file = TokensFile::read(path)?;
     let quotas = file.quotas.iter().map(|(tenant, quota)| {
         let quota = toml::to_string(quota).unwrap_or_default();
@@ -98,8 +96,8 @@ fn list(path: &Path) -> Result<String, String> {
     });
     let lines: Vec<String> = file.tokens.iter().map(told).chain(quotas).collect();
     match lines.is_empty() {
-        true => Ok("there are no tokens".to_owned()),
-        false => Ok(lines.join("\n")),
+        true => Ok(vec!["there are no tokens".to_owned()]),
+        false => Ok(lines),
     }
 }
 
@@ -118,13 +116,13 @@ fn told(token: &Token) -> String {
 }
 
 /// Removes a token. Servers know within two seconds.
-fn revoke(path: &Path, id: &str) -> Result<String, String> {
+fn revoke(path: &Path, id: &str) -> Result<Vec<String>, String> {
     TokensFile::change(path, |file| {
         let place = file.tokens.iter().position(|token| token.id == id);
         let Some(place) = place else {
             return Err(format!("there is no token {id} in {}", path.display()));
         };
         let token = file.tokens.remove(place);
-        Ok(format!("revoked {}", told(&token)))
+        Ok(vec![format!("revoked {}", told(&token))])
     })
 }

@@ -1,11 +1,15 @@
 //! A file of settings: TOML, with the names of the flags.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Command;
 use toml::{Table, Value};
+
+use crate::files;
+use crate::redact::redacted;
+use crate::terminal::escaped;
+use crate::toml_text;
 
 /// What a file sets.
 #[derive(Debug)]
@@ -16,13 +20,14 @@ pub(super) struct SettingsFile {
 }
 
 impl SettingsFile {
-    /// Reads a file; the error names it, and the line or the setting that is wrong.
+    /// Reads a file; the error names it, and the line or the setting that is wrong, but shows no value.
     pub(super) fn read(path: &Path, server: &Command) -> Result<Self, String> {
-        let wrong = |reason: String| format!("{}: {reason}", path.display());
-        let text = fs::read_to_string(path).map_err(|reason| wrong(reason.to_string()))?;
-        let table: Table = text
-            .parse()
-            .map_err(|reason: toml::de::Error| wrong(reason.to_string()))?;
+        let wrong = |reason: String| {
+            let message = format!("{}: {reason}", path.display());
+            escaped(&message).into_owned()
+        };
+        let text = files::read_settings(path).map_err(|reason| wrong(reason.to_string()))?;
+        let table: Table = toml_text::parse(&text).map_err(wrong)?;
         let mut values = BTreeMap::new();
         for (name, value) in table {
             if name == "config"
@@ -31,7 +36,8 @@ impl SettingsFile {
                     .any(|it| it.get_long() == Some(&name))
             {
                 return Err(wrong(format!(
-                    "there is no setting {name}: piad --help has them all"
+                    "there is no setting {}: piad --help has them all",
+                    redacted(&name)
                 )));
             }
             let Some(texts) = texts(value) else {

@@ -232,7 +232,12 @@ pub struct Config {
 
     /// The collector that gets traces of requests and jobs, by OTLP over gRPC, such as http://localhost:4317;
     /// the variables OTEL_* of OpenTelemetry hold, too [default: that of OTEL_EXPORTER_OTLP_ENDPOINT, if any].
-    #[arg(long, env = "PIAD_OTLP_ENDPOINT", value_name = "URL")]
+    #[arg(
+        long,
+        env = "PIAD_OTLP_ENDPOINT",
+        value_name = "URL",
+        hide_env_values = true
+    )]
     pub otlp_endpoint: Option<String>,
 
     /// How log lines, on standard error, look.

@@ -4,13 +4,15 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use clap::error::{Error, ErrorKind};
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory, FromArgMatches};
 use toml::Value;
 
 use super::cli::Cli;
 use super::file::SettingsFile;
+use crate::redact::{has_secret, redacted};
+use crate::terminal::escaped;
 
 /// The commands that take settings of a server.
 const OF_SERVERS: [&str; 3] = ["serve", "config", "health"];
@@ -27,8 +29,12 @@ pub struct Sources {
 ///
 /// # Errors
 ///
-/// If there is anything wrong with them, or help was asked for.
+/// If there is anything wrong with them, or help was asked for. Errors show no passwords.
 pub fn parse(arguments: Vec<OsString>) -> Result<(Cli, Sources), Error> {
+    read(arguments).map_err(without_secrets)
+}
+
+fn read(arguments: Vec<OsString>) -> Result<(Cli, Sources), Error> {
     let mut command = Cli::command();
     let mut matches = command.clone().try_get_matches_from(&arguments)?;
     let path = of_server(&matches).and_then(|it| it.get_one::<PathBuf>("config_file"));
@@ -40,7 +46,7 @@ pub fn parse(arguments: Vec<OsString>) -> Result<(Cli, Sources), Error> {
         matches = command
             .clone()
             .try_get_matches_from(&arguments)
-            .map_err(|error| of_file(&mut command, &read, &error))?;
+            .map_err(|error| of_file(&mut command, &read, &without_secrets(error)))?;
         file = Some(read);
     }
     let cli = Cli::from_arg_matches(&matches)?;
@@ -74,7 +80,28 @@ fn of_file(command: &mut Command, file: &SettingsFile, error: &Error) -> Error {
     let told = error.to_string();
     let told = told.lines().next().unwrap_or_default();
     let told = told.trim_start_matches("error: ");
-    command.error(error.kind(), format!("{}: {told}", file.path.display()))
+    let path = file.path.display().to_string();
+    command.error(error.kind(), format!("{}: {told}", escaped(&path)))
+}
+
+/// The error without passwords and control characters in the values that it repeats.
+fn without_secrets(mut error: Error) -> Error {
+    let shown = |text: &String| escaped(&redacted(text)).into_owned();
+    let context = error.context().filter_map(|(kind, value)| {
+        let value = match value {
+            ContextValue::String(text) => ContextValue::String(shown(text)),
+            ContextValue::Strings(texts) => {
+                ContextValue::Strings(texts.iter().map(shown).collect())
+            }
+            _ => return None,
+        };
+        Some((kind, value))
+    });
+    let context: Vec<(ContextKind, ContextValue)> = context.collect();
+    for (kind, value) in context {
+        error.insert(kind, value);
+    }
+    error
 }
 
 impl Sources {
@@ -125,15 +152,23 @@ impl Sources {
                 let variable = argument.get_env().unwrap_or_default();
                 variable.to_string_lossy().into_owned()
             }
-            (_, Some(file)) if file.sets(name) => file.path.display().to_string(),
+            (_, Some(file)) if file.sets(name) => {
+                escaped(&file.path.display().to_string()).into_owned()
+            }
             _ => "the default".to_owned(),
         }
     }
 }
 
-/// Whether this must not be shown: the URL of a database can hold its password.
+/// Returns true if a value must not be shown: it has a password in it, or is the URL of a database.
 fn is_secret(argument: &Arg, value: &Value) -> bool {
-    argument.is_hide_env_values_set() && value.as_str().is_some_and(|text| text.contains("://"))
+    match value {
+        Value::String(text) => {
+            has_secret(text) || argument.is_hide_env_values_set() && text.contains("://")
+        }
+        Value::Array(values) => values.iter().any(|it| is_secret(argument, it)),
+        _ => false,
+    }
 }
 
 /// A number or a text.

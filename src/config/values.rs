@@ -10,6 +10,7 @@ use jiff::SignedDuration;
 
 use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
+use crate::redact;
 
 /// The path below which clients see a server: empty, or such as `/fits`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -85,8 +86,11 @@ impl FromStr for Storage {
         match text {
             ":memory:" => Ok(Self::Memory),
             "" => Err("a directory, :memory: or the URL of a database".to_owned()),
-            url if is_database(url) => Ok(Self::Database(url.to_owned())),
-            url if url.contains("://") => {
+            url if is_database(url) => match ignored_password(url) {
+                None => Ok(Self::Database(url.to_owned())),
+                Some(key) => Err(format!("the parameter {key} is not supported")),
+            },
+            text if is_meant_for_database(text) => {
                 Err("a database has a URL that begins with postgres://".to_owned())
             }
             path => Ok(Self::Directory(path.into())),
@@ -95,8 +99,34 @@ impl FromStr for Storage {
 }
 
 fn is_database(text: &str) -> bool {
-    let schemes = ["postgres://", "postgresql://"];
-    schemes.iter().any(|scheme| text.starts_with(scheme))
+    let scheme = text.split_once("://").map(|(scheme, _)| scheme);
+    let schemes = ["postgres", "postgresql"];
+    scheme.is_some_and(|scheme| schemes.iter().any(|it| scheme.eq_ignore_ascii_case(it)))
+}
+
+/// A parameter with a password that connections would ignore, and show in the log.
+fn ignored_password(url: &str) -> Option<&str> {
+    let (_, query) = url.split_once('?')?;
+    let mut keys = query
+        .split('&')
+        .filter_map(|pair| Some(pair.split_once('=')?.0));
+    keys.find(|key| *key != "password" && redact::has_secret(&format!("{key}=")))
+}
+
+/// Returns true for a URL with a mistake and for a connection string such as `host=db user=piad`. As the name of a
+/// directory it would be shown with its password.
+fn is_meant_for_database(text: &str) -> bool {
+    const KEYS: [&str; 5] = ["host", "hostaddr", "user", "dbname", "service"];
+    let lower = text.to_ascii_lowercase();
+    let is_key = |word: &str| {
+        word.split_once('=')
+            .is_some_and(|(key, _)| KEYS.contains(&key))
+    };
+    let is_scheme = ["postgres:", "postgresql:"]
+        .iter()
+        .any(|it| lower.starts_with(it));
+    let is_url = lower.contains("://") || is_scheme;
+    is_url || lower.split_whitespace().any(is_key) || redact::has_secret(text)
 }
 
 /// How long a token is good.
@@ -164,5 +194,41 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     match Duration::try_from_secs_f64(seconds) {
         Ok(duration) if duration <= Duration::from_secs(86_400) => Ok(duration),
         _ => Err("must lie between 0 and 86400 seconds".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn databases_have_urls_and_all_else_is_a_directory() {
+        for text in [
+            "postgres://db/piad",
+            "POSTGRES://u:pw@db",
+            "PostgreSQL://db",
+        ] {
+            assert_eq!(
+                text.parse::<Storage>(),
+                Ok(Storage::Database(text.to_owned()))
+            );
+        }
+        for text in ["./piad-data", "/srv/postgres", "a=b", "/srv/me@home"] {
+            assert_eq!(text.parse::<Storage>(), Ok(Storage::Directory(text.into())));
+        }
+        for text in [
+            "",
+            "mysql://db/piad",
+            "postgres:/u:pw@db/piad",
+            "Postgres:db",
+            "postgres//u:pw@db/piad",
+            "host=db password=pw",
+            "port=5432 user=piad",
+            "password='pw'",
+            "postgres://db/piad?password=pw&sslpassword=pw",
+        ] {
+            let refused = text.parse::<Storage>().unwrap_err();
+            assert!(!refused.contains("pw"), "{text}: {refused}");
+        }
     }
 }

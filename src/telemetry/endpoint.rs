@@ -4,6 +4,8 @@ use std::env;
 
 use axum::http::Uri;
 
+use crate::redact::redacted;
+
 /// The variables, the first of which that is set counts.
 const STANDARD: [&str; 2] = [
     "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT",
@@ -33,7 +35,8 @@ impl Endpoint {
             None => STANDARD.into_iter().find_map(set),
         };
         let parsed = found.map(|(name, url)| {
-            Self::of(&url).map_err(|reason| format!("{name} {url:?}: {reason}"))
+            let shown = redacted(&url);
+            Self::of(&url).map_err(|reason| format!("{name} {shown:?}: {reason}"))
         });
         parsed.transpose()
     }
@@ -46,9 +49,8 @@ impl Endpoint {
             return Err(format!("neither http:// nor https://; {SUCH_AS}"));
         }
         if uri.path() != "/" || uri.query().is_some() {
-            let path = uri.path_and_query().map_or("", |it| it.as_str());
             return Err(format!(
-                "over gRPC there is no {path}, which is of OTLP over HTTP; {SUCH_AS}"
+                "over gRPC there is no path and no query, which are of OTLP over HTTP; {SUCH_AS}"
             ));
         }
         if uri.authority().is_some_and(|it| it.as_str().contains('@')) {

@@ -82,6 +82,108 @@ fn urls_of_databases_are_not_shown() {
     );
 }
 
+/// Whatever form it has, and wherever it stands, no password is shown.
+#[test]
+fn passwords_are_not_shown() {
+    let urls = [
+        "postgres://piad:secret@db.example/piad",
+        "POSTGRES://piad:secret@db.example/piad",
+        "PostgreSQL://db.example/piad?user=piad&password=secret",
+    ];
+    let mistakes = [
+        "postgres:/piad:secret@db.example/piad",
+        "postgres:piad:secret@db.example/piad",
+        "postgres//piad:secret@db.example/piad",
+        "mysql://piad:secret@db.example/piad",
+        "host=db.example password=secret user=piad",
+        "host=db.example user=piad password = 'se secret'",
+    ];
+    let shown = |name: &str, value: &str| {
+        let (flag, variable) = (format!("--{name}"), name.replace('-', "_").to_uppercase());
+        let file = format!("{name} = {value:?}");
+        [
+            settings("", &[&flag, value], &[]),
+            settings("", &[], &[(&format!("PIAD_{variable}"), value)]),
+            settings(&file, &[], &[]),
+        ]
+    };
+    for url in urls {
+        for shown in shown("store", url) {
+            let shown = shown.unwrap();
+            assert!(
+                shown.contains("# store is a URL, which may hold"),
+                "{shown}"
+            );
+            assert!(!shown.contains("secret"), "{shown}");
+        }
+    }
+    for text in mistakes {
+        for refused in shown("store", text) {
+            let refused = refused.unwrap_err();
+            assert!(refused.contains("begins with postgres://"), "{refused}");
+            assert!(
+                refused.contains("***") && !refused.contains("secret"),
+                "{refused}"
+            );
+        }
+    }
+    for url in [
+        "http://piad:secret@localhost:4317",
+        "https://secret@collector",
+    ] {
+        for shown in shown("otlp-endpoint", url) {
+            let shown = shown.unwrap();
+            assert!(shown.contains("# otlp-endpoint is a URL"), "{shown}");
+            assert!(!shown.contains("secret"), "{shown}");
+        }
+    }
+    // Where it does not belong, in the help, and in other commands.
+    for (arguments, variable) in [
+        (&["--listen", urls[0]][..], ""),
+        (&["--log-format", urls[0]], ""),
+        (&[urls[0]], ""),
+        (&["--help"], urls[0]),
+        (&["store", "check", mistakes[0]], ""),
+        (&["store", "copy", mistakes[4], "./b"], ""),
+        (
+            &["fit", "-", "--server", "ftp://piad:secret@fits.example"],
+            "",
+        ),
+        (
+            &["fit", "-", "--server", "http://piad:secret@127.0.0.1:1"],
+            "",
+        ),
+    ] {
+        let mut command = Command::new(PROGRAM);
+        command.args(arguments).stdin(std::process::Stdio::null());
+        for name in ["PIAD_STORE", "PIAD_OTLP_ENDPOINT"] {
+            command.envs((!variable.is_empty()).then_some((name, variable)));
+        }
+        let output = command.output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        let said = String::from_utf8(said).unwrap();
+        assert!(
+            !said.is_empty() && !said.contains("secret"),
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
+/// What is wrong with a file is told by its line, which may hold a password and is not shown.
+#[test]
+fn lines_of_the_file_are_not_shown() {
+    for file in [
+        "max-jobs = 5\nstore = postgres://piad:secret@db.example/piad",
+        "max-jobs = 5\nstore = 'postgres://piad:secret@db.example/piad",
+        "max-jobs = 5\nstore 'postgres://piad:secret@db.example/piad'",
+        "max-jobs = 5\nstore = 'a' # postgres://piad:secret@db.example\nstore = 'secret'",
+    ] {
+        let error = settings(file, &[], &[]).unwrap_err();
+        assert!(error.contains("/piad.toml: line "), "{file}: {error}");
+        assert!(!error.contains("secret"), "{file}: {error}");
+    }
+}
+
 #[test]
 fn mistakes_in_the_file_name_it_and_the_setting() {
     for (file, told) in [

@@ -405,6 +405,17 @@ fn an_address_that_is_none_is_refused_at_the_start() {
         "{told}"
     );
     assert!(told.contains("OTLP over HTTP"), "{told}");
+    for url in [
+        "http://me:secret@localhost:4317",
+        "http://secret@localhost:4317/v1/traces",
+        "http://localhost:4317/?password=secret",
+        "http:/me:secret@localhost",
+        "me:secret@localhost:4317",
+    ] {
+        for told in [refused(&["--otlp-endpoint", url], ""), refused(&[], url)] {
+            assert!(told.contains("***") && !told.contains("secret"), "{told}");
+        }
+    }
 }
 
 async fn until_spans_are_lost(server: &Program) {

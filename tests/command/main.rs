@@ -19,3 +19,4 @@ mod refused;
 mod remote;
 mod secure;
 mod support;
+mod terminal;

@@ -9,17 +9,19 @@ mod export;
 mod repair;
 mod source;
 
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{IsTerminal, stderr};
 use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
 use tokio::runtime::Runtime;
 
+use super::shells;
 use crate::config::{Storage, StoreCommand};
 use crate::job::counters::Counters;
 use crate::job::store::Store;
 use crate::job::store::shared::Settings;
+use crate::terminal::say;
 
 /// What is done job by job needs few connections.
 const SETTINGS: Settings = Settings {
@@ -44,12 +46,9 @@ pub fn run(command: &StoreCommand) -> ExitCode {
             })
         });
     match done {
-        Ok(said) => {
-            let _ = writeln!(stdout(), "{said}");
-            ExitCode::SUCCESS
-        }
+        Ok(said) => shells::show_lines([said.as_str()]),
         Err(reason) => {
-            eprintln!("piad: {reason}");
+            say(format_args!("piad: {reason}"));
             ExitCode::FAILURE
         }
     }

@@ -8,6 +8,7 @@ use crate::config::Storage;
 use crate::job::store::copy::Records;
 use crate::job::store::embedded::salvage::{Salvage, Salvaged};
 use crate::job::store::{Store, StoreError};
+use crate::terminal::say;
 
 /// A store that may be damaged.
 pub(super) enum Source {
@@ -130,7 +131,7 @@ impl Reading {
 
     /// Tells what is wrong with which job.
     pub(super) fn tell_reasons(&self) {
-        self.reasons.iter().for_each(|reason| eprintln!("{reason}"));
+        self.reasons.iter().for_each(say);
     }
 
     /// That a store is whole; if it is not, tells why and gives what could be read.

@@ -16,6 +16,7 @@ use super::connection::{Connections, of_database};
 use super::{Settings, Shared, hints};
 use crate::job::counters::Counters;
 use crate::job::store::{OpenError, StoreError};
+use crate::redact::redacted;
 
 /// How long a database is waited for that cannot be reached, as it may be starting, too.
 const STARTING: Duration = Duration::from_secs(60);
@@ -46,7 +47,8 @@ impl Shared {
         counters: Counters,
     ) -> Result<Arc<Self>, OpenError> {
         let options = PgConnectOptions::from_str(url);
-        let options = options.map_err(|error| OpenError::Url(error.to_string()))?;
+        let options =
+            options.map_err(|error| OpenError::Url(redacted(&error.to_string()).into_owned()))?;
         let options = options
             .application_name("piad")
             .options(LIMITS)
