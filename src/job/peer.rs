@@ -3,7 +3,7 @@
 //!
 //! Limits hold for each peer, so that no one client can take everything. The peer of a request is a
 //! task-local variable of the task that answers it; background work has no peer. Behind a trusted proxy the
-//! machine is the client that the proxy tells.
+//! machine is the client that the proxy names.
 
 use std::fmt;
 use std::net::{IpAddr, Ipv6Addr};
@@ -23,6 +23,8 @@ pub(crate) enum Peer {
     /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
     /// machine chooses its address itself.
     Machine(IpAddr),
+    /// The clients of the proxy at this address that it does not name. None of them has the limits of the proxy itself.
+    Unnamed(IpAddr),
     /// A tenant, whose token the request has.
     Tenant(Tenant),
 }
@@ -39,10 +41,18 @@ impl Peer {
         }
     }
 
+    /// The clients behind a proxy that it does not name.
+    pub(crate) fn unnamed_behind(proxy: Self) -> Self {
+        match proxy {
+            Self::Machine(address) => Self::Unnamed(address),
+            other => other,
+        }
+    }
+
     /// The tenant, if the server asks for tokens.
     pub(crate) fn tenant(self) -> Option<Tenant> {
         match self {
-            Self::Machine(_) => None,
+            Self::Machine(_) | Self::Unnamed(_) => None,
             Self::Tenant(tenant) => Some(tenant),
         }
     }
@@ -87,6 +97,7 @@ impl fmt::Display for Peer {
                 write!(f, "{network}/64")
             }
             Self::Machine(address) => write!(f, "{address}"),
+            Self::Unnamed(proxy) => write!(f, "unnamed clients of {}", Self::Machine(*proxy)),
         }
     }
 }

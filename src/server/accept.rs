@@ -108,12 +108,13 @@ impl Doors {
         let stream = &mut incoming.stream;
         let begun = timeout(self.times.head, proxy::read(stream)).await;
         let begun = begun.unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()));
-        let proxy::Beginning { client, rest } = match begun {
+        let proxy::Beginning { origin, rest } = match begun {
             Ok(begun) => begun,
             Err(reason) => return debug!(%proxy, "a connection is closed: {reason}"),
         };
-        let caller = match client {
-            Some(address) => Caller::direct(Peer::at(address)),
+        let caller = match origin {
+            // Headers of requests are then those of the client.
+            Some(origin) => Caller::direct(origin.peer(proxy)),
             None => Caller::proxy(proxy),
         };
         let (input, output) = split(incoming.stream);

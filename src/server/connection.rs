@@ -69,8 +69,10 @@ pub(super) async fn answer(
     let open = activity.open(multiplexed);
     let (mut head, body) = request.into_parts();
     let expects = head.headers.contains_key(header::EXPECT);
-    let client = (caller.is_proxy).then(|| proxy::client(&head.headers, &doors.proxies));
-    let peer = client.flatten().map_or(caller.peer, Peer::at);
+    let peer = match caller.is_proxy {
+        true => proxy::origin(&head.headers, &doors.proxies).peer(caller.peer),
+        false => caller.peer,
+    };
     let mut crowded = caller.crowded;
     // Connections limit the other requests of a peer.
     let slot = (multiplexed || caller.is_proxy).then(|| doors.connections.admit_request(peer));

@@ -1,8 +1,9 @@
 //! Clients behind proxies that are trusted: their addresses, as the proxy tells them.
 //!
 //! A proxy tells the address of a connection in a header of the [PROXY protocol] before its first byte, in
-//! version 1 or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`. Nobody else is
-//! believed: whoever could choose an address would have no limits.
+//! version 1 or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`; after such a header of the
+//! connection the others are those of the client, and are not believed. Nobody else is believed: a client that could
+//! choose its address would have no limits. Clients that a proxy does not name share limits of their own.
 //!
 //! [PROXY protocol]: https://www.haproxy.org/download/3.0/doc/proxy-protocol.txt
 
@@ -12,6 +13,8 @@ use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 use axum::http::HeaderMap;
 use ipnet::IpNet;
 use tokio::io::{AsyncRead, AsyncReadExt};
+
+use crate::job::peer::Peer;
 
 /// The first bytes of a header in version 1 and in version 2.
 const VERSION_1: &[u8] = b"PROXY ";
@@ -34,20 +37,51 @@ pub(super) fn is_trusted(networks: &[IpNet], address: IpAddr) -> bool {
     networks.iter().any(|network| network.contains(&address))
 }
 
-/// The address of the client of a request that came from a trusted proxy: the last one on its way that is
-/// no trusted proxy itself. `None` if the proxies do not tell it, or if the two headers tell different
-/// ones, of which the client may have made up one.
-pub(super) fn client(headers: &HeaderMap, networks: &[IpNet]) -> Option<IpAddr> {
-    let forwarded = way(headers, "forwarded", forwarded_for);
-    let x_forwarded = way(headers, "x-forwarded-for", |hop| Some(hop));
+/// From where a request comes that a trusted proxy passes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// From the proxy itself: no header names a client.
+    Proxy,
+    /// From the client at this address.
+    Client(IpAddr),
+    /// From a client that is not named: the header has no valid address, or the two headers have different ones, one of
+    /// which the client may have sent.
+    Unnamed,
+}
+
+impl Origin {
+    /// The peer whose limits hold, behind this proxy.
+    pub(super) fn peer(self, proxy: Peer) -> Peer {
+        match self {
+            Self::Proxy => proxy,
+            Self::Client(address) => Peer::at(address),
+            Self::Unnamed => Peer::unnamed_behind(proxy),
+        }
+    }
+}
+
+/// The origin of a request that came from a trusted proxy: the last address on its way that is no trusted proxy itself.
+pub(super) fn origin(headers: &HeaderMap, networks: &[IpNet]) -> Origin {
     let last = |way: Vec<Option<IpAddr>>| {
         let mut hops = way.into_iter().rev();
-        hops.find(|hop| hop.is_none_or(|address| !is_trusted(networks, address)))?
+        match hops.find(|hop| hop.is_none_or(|address| !is_trusted(networks, address))) {
+            None => Origin::Proxy,
+            Some(None) => Origin::Unnamed,
+            Some(Some(address)) => Origin::Client(address),
+        }
     };
+    let forwarded = way(headers, "forwarded", forwarded_for);
+    let x_forwarded = way(headers, "x-forwarded-for", |hop| Some(hop));
     match (forwarded.is_empty(), x_forwarded.is_empty()) {
         (true, _) => last(x_forwarded),
         (_, true) => last(forwarded),
-        _ => last(forwarded).filter(|address| Some(*address) == last(x_forwarded)),
+        _ => {
+            let origin = last(forwarded);
+            match origin == last(x_forwarded) {
+                true => origin,
+                false => Origin::Unnamed,
+            }
+        }
     }
 }
 
@@ -82,8 +116,8 @@ fn without_port(text: &str) -> Option<IpAddr> {
 /// What a trusted proxy has sent first.
 #[derive(Debug)]
 pub(super) struct Beginning {
-    /// The client's address, if there is a header that tells it.
-    pub(super) client: Option<IpAddr>,
+    /// From where the connection comes, if there is a header that says so.
+    pub(super) origin: Option<Origin>,
     /// Bytes that were read and belong to the first request.
     pub(super) rest: Vec<u8>,
 }
@@ -95,7 +129,7 @@ pub(super) async fn read(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Be
         // Byte by byte: a header is short, and what follows it is not to be waited for.
         let Ok(byte) = stream.read_u8().await else {
             return Ok(Beginning {
-                client: None,
+                origin: None,
                 rest: bytes,
             });
         };
@@ -112,7 +146,7 @@ pub(super) async fn read(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Be
             }
         } else if !VERSION_1.starts_with(&bytes) && !VERSION_2.starts_with(&bytes) {
             return Ok(Beginning {
-                client: None,
+                origin: None,
                 rest: bytes,
             });
         }
@@ -126,9 +160,9 @@ fn malformed() -> io::Error {
     )
 }
 
-fn begins_after(client: Option<IpAddr>) -> Beginning {
+fn begins_after(origin: Origin) -> Beginning {
     Beginning {
-        client,
+        origin: Some(origin),
         rest: Vec::new(),
     }
 }
@@ -138,11 +172,11 @@ fn version_1(line: &[u8]) -> io::Result<Beginning> {
     let text = std::str::from_utf8(line).map_err(|_| malformed())?;
     let mut words = text.split_whitespace().skip(1);
     match words.next() {
-        Some("UNKNOWN") => Ok(begins_after(None)),
+        Some("UNKNOWN") => Ok(begins_after(Origin::Proxy)),
         Some("TCP4" | "TCP6") => {
             let address = words.next().and_then(|word| word.parse().ok());
             address
-                .map(|address| begins_after(Some(address)))
+                .map(|address| begins_after(Origin::Client(address)))
                 .ok_or_else(malformed)
         }
         _ => Err(malformed()),
@@ -169,11 +203,12 @@ async fn version_2(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginnin
         2 => addresses
             .first_chunk()
             .map(|bytes: &[u8; 16]| Ipv6Addr::from(*bytes).into()),
-        _ => return Ok(begins_after(None)),
+        _ => return Ok(begins_after(Origin::Proxy)),
     };
     match client {
-        None if !is_local => Err(malformed()),
-        client => Ok(begins_after(client.filter(|_| !is_local))),
+        _ if is_local => Ok(begins_after(Origin::Proxy)),
+        Some(client) => Ok(begins_after(Origin::Client(client))),
+        None => Err(malformed()),
     }
 }
 
@@ -210,15 +245,16 @@ mod tests {
     #[test]
     fn the_last_address_that_is_no_proxy_is_the_client() {
         let trusted = networks(&["10.0.0.0/8", "::1"]);
-        let client = |pairs: &[(&'static str, &'static str)]| {
+        let origin = |pairs: &[(&'static str, &'static str)]| {
             let mut headers = HeaderMap::new();
             for (name, value) in pairs {
                 headers.append(*name, value.parse().unwrap());
             }
-            super::client(&headers, &trusted).map(|address| address.to_string())
+            super::origin(&headers, &trusted)
         };
         let is = |pairs: &[(&'static str, &'static str)], address: &str| {
-            assert_eq!(client(pairs).as_deref(), Some(address), "{pairs:?}");
+            let address = address.parse().unwrap();
+            assert_eq!(origin(pairs), Origin::Client(address), "{pairs:?}");
         };
         is(&[("x-forwarded-for", "192.0.2.1")], "192.0.2.1");
         is(
@@ -249,46 +285,64 @@ mod tests {
             ("x-forwarded-for", "6.6.6.6, 192.0.2.1"),
         ];
         is(&same, "192.0.2.1");
+        for pairs in [&[][..], &[("x-forwarded-for", "10.1.1.1")]] {
+            assert_eq!(origin(pairs), Origin::Proxy, "{pairs:?}");
+        }
         for pairs in [
-            &[][..],
-            &[("x-forwarded-for", "10.1.1.1")],
-            &[("x-forwarded-for", "192.0.2.1, unknown")],
+            &[("x-forwarded-for", "192.0.2.1, unknown")][..],
+            &[("x-forwarded-for", "")],
+            &[("x-forwarded-for", "nobody, 10.1.1.1")],
+            &[("forwarded", "for=unknown")],
             &[("forwarded", "for=_hidden")],
+            &[("forwarded", "for=\"")],
+            &[("forwarded", "for")],
             &[("forwarded", "proto=http")],
             &[
                 ("forwarded", "for=6.6.6.6"),
                 ("x-forwarded-for", "192.0.2.1"),
             ],
+            &[
+                ("forwarded", "for=unknown"),
+                ("x-forwarded-for", "192.0.2.1"),
+            ],
+            &[
+                ("forwarded", "for=10.1.1.1"),
+                ("x-forwarded-for", "192.0.2.1"),
+            ],
         ] {
-            assert_eq!(client(pairs), None, "{pairs:?}");
+            assert_eq!(origin(pairs), Origin::Unnamed, "{pairs:?}");
         }
     }
 
-    async fn begins(mut bytes: &[u8]) -> Option<(Option<String>, Vec<u8>)> {
-        let Beginning { client, mut rest } = read(&mut bytes).await.ok()?;
+    async fn begins(mut bytes: &[u8]) -> Option<(Option<Origin>, Vec<u8>)> {
+        let Beginning { origin, mut rest } = read(&mut bytes).await.ok()?;
         rest.extend_from_slice(bytes);
-        Some((client.map(|client| client.to_string()), rest))
+        Some((origin, rest))
     }
 
     #[tokio::test]
     async fn headers_of_both_versions_are_read() {
         let version_2 = |rest: &[u8]| [VERSION_2, rest].concat();
-        let client = |text: &str| Some((Some(text.to_owned()), b"GET".to_vec()));
-        let nobody = Some((None, b"GET".to_vec()));
-        assert_eq!(begins(b"GET").await, nobody);
+        let client = |text: &str| {
+            let address = text.parse().unwrap();
+            Some((Some(Origin::Client(address)), b"GET".to_vec()))
+        };
+        let itself = Some((Some(Origin::Proxy), b"GET".to_vec()));
+        assert_eq!(begins(b"GET").await, Some((None, b"GET".to_vec())));
         assert_eq!(begins(b"POST /").await.unwrap().1, b"POST /");
         assert_eq!(begins(b"PRO").await.unwrap().1, b"PRO");
         let line = b"PROXY TCP4 192.0.2.1 10.0.0.1 4711 80\r\nGET";
         assert_eq!(begins(line).await, client("192.0.2.1"));
         let line = b"PROXY TCP6 2001:db8::1 ::1 4711 80\r\nGET";
         assert_eq!(begins(line).await, client("2001:db8::1"));
-        assert_eq!(begins(b"PROXY UNKNOWN\r\nGET").await, nobody);
+        assert_eq!(begins(b"PROXY UNKNOWN\r\nGET").await, itself);
         let four = version_2(b"\x21\x11\0\x0c\xc0\0\x02\x01\x0a\0\0\x01\x12\x67\0\x50GET");
         assert_eq!(begins(&four).await, client("192.0.2.1"));
         let six = [&[0x21, 0x21, 0, 36][..], &[0xfd; 36], b"GET"].concat();
         let address = Ipv6Addr::from([0xfd; 16]).to_string();
         assert_eq!(begins(&version_2(&six)).await, client(&address));
-        assert_eq!(begins(&version_2(b"\x20\0\0\0GET")).await, nobody);
+        assert_eq!(begins(&version_2(b"\x20\0\0\0GET")).await, itself);
+        assert_eq!(begins(&version_2(b"\x21\0\0\0GET")).await, itself);
         for bytes in [
             &b"PROXY TCP4 nobody\r\n"[..],
             b"PROXY HTTP\r\n",

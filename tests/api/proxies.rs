@@ -51,9 +51,15 @@ async fn a_trusted_proxy_tells_whose_a_request_is() {
     assert_eq!(
         status(both("for=6.6.6.1")).await,
         201,
-        "the job of the proxy"
+        "the job of clients without a name"
     );
     assert_eq!(status(both("for=6.6.6.2")).await, 429);
+    for value in ["for=unknown", "for=_x", "for=", "nonsense", "\""] {
+        assert_eq!(status(both(value)).await, 429, "{value}");
+        assert_eq!(from("forwarded", value).await, 429, "{value}");
+    }
+    // The proxy itself has a job of its own.
+    assert_eq!(status(post(&server)).await, 201);
     assert_eq!(status(post(&server)).await, 429);
 }
 
@@ -69,12 +75,17 @@ async fn nobody_else_is_believed() {
 
 /// The answer to a job on a connection that begins with these bytes.
 async fn over_tcp(server: &Server, begin: &[u8]) -> String {
+    over_tcp_with(server, begin, "").await
+}
+
+/// The same with more headers.
+async fn over_tcp_with(server: &Server, begin: &[u8], headers: &str) -> String {
     let address = server.url.strip_prefix("http://").unwrap();
     let mut stream = TcpStream::connect(address).await.unwrap();
     let body = data::endless_job().to_string();
     let head = format!(
         "POST /v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\
-         Content-Type: application/json\r\nContent-Length: {}\r\n\r\n",
+         Content-Type: application/json\r\n{headers}Content-Length: {}\r\n\r\n",
         body.len()
     );
     let _ = stream
@@ -109,6 +120,18 @@ async fn a_trusted_proxy_tells_whose_a_connection_is() {
         let answer = over_tcp(&server, begin).await;
         let expected = format!("HTTP/1.1 {status} ");
         assert!(answer.starts_with(&expected), "{begin:?}: {answer}");
+    }
+    // After a header of the connection, those of requests are the client's.
+    for begin in [
+        &b"PROXY UNKNOWN\r\n"[..],
+        b"PROXY TCP4 192.0.2.1 127.0.0.1 4711 80\r\n",
+        b"\r\n\r\n\0\r\nQUIT\n\x20\0\0\0",
+    ] {
+        for name in ["Forwarded: for=", "X-Forwarded-For: "] {
+            let headers = format!("{name}203.0.113.7\r\n");
+            let answer = over_tcp_with(&server, begin, &headers).await;
+            assert!(answer.starts_with("HTTP/1.1 429 "), "{begin:?}: {answer}");
+        }
     }
     let cut_off = over_tcp(&server, b"PROXY TCP4 nobody\r\n").await;
     assert_eq!(cut_off, "");
