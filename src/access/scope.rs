@@ -18,10 +18,14 @@ pub enum Scope {
     #[serde(rename = "jobs:write")]
     #[value(name = "jobs:write")]
     JobsWrite,
-    /// Reading the metrics.
+    /// Reading the metrics of the server as a whole and of the tenant of the token.
     #[serde(rename = "metrics")]
     #[value(name = "metrics")]
     Metrics,
+    /// Reading the metrics, those of all tenants included: for those who run the server.
+    #[serde(rename = "metrics:all")]
+    #[value(name = "metrics:all")]
+    MetricsAll,
     /// All of it.
     #[serde(rename = "admin")]
     #[value(name = "admin")]
@@ -35,6 +39,7 @@ impl Scope {
             Self::JobsRead => "jobs:read",
             Self::JobsWrite => "jobs:write",
             Self::Metrics => "metrics",
+            Self::MetricsAll => "metrics:all",
             Self::Admin => "admin",
         }
     }

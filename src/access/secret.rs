@@ -20,14 +20,24 @@ const RANDOM: usize = 32;
 ///
 /// If the system has no random numbers.
 pub(crate) fn generate() -> Result<String, String> {
-    let mut bytes = [0; RANDOM];
-    let random = ring::default_provider().secure_random;
-    let filled = random.fill(&mut bytes);
-    filled.map_err(|_| "the system gives no random numbers".to_owned())?;
+    let bytes = random()?;
     Ok(format!(
         "{PREFIX}{}",
         URL_SAFE_NO_PAD.encode_to_string(bytes)
     ))
+}
+
+/// Random bytes.
+///
+/// # Errors
+///
+/// If the system has none.
+pub(crate) fn random() -> Result<[u8; RANDOM], String> {
+    let mut bytes = [0; RANDOM];
+    let random = ring::default_provider().secure_random;
+    let filled = random.fill(&mut bytes);
+    filled.map_err(|_| "the system gives no random numbers".to_owned())?;
+    Ok(bytes)
 }
 
 /// The SHA-256 of a token. Tokens are random, so nobody finds one by trying.

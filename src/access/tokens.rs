@@ -13,7 +13,7 @@ use super::denial::Denial;
 use super::file::{Token, TokensFile};
 use super::scope::Scope;
 use super::secret::Hash;
-use super::ticket::Ticket;
+use super::ticket::{Ticket, TicketKey};
 use crate::job::quota::Quotas;
 use crate::job::tenant::Tenant;
 use crate::reload::{Reload, Seen};
@@ -36,6 +36,8 @@ pub(crate) struct Tokens {
 struct Loaded {
     tokens: Arc<Vec<Token>>,
     seen: Seen,
+    /// The file could not be loaded since.
+    is_stale: bool,
 }
 
 impl Tokens {
@@ -75,14 +77,25 @@ impl Tokens {
     }
 
     /// The token that a ticket for a job was made with.
-    pub(crate) fn admit_by_ticket(&self, text: &str, job: Uuid) -> Result<Token, Denial> {
+    pub(crate) fn admit_by_ticket(
+        &self,
+        text: &str,
+        job: Uuid,
+        key: &TicketKey,
+    ) -> Result<Token, Denial> {
         let ticket = Ticket::read(text).ok_or(Denial::Ticket)?;
         let found = self.all(|token, found: &mut Option<Token>| {
-            if ticket.opens(token, job) {
+            if ticket.opens(key, token, job) {
                 *found = Some(token.clone());
             }
         });
         checked(found.ok_or(Denial::Ticket)?, Scope::JobsRead)
+    }
+
+    /// Returns true if the file could not be loaded the last time that it was read: what was revoked in it since is
+    /// still accepted.
+    pub(crate) fn are_stale(&self) -> bool {
+        self.loaded.lock().is_stale
     }
 
     /// Looks at all tokens.
@@ -136,7 +149,11 @@ impl Loaded {
         let file = file.unwrap_or_default();
         quotas.set(file.quotas);
         let tokens = Arc::new(file.tokens);
-        Ok(Self { tokens, seen })
+        Ok(Self {
+            tokens,
+            seen,
+            is_stale: false,
+        })
     }
 }
 
@@ -150,9 +167,17 @@ impl Reload for Tokens {
         }
         let loaded = Loaded::from(self.path.as_ref(), &self.quotas);
         let mut current = self.loaded.lock();
-        // What is wrong with a file is told once.
-        current.seen = seen;
-        *current = loaded?;
-        Ok(true)
+        match loaded {
+            Ok(loaded) => {
+                *current = loaded;
+                Ok(true)
+            }
+            Err(reason) => {
+                // An error is logged once.
+                current.seen = seen;
+                current.is_stale = true;
+                Err(reason)
+            }
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use super::http::measure::Requests;
-use crate::access::tokens::Tokens;
+use crate::access::Access;
 use crate::config::Config;
 use crate::job::peer::Peer;
 use crate::job::quota::{Exceeded, OpenStream};
@@ -18,8 +18,8 @@ pub(crate) struct App {
     pub(in crate::api) config: Arc<Config>,
     pub(in crate::api) stopping: watch::Receiver<bool>,
     pub(in crate::api) requests: Requests,
-    /// Who may ask, if not everybody may.
-    pub(in crate::api) tokens: Option<Arc<Tokens>>,
+    /// What requests are checked by, unless everybody may ask.
+    pub(in crate::api) access: Option<Access>,
 }
 
 impl App {
@@ -28,14 +28,14 @@ impl App {
         jobs: Arc<Jobs>,
         config: Config,
         stopping: watch::Receiver<bool>,
-        tokens: Option<Arc<Tokens>>,
+        access: Option<Access>,
     ) -> Self {
         Self {
             jobs,
             config: Arc::new(config),
             stopping,
             requests: Requests::default(),
-            tokens,
+            access,
         }
     }
 

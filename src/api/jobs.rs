@@ -90,7 +90,7 @@ fn job_id(id: &str) -> Result<Uuid, Problem> {
 
 /// The tenant whose jobs are all there is for whoever asks; none if the server asks for no tokens.
 fn tenant(app: &App) -> Result<Option<Tenant>, Problem> {
-    match (&app.tokens, Peer::current().and_then(Peer::tenant)) {
+    match (&app.access, Peer::current().and_then(Peer::tenant)) {
         (None, _) => Ok(None),
         (Some(_), Some(tenant)) => Ok(Some(tenant)),
         // No resource with jobs can be reached without a token.

@@ -142,8 +142,9 @@ impl Counters {
         usize::try_from(self.running.get()).unwrap_or(0)
     }
 
-    /// Registers the counters under their names.
-    pub(crate) fn register(&self, registry: &mut Registry) {
+    /// Registers the counters under their names; of those that are counted for each tenant only that of one, if it is
+    /// given.
+    pub(crate) fn register(&self, registry: &mut Registry, tenant: Option<Tenant>) {
         let plain = [
             ("iterations", "Levels computed", &self.iterations),
             ("encodings", "Frames encoded", &self.encodings),
@@ -218,9 +219,28 @@ impl Counters {
                 exceeded,
             ),
         ] {
-            registry.register(format!("piad_tenant_{name}"), help, family.clone());
+            let family = match tenant {
+                None => family.clone(),
+                Some(tenant) => of_tenant(family, tenant),
+            };
+            registry.register(format!("piad_tenant_{name}"), help, family);
         }
         let ended = self.ended.clone();
         registry.register("piad_jobs_ended", "Jobs ended, by state", ended);
     }
+}
+
+/// The counter of one tenant.
+fn of_tenant(
+    family: &Family<TenantLabel, Counter>,
+    tenant: Tenant,
+) -> Family<TenantLabel, Counter> {
+    let label = TenantLabel {
+        tenant: tenant.name(),
+    };
+    let own = Family::<TenantLabel, Counter>::default();
+    if let Some(counter) = family.get(&label) {
+        own.get_or_create(&label).inc_by(counter.get());
+    }
+    own
 }

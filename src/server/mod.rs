@@ -33,6 +33,8 @@ use tokio::sync::watch;
 use tokio::time::sleep;
 use tracing::{debug, info, warn};
 
+use crate::access::Access;
+use crate::access::ticket::TicketKey;
 use crate::access::tokens::Tokens;
 use crate::api::app::App;
 use crate::api::http::host::Hosts;
@@ -74,6 +76,7 @@ pub async fn serve(
     let resources = resources(&config, quotas)?;
     let _closed_at_the_end = CloseOnDrop(Arc::clone(&resources));
     let store = open(&config, &resources.counters).await?;
+    let access = access(tokens.clone(), &store).await?;
     let jobs = Arc::new(Jobs::new(store, resources, limits(&config)));
     jobs.resume().await.map_err(io::Error::other)?;
     let (stop, stopping) = watch::channel(false);
@@ -90,7 +93,7 @@ pub async fn serve(
     let proxies = config.trusted_proxy.clone();
     let hosts = Hosts::new(&config.allowed_host, is_local);
     let router = router::router(
-        App::new(Arc::clone(&jobs), config, stopping.clone(), tokens.clone()),
+        App::new(Arc::clone(&jobs), config, stopping.clone(), access),
         hosts,
     );
 
@@ -159,6 +162,17 @@ fn check_access(config: &Config, is_local: bool, has_tokens: bool) -> Result<(),
         ),
         _ => Ok(()),
     }
+}
+
+/// What a server with tokens checks requests by: its tickets are signed by the key in its store.
+async fn access(tokens: Option<Arc<Tokens>>, store: &Store) -> io::Result<Option<Access>> {
+    let Some(tokens) = tokens else {
+        return Ok(None);
+    };
+    let new = TicketKey::random().map_err(io::Error::other)?;
+    let kept = store.secret(new).await.map_err(io::Error::other)?;
+    let tickets = TicketKey::of(kept);
+    Ok(Some(Access { tokens, tickets }))
 }
 
 /// Whether only programs of this machine reach the server.

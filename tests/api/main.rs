@@ -11,6 +11,8 @@
 )]
 
 mod access;
+mod access_file;
+mod access_tickets;
 mod attacks;
 mod automatic;
 mod bad_requests;

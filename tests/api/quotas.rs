@@ -1,8 +1,5 @@
 //! Quotas of tenants: exact, however many ask at a time.
 
-use std::fs::OpenOptions;
-use std::io::Write;
-
 use futures_util::future::join_all;
 use reqwest::Response;
 use serde_json::{Value, json};
@@ -42,9 +39,7 @@ impl Tenants {
     }
 
     fn append(&self, text: &str) {
-        let mut file = OpenOptions::new();
-        let mut file = file.append(true).open(self.file.path()).unwrap();
-        file.write_all(text.as_bytes()).unwrap();
+        self.file.add(text);
     }
 
     fn server(&self) -> Program {

@@ -1,5 +1,6 @@
 //! Files of tokens, as people make them.
 
+use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
@@ -20,6 +21,20 @@ impl TokensFile {
 
     pub fn path(&self) -> PathBuf {
         self.folder.path().join("tokens.toml")
+    }
+
+    /// Adds lines above the last one.
+    pub fn add(&self, text: &str) {
+        let content = fs::read_to_string(self.path()).unwrap();
+        let (content, last) = content.trim_end().rsplit_once('\n').unwrap();
+        self.put(format!("{content}\n{text}\n{last}\n").as_bytes());
+    }
+
+    /// Puts another file in its place, in one step: one that is being written is cut off.
+    pub fn put(&self, content: &[u8]) {
+        let new = self.folder.path().join("new");
+        fs::write(&new, content).unwrap();
+        fs::rename(&new, self.path()).unwrap();
     }
 
     pub fn run(&self, verb: &str, arguments: &[&str]) -> Output {

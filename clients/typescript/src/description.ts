@@ -73,7 +73,7 @@ export interface paths {
         };
         /**
          * Ask whether the server takes work
-         * @description It answers 503 while the server stops, and while its database cannot be reached or the file of its jobs is not where it was opened.
+         * @description It answers 503 while the server stops, while its database cannot be reached, while the file of its jobs is not where it was opened, and while its tokens file cannot be read or is not valid.
          */
         get: operations["getReadiness"];
         put?: never;
@@ -93,7 +93,7 @@ export interface paths {
         };
         /**
          * Show counters
-         * @description For Prometheus: counters of jobs, iterations and events; jobs that are queued and running, connections and streams that are open; how long requests take, by method and route; what the server was built from.
+         * @description For Prometheus: counters of jobs, iterations and events; jobs that are queued and running, connections and streams that are open; how long requests take, by method and route; what the server was built from. Those that are counted for each tenant are there for the tenant of the token, and for all with the scope metrics:all or admin.
          */
         get: operations["getMetrics"];
         put?: never;
@@ -2124,7 +2124,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/quota-exceeded" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/quota-exceeded" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/tokens-unreadable" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -3658,7 +3658,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them. */
+        /** @description - `/problems/forbidden`: detail names the scope that is needed: jobs:read, jobs:write or metrics; metrics:all stands for metrics, and admin for all of them. */
         forbidden: {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -4294,7 +4294,8 @@ export interface operations {
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/tokens-unreadable`: Only /readyz answers with it. The tokens before stay in use, and those that were revoked since are still accepted. Mend the file, its owner or its permissions: the server reads it again within two seconds.
              */
             503: {
                 headers: {

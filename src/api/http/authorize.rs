@@ -13,9 +13,9 @@ use tonic::Status;
 use tracing::info;
 use uuid::Uuid;
 
+use crate::access::Access;
 use crate::access::denial::Denial;
 use crate::access::scope::Scope;
-use crate::access::tokens::Tokens;
 use crate::api::grpc;
 use crate::api::problem::{Kind, Problem};
 use crate::job::counters::Counters;
@@ -44,7 +44,7 @@ pub(in crate::api) type Methods = BTreeMap<&'static str, Vec<(&'static str, Need
 /// What is checked, and against what.
 #[derive(Clone)]
 pub(super) struct Guard {
-    pub(super) tokens: Arc<Tokens>,
+    pub(super) access: Access,
     pub(super) methods: Arc<Methods>,
     pub(super) counters: Counters,
     /// Requests of nobody knows whom.
@@ -74,9 +74,10 @@ pub(super) async fn authorize(
         (Err(Denial::Missing), Some(ticket)) => {
             let id = uri.path().split('/').nth(ID).unwrap_or_default();
             let job = Uuid::try_parse(id).map_err(|_| Denial::Ticket);
-            job.and_then(|job| guard.tokens.admit_by_ticket(ticket, job))
+            let Access { tokens, tickets } = &guard.access;
+            job.and_then(|job| tokens.admit_by_ticket(ticket, job, tickets))
         }
-        (text, _) => text.and_then(|text| guard.tokens.admit(text, scope)),
+        (text, _) => text.and_then(|text| guard.access.tokens.admit(text, scope)),
     };
     match admitted {
         Ok(token) => {

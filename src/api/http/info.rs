@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use axum::Json;
-use axum::extract::State;
+use axum::extract::{Extension, State};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
@@ -15,6 +15,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::path::InPath;
+use crate::access::file::Token;
+use crate::access::scope::Scope;
 use crate::api::app::App;
 use crate::api::order;
 use crate::api::problem::{Kind, Problem};
@@ -57,10 +59,18 @@ pub(super) fn index(base: &str) -> Json<ServiceIndex> {
     })
 }
 
-/// `GET /metrics`: counters, for Prometheus.
-pub(super) async fn metrics(State(app): State<App>) -> Result<Response, Problem> {
+/// `GET /metrics`: counters, for Prometheus. Those of other tenants need a scope of their own.
+pub(super) async fn metrics(
+    State(app): State<App>,
+    token: Option<Extension<Token>>,
+) -> Result<Response, Problem> {
+    let tenant = token.and_then(|Extension(token)| match token.may(Scope::MetricsAll) {
+        true => None,
+        false => Some(token.tenant),
+    });
     let mut registry = Registry::default();
-    app.jobs.resources().counters.register(&mut registry);
+    let counters = &app.jobs.resources().counters;
+    counters.register(&mut registry, tenant);
     app.requests.register(&mut registry);
     telemetry::register(&mut registry);
     let queued = i64::try_from(app.jobs.queued()).unwrap_or(i64::MAX);
@@ -113,6 +123,14 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
     }
     if let Err(error) = app.jobs.check_store() {
         return Problem::from(error).into_response();
+    }
+    if let Some(access) = &app.access
+        && access.tokens.are_stale()
+    {
+        let detail = "the tokens file cannot be read, or is not valid: tokens that were revoked in it since are still accepted; the log of the server says more";
+        return Problem::new(Kind::TokensUnreadable, detail)
+            .retry_after(5)
+            .into_response();
     }
     Json(Health { status: "ready" }).into_response()
 }

@@ -38,8 +38,8 @@ use crate::telemetry::request::RequestTrace;
 pub(crate) fn router(app: App, hosts: Hosts) -> Router {
     let (routes, methods) = resources().parts();
     let methods = Arc::new(methods);
-    let guard = app.tokens.clone().map(|tokens| Guard {
-        tokens,
+    let guard = app.access.clone().map(|access| Guard {
+        access,
         methods: Arc::clone(&methods),
         counters: app.jobs.resources().counters.clone(),
         strangers: Arc::new(Mutex::new(LogThrottle::new(authorize::TELLING))),

@@ -40,11 +40,11 @@ pub(super) async fn make(
     token: Option<Extension<Token>>,
 ) -> Result<Response, Problem> {
     let job = jobs::find(&app, &id).await?;
-    let Some(Extension(token)) = token else {
+    let (Some(Extension(token)), Some(access)) = (token, &app.access) else {
         let detail = "this server asks for no tokens, and its streams need no tickets";
         return Err(Problem::new(Kind::NoTickets, detail));
     };
-    let (ticket, expires) = Ticket::issue(&token, job.id());
+    let (ticket, expires) = Ticket::issue(&access.tickets, &token, job.id());
     let view = TicketView { ticket, expires };
     Ok(no_store((StatusCode::CREATED, Json(view)).into_response()))
 }

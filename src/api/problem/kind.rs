@@ -129,7 +129,7 @@ kinds! {
     Forbidden {
         "forbidden", FORBIDDEN, PermissionDenied,
         "The token is not good for this",
-        "detail names the scope that is needed: jobs:read, jobs:write or metrics; admin stands for all of them."
+        "detail names the scope that is needed: jobs:read, jobs:write or metrics; metrics:all stands for metrics, and admin for all of them."
     }
     MethodNotAllowed {
         "method-not-allowed", METHOD_NOT_ALLOWED, Unimplemented,
@@ -206,6 +206,11 @@ kinds! {
         "store-away", SERVICE_UNAVAILABLE, Unavailable,
         "The store of the server cannot be used now",
         "The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored."
+    }
+    TokensUnreadable {
+        "tokens-unreadable", SERVICE_UNAVAILABLE, Unavailable,
+        "The server cannot read its tokens file",
+        "Only /readyz answers with it. The tokens before stay in use, and those that were revoked since are still accepted. Mend the file, its owner or its permissions: the server reads it again within two seconds."
     }
     Stopping {
         "stopping", SERVICE_UNAVAILABLE, Unavailable,

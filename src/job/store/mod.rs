@@ -43,6 +43,9 @@ use shared::{Settings, Shared};
 /// frees some: where the disk is nearly full, many jobs could not be forgotten together.
 pub(crate) const FORGOTTEN_AT_ONCE: usize = 100;
 
+/// The bytes of a secret.
+pub(crate) type Secret = [u8; 32];
+
 /// How long an idempotency key is remembered.
 pub(crate) const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
 
@@ -400,6 +403,14 @@ impl Store {
         match self {
             Self::Embedded(it) => it.key_of(id).await,
             Self::Shared(it) => it.key_of(id).await,
+        }
+    }
+
+    /// The secret of all servers with this store: the one that it keeps, or this one, which it then keeps.
+    pub(crate) async fn secret(&self, new: Secret) -> Result<Secret, StoreError> {
+        match self {
+            Self::Embedded(it) => it.secret(new).await,
+            Self::Shared(it) => it.secret(new).await,
         }
     }
 

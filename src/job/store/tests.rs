@@ -75,9 +75,18 @@ for_each_store!(
     many_jobs_are_forgotten_in_several_goes,
     no_more_jobs_are_kept_than_a_quota_allows,
     what_jobs_take_is_given_back,
+    the_first_secret_is_kept,
 );
 
 use quotas::{no_more_jobs_are_kept_than_a_quota_allows, what_jobs_take_is_given_back};
+
+async fn the_first_secret_is_kept(store: &Store) {
+    let (one, other) = tokio::join!(store.secret([1; 32]), store.secret([2; 32]));
+    let kept = one.unwrap();
+    assert!([[1; 32], [2; 32]].contains(&kept));
+    assert_eq!(other.unwrap(), kept);
+    assert_eq!(store.secret([3; 32]).await.unwrap(), kept);
+}
 
 /// Keeps everything.
 const FOR_EVER: Retention = Retention {

@@ -13,11 +13,13 @@ use super::clock::Clock;
 use super::error::{catch_panic, not_open};
 use super::file::{Bytes, StoreFile};
 use super::opening::{self, OpenError};
-use super::tables::{self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, Values};
+use super::tables::{
+    self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, SECRETS, TICKETS, Values,
+};
 use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::store::record;
-use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Selection, StoreError};
+use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Secret, Selection, StoreError};
 
 /// The database of a store. It is closed by an I/O error or a panic that has made it unusable; the thread that
 /// writes opens it again.
@@ -217,6 +219,23 @@ impl JobDatabase {
             name,
             digest: entry.digest,
         }))
+    }
+
+    /// The secret that is kept; if there is none, this one, which is kept then.
+    pub(super) fn secret(&self, new: Secret) -> Result<Secret, StoreError> {
+        let redb = self.redb();
+        let redb = redb.as_ref().ok_or_else(not_open)?;
+        let transaction = redb.begin_write()?;
+        {
+            let mut secrets = transaction.open_table(SECRETS)?;
+            let kept = secrets.get(TICKETS)?.map(|it| it.value().try_into());
+            if let Some(Ok(kept)) = kept {
+                return Ok(kept);
+            }
+            secrets.insert(TICKETS, new.as_slice())?;
+        }
+        transaction.commit()?;
+        Ok(new)
     }
 
     /// The entry of an idempotency key, unless it has expired.

@@ -37,7 +37,7 @@ use uuid::Uuid;
 
 use super::{
     Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, OpenError, Record, Retention,
-    Selection, Spared, StoreError,
+    Secret, Selection, Spared, StoreError,
 };
 use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
@@ -212,6 +212,11 @@ impl Embedded {
     /// See [`super::Store::check`].
     pub(super) fn check_place(&self) -> Result<(), StoreError> {
         self.database.check_place()
+    }
+
+    /// See [`super::Store::secret`].
+    pub(super) async fn secret(&self, new: Secret) -> Result<Secret, StoreError> {
+        self.read(move |database| database.secret(new)).await
     }
 
     /// Reads off the threads that serve the network. What an error elsewhere has cut off is read again, from the

@@ -45,6 +45,10 @@ pub(super) const RESULTS: Values = Values {
 };
 /// Which job was made for a key.
 pub(super) const KEYS: TableDefinition<&str, &[u8]> = TableDefinition::new("keys");
+/// Secrets of the server. Files of before have no such table, and files that are repaired lose it: then a server makes
+/// new ones.
+pub(super) const SECRETS: TableDefinition<&str, &[u8]> = TableDefinition::new("secrets");
+pub(super) const TICKETS: &str = "tickets";
 /// Nothing: pages are taken and given back here, so that there are some.
 pub(super) const SLACK: TableDefinition<u64, &[u8]> = TableDefinition::new("slack");
 

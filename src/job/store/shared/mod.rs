@@ -34,8 +34,8 @@ use tokio::sync::mpsc;
 use uuid::Uuid;
 
 use super::{
-    Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Selection,
-    Spared, StoreError,
+    Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Secret,
+    Selection, Spared, StoreError,
     record::{self, Input},
 };
 use crate::fit::problem::Problem;
@@ -211,6 +211,11 @@ impl Shared {
         name: &str,
     ) -> Result<Option<IdempotencyEntry>, StoreError> {
         self.read_entry(name).await
+    }
+
+    /// See [`super::Store::secret`].
+    pub(super) async fn secret(&self, new: Secret) -> Result<Secret, StoreError> {
+        self.keep_secret(new).await
     }
 
     /// A change of a job, which takes its place behind those that were called before, and is done whether or

@@ -37,7 +37,10 @@ const LIMITS: [(&str, &str); 3] = [
 
 /// The steps from an empty database to the schema of this version, which are only ever added to. A version of
 /// the program must work with the schema of the next one: replicas are replaced one at a time.
-const MIGRATIONS: [(i64, &str, &str); 1] = [(1, "jobs", include_str!("migrations/0001_jobs.sql"))];
+const MIGRATIONS: [(i64, &str, &str); 2] = [
+    (1, "jobs", include_str!("migrations/0001_jobs.sql")),
+    (2, "secrets", include_str!("migrations/0002_secrets.sql")),
+];
 
 impl Shared {
     /// Connects with a database, and brings its schema up to date.

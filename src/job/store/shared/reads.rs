@@ -1,4 +1,4 @@
-//! What is read of jobs.
+//! What is read of jobs, and the secret of all replicas.
 
 use jiff::{SignedDuration, Timestamp};
 use sqlx::Row;
@@ -8,7 +8,7 @@ use uuid::Uuid;
 use super::Shared;
 use super::connection::of_database;
 use crate::job::store::{
-    IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Selection, StoreError, record,
+    IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Secret, Selection, StoreError, record,
 };
 use crate::job::tenant::Tenant;
 
@@ -35,6 +35,11 @@ const NOW: &str = "SELECT extract(epoch FROM clock_timestamp())::float8";
 
 const IN_USE: &str = "
 SELECT 1 FROM jobs WHERE state = 'running' AND lease_until > now() LIMIT 1";
+
+/// Keeps a secret unless there is one, and gives the one that is kept. Replicas that do it at the same time get the same.
+const SECRET: &str = "
+INSERT INTO secrets (name, bytes) VALUES ('tickets', $1)
+ON CONFLICT (name) DO UPDATE SET name = excluded.name RETURNING bytes";
 
 const EXISTS: &str = "SELECT 1 FROM jobs WHERE id = $1";
 
@@ -104,6 +109,18 @@ impl Shared {
         let name = row.try_get("name").map_err(of_database)?;
         let digest = entry.digest;
         Ok(Some(IdempotencyKey { name, digest }))
+    }
+
+    /// The secret that is kept; if there is none, this one, which is kept then.
+    pub(super) async fn keep_secret(&self, new: Secret) -> Result<Secret, StoreError> {
+        let rows = self
+            .connections
+            .run(0, || sqlx::query(SECRET).bind(new.as_slice()))
+            .await?;
+        let kept = rows.first().map(|row| row.try_get(0)).transpose();
+        let kept: Option<&[u8]> = kept.map_err(of_database)?;
+        kept.and_then(|bytes| bytes.try_into().ok())
+            .ok_or_else(|| StoreError::Failed("the secret of the database is not one".to_owned()))
     }
 
     /// Whether there are jobs that replicas run now.
