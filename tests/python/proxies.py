@@ -247,6 +247,13 @@ def the_page(proxy: Proxy) -> None:
     assert status == 200 and b"<html" in page, status
 
 
+def no_metrics(proxy: Proxy) -> None:
+    """The proxy itself refuses the metrics, also below a base path."""
+    for path in ("/metrics", "/fits/metrics", "/metrics?a=b"):
+        status, body = proxy.ask("GET", path)
+        assert status == 404 and b"/problems/" not in body, (path, status, body)
+
+
 def calls(proxy: Proxy) -> None:
     """gRPC."""
     with proxy.channel() as channel:
@@ -266,7 +273,7 @@ def main() -> None:
         upstream = base.removeprefix("http://")
         for proxy in (nginx, caddy, envoy):
             with tempfile.TemporaryDirectory() as folder, proxy(upstream, pathlib.Path(folder)) as address:
-                for check in (the_page, *ROUNDS * (streams, quiet_streams, jobs_end_with_their_client), large_bodies, calls):
+                for check in (the_page, *ROUNDS * (streams, quiet_streams, jobs_end_with_their_client), large_bodies, no_metrics, calls):
                     try:
                         check(address)
                     except (Exception, SystemExit) as error:
