@@ -43,8 +43,8 @@ pub(super) fn rule() -> Option<IsOver> {
 /// Gives up if the computation is not wanted any more. It takes nanoseconds, but is not for the innermost
 /// loops.
 pub(crate) fn check() {
-    let over = CURRENT.with_borrow(|rule| rule.as_ref().is_some_and(|is_over| is_over()));
-    if over {
+    // Not borrowed while it is asked: it may compute something else on this thread meanwhile.
+    if rule().is_some_and(|is_over| is_over()) {
         resume_unwind(Box::new(Interrupted));
     }
 }

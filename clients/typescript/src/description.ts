@@ -4294,7 +4294,7 @@ export interface operations {
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
-             *     - `/problems/store-away`: No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/tokens-unreadable`: Only /readyz answers with it. The tokens before stay in use, and those that were revoked since are still accepted. Mend the file, its owner or its permissions: the server reads it again within two seconds.
              */
             503: {

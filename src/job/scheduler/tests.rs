@@ -1,5 +1,7 @@
 //! Whose turn it is, and what becomes of work that breaks.
 
+use std::sync::mpsc::TryRecvError;
+
 use futures_util::future::join_all;
 
 use super::*;
@@ -90,7 +92,7 @@ async fn long_samples_let_shorter_work_of_others_run_in_between() {
     let long = Peer::scope(peer(1), async move {
         let compute = move || {
             let _ = start.send(());
-            while is_sent.try_recv().is_err() {
+            while is_sent.try_recv() == Err(TryRecvError::Empty) {
                 interrupt::check();
                 thread::yield_now();
             }
