@@ -132,6 +132,7 @@ impl Jobs {
         };
         // With other replicas, it is the store that says who ends a job; alone, nobody else can.
         let is_alone = self.store.shared().is_none();
+        let before = job.status.borrow().clone();
         let mut finished = finish().await;
         drop(slot);
         if is_alone {
@@ -140,6 +141,9 @@ impl Jobs {
         // Until it is stored the job stays in memory; after a crash it would run again.
         while let Err(error) = &finished {
             error!(job = %job.id(), %error, "the end of a job could not be stored, yet");
+            if job.crashes > 0 && before.state == State::Running {
+                self.end_probation(job, before.clone()).await;
+            }
             self.retain().await;
             sleep(STORE_AGAIN).await;
             finished = finish().await;
@@ -256,12 +260,17 @@ impl Jobs {
             () = self.probation.interrupted() => {}
         }
         let status = job.status.borrow().clone();
+        self.end_probation(job, status).await;
+        drop(on_probation);
+        run.complete().await
+    }
+
+    /// Stores that crashes from now on are not the fault of a job.
+    async fn end_probation(&self, job: &Job, status: Status) {
         if let Some(store) = &job.store
             && let Err(error) = store.start(job.id(), status, false).await
         {
             warn!(job = %job.id(), %error, "the end of a probation could not be stored");
         }
-        drop(on_probation);
-        run.complete().await
     }
 }
