@@ -199,7 +199,7 @@ async fn wrong_settings_are_named() {
             false,
             with(vec![at_point; 1001]),
             "constraints",
-            "1001 constraints",
+            "more than 1000 constraints",
         ),
         (
             false,

@@ -52,7 +52,7 @@ fn mixed_jobs() -> Vec<Value> {
         curve(json!({"kind": "direct"})),
         curve(json!({"kind": "least_squares", "control_points": 9, "variant": "lspia", "mu": 0.3})),
         curve(
-            json!({"kind": "least_squares", "control_points": 12, "variant": "cg", "fairness": 1e-4, "data_weights": weights,
+            json!({"kind": "least_squares", "control_points": 12, "variant": "cg", "fairness": 1e-7, "data_weights": weights,
             "constraints": [{"index": 7}, {"at": "start", "tangent": [0, 0, 1]}]}),
         ),
         json!({"surface": {"points": grid}, "method": {"kind": "least_squares", "control_points": {"u": 5, "v": 4},
@@ -308,12 +308,11 @@ async fn unknown_files_and_versions_are_clear_errors() {
         refused(data.path(), &reason);
     }
 
-    // A store whose end is missing.
+    // A store most of which is missing; at its end there may be nothing.
     std::fs::remove_file(&file).unwrap();
     drop(Program::start(data.path()));
-    let length = std::fs::metadata(&file).unwrap().len();
     let cut = std::fs::OpenOptions::new().write(true).open(&file).unwrap();
-    cut.set_len(length - 4096).unwrap();
+    cut.set_len(16_384).unwrap();
     refused(data.path(), "cannot be opened");
 
     let not_a_directory = data.path().join("piad.redb");
@@ -417,16 +416,18 @@ async fn a_full_disk_refuses_new_jobs_and_loses_none() {
         (503, Some("/problems/store-full"))
     );
     // The server still works, and starts again; after a restart with more room nothing is missing.
-    for _ in 0..2 {
+    for is_last in [false, true] {
         for job in &kept {
             assert_eq!(program.json(path(job)).await["id"], job["id"]);
         }
         let list = program.json("/v1/jobs?limit=1000").await;
         assert_eq!(list["jobs"].as_array().unwrap().len(), kept.len());
         program.kill();
-        program = Program::in_shell(limit, data.path());
+        // A third crash of a job on probation would be its last.
+        if !is_last {
+            program = Program::in_shell(limit, data.path());
+        }
     }
-    program.kill();
     let program = Program::start(data.path());
     for job in &kept {
         let story = stream(&program, path(job)).await;

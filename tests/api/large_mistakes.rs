@@ -274,7 +274,7 @@ async fn too_much_of_anything_costs_no_more_than_its_body() {
     let constraints = (
         (jobs, PROTOBUF),
         job_with_constraints(),
-        "more than 1000 messages, the limit here",
+        "more than 1000 constraints, the limit here",
     );
     let cases = cases.chain([edit, constraints]).chain(messages);
     let cases: Vec<_> = cases.collect();

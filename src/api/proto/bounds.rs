@@ -215,7 +215,7 @@ impl Count {
             Numbers(each) => (points.saturating_mul(each).saturating_add(EXTRA), "numbers"),
             Matrix => (LARGEST * LARGEST, "numbers"),
             One(_) => (usize::MAX, "messages"),
-            Many(most, _) => (most.unwrap_or(points), "messages"),
+            Many(most, _) => (most.unwrap_or(points), self.part.name),
         }
     }
 
