@@ -375,7 +375,7 @@ async fn a_later_schema_is_no_obstacle() {
     }
     all.cluster.run(
         "BEGIN; ALTER TABLE jobs ADD COLUMN later text NOT NULL DEFAULT ''; CREATE INDEX ON jobs (later);
-         INSERT INTO _sqlx_migrations VALUES (2, 'later', now(), true, '\\x00', 0); COMMIT",
+         INSERT INTO _sqlx_migrations VALUES (1000, 'later', now(), true, '\\x00', 0); COMMIT",
     );
     for index in 0..2 {
         all.kill(index);
