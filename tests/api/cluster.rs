@@ -2,8 +2,10 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
 
 use crate::database;
 
@@ -41,6 +43,10 @@ impl Cluster {
         if let Ok(pid) = pid {
             let pid = pid.lines().next().unwrap();
             Command::new("kill").args(["-QUIT", pid]).status().unwrap();
+            // Its processes answer until they have got their own signals.
+            while stays_away && Path::new("/proc").join(pid).exists() {
+                thread::sleep(Duration::from_millis(10));
+            }
         }
     }
 
