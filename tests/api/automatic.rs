@@ -260,7 +260,7 @@ async fn scattered_points_are_fitted_within_the_tolerance() {
 async fn constraints_hold_at_every_level() {
     let server = Server::start().await;
     let points = points(200);
-    let more = json!({"constraints": [{"index": 50}, {"index": 121}], "fairness": 1e-9});
+    let more = json!({"constraints": [{"index": 50}, {"index": 121}], "fairness": 1e-13});
     let story = server
         .stream(&automatic(json!({"points": points}), 1e-3, more))
         .await;
@@ -491,4 +491,32 @@ async fn what_does_not_go_with_it_is_refused() {
             .assert_refused(&surface(shape, method), pointer, reason)
             .await;
     }
+}
+
+/// Where the number of control points is limited, spans that are furthest from the data get knots first: a chirp with 20
+/// had the curve of seven.
+#[tokio::test]
+async fn limited_fits_use_what_they_may() {
+    let server = Server::start().await;
+    let t: Vec<f64> = (0..400).map(|i| f64::from(i) / 399.0).collect();
+    let points: Vec<_> = t.iter().map(|t| [*t, 0.2 * (40.0 * t * t).sin()]).collect();
+    let mut errors = Vec::new();
+    for most in [7, 12, 20] {
+        let more = json!({"max_control_points": most});
+        let story = server
+            .stream(&automatic(json!({"points": points}), 1e-6, more))
+            .await;
+        assert_eq!(story.state(), "exhausted", "{}", story.end);
+        let last = story.iterations.len() - 1;
+        let used = story.iterations[last]["control_points"]
+            .as_array()
+            .unwrap()
+            .len();
+        assert!(used <= most, "{used}");
+        errors.push(story.error(last));
+    }
+    assert!(
+        errors[1] < 0.97 * errors[0] && errors[2] < 0.9 * errors[1],
+        "{errors:?}"
+    );
 }

@@ -117,8 +117,8 @@ impl<M: Minimum> Schedule<M> {
             return;
         }
         let each = &nearest.distances.each;
-        let limit = self.high - 1;
-        match grown(&last.line, &self.parameters, each, tolerance, limit) {
+        let limits = (self.high - 1, self.options.max_control_points);
+        match grown(&last.line, &self.parameters, each, tolerance, limits) {
             Some(line) => {
                 let control_points = refine(&last.line, &line, &last.control_points);
                 let values = Values::new(&line, &self.parameters);

@@ -239,14 +239,15 @@ impl SurfaceSchedule {
     fn finer(&mut self, fit: &Fit) -> Option<(usize, KnotLine)> {
         let (most, now) = (self.most(), fit.level.counts());
         let share = self.data.share() * self.options.tolerance;
-        let with_limit = |axis: usize, limit: usize| {
+        let with_limits = |axis: usize, limits: (usize, usize)| {
             let t = self.data.parameters(axis);
-            let line = grown(&fit.level.lines[axis], t, &fit.left[axis], share, limit)?;
+            let line = grown(&fit.level.lines[axis], t, &fit.left[axis], share, limits)?;
             let mut counts = now;
             counts[axis] = line.control_points();
             self.data.allows(counts).then_some(line)
         };
-        let finer = [0, 1].map(|axis| with_limit(axis, most[axis]));
+        let asked = self.options.max_control_points;
+        let finer = [0, 1].map(|axis| with_limits(axis, (most[axis], asked[axis])));
         match finer {
             [Some(u), Some(v)] => {
                 let mut finer = [u, v];
@@ -258,7 +259,8 @@ impl SurfaceSchedule {
             [Some(u), None] => Some((0, u)),
             [None, Some(v)] => Some((1, v)),
             [None, None] => {
-                self.limited |= (0..2).any(|axis| with_limit(axis, usize::MAX).is_some());
+                self.limited |=
+                    (0..2).any(|axis| with_limits(axis, (usize::MAX, usize::MAX)).is_some());
                 None
             }
         }
