@@ -44,6 +44,8 @@ pub struct Forecast {
     pub exact_after: Option<usize>,
     /// Least squares: how many control points have no data in the support of their basis function.
     pub without_data: usize,
+    /// Least squares: the first constraint whose tangent the data run against.
+    pub reversed: Option<usize>,
     /// Chebyshev: where the interval of its steps begins, if not at the least eigenvalue.
     pub interval: Option<f64>,
     /// Extended: about how large a distance rounding leaves after `exact_after` iterations, if that

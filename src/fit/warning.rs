@@ -61,6 +61,11 @@ pub enum Warning {
         /// Where the interval begins instead.
         begin: f64,
     },
+    /// Chebyshev: all parts of the error shrink alike, and that slowly.
+    SlowSteps {
+        /// The number of iterations after which a hundredth of the error is left.
+        iterations: usize,
+    },
     /// The slowest part of the error will hardly have changed after the last iteration, and the
     /// tolerance may be out of reach.
     IllConditioned {
@@ -74,6 +79,11 @@ pub enum Warning {
     WithoutData {
         /// How many.
         count: usize,
+    },
+    /// Least squares: the data run against the vector of a tangent, so that the derivative there is zero.
+    ReversedTangent {
+        /// The constraint.
+        index: usize,
     },
 }
 
@@ -137,7 +147,7 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 7] = [
+    pub const CODES: [&str; 9] = [
         "few_points",
         "even_degree",
         "rounding",
@@ -145,6 +155,8 @@ impl Warning {
         "ill_conditioned",
         "without_data",
         "outliers",
+        "reversed_tangent",
+        "slow_steps",
     ];
 
     /// The name on the wire.
@@ -157,6 +169,8 @@ impl Warning {
             Self::IllConditioned { .. } => "ill_conditioned",
             Self::WithoutData { .. } => "without_data",
             Self::Outliers { .. } => "outliers",
+            Self::ReversedTangent { .. } => "reversed_tangent",
+            Self::SlowSteps { .. } => "slow_steps",
         }
     }
 
@@ -165,6 +179,7 @@ impl Warning {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
             Self::Outliers { .. } => Place::Points,
+            Self::ReversedTangent { index } => Place::Constraint(index),
             _ => Place::Method,
         }
     }
@@ -196,6 +211,10 @@ impl Warning {
                  steps for [{least:.2e}, 1] distances would rise far above those of the data; the steps are for \
                  [{begin:.2e}, 1], which takes more iterations; direct gives the limit"
             ),
+            Self::SlowSteps { iterations } => format!(
+                "chebyshev makes all parts of the error shrink alike, here to a hundredth in {iterations} iterations; \
+                 global is nearer to the data in the first ones, and direct gives the limit"
+            ),
             Self::IllConditioned { least, iterations } => format!(
                 "the least eigenvalue of the collocation matrix is {least:.2e}: the part of the error that belongs to it \
                  hardly changes in {iterations} iterations, and the tolerance may be out of reach; use direct, or \
@@ -209,6 +228,10 @@ impl Warning {
                 "a few points determine the bounding box: its diagonal is {diagonal:.3e}, that of the inner 90 % of the \
                  points {inner:.3e}, so that the relative tolerance allows distances of {tolerance:.3e}; give a tolerance \
                  in data units, or leave such points out"
+            ),
+            Self::ReversedTangent { index } => format!(
+                "the data run against the tangent of constraint {index}: the derivative there is zero; reverse the \
+                 vector, or leave the constraint out"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

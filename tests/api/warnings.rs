@@ -435,3 +435,40 @@ async fn points_that_determine_the_bounding_box_are_warned_of() {
         "{found:?}"
     );
 }
+
+/// Global PIA of 21 points is within a hundredth of the first error after seven iterations, and Chebyshev steps take
+/// thousands.
+#[tokio::test]
+async fn slow_chebyshev_steps_are_warned_of() {
+    let server = Server::start().await;
+    let mut job = curve(21, &json!({"kind": "bernstein"}));
+    job["method"] = json!("chebyshev");
+    job["stop"] = json!({"max_iterations": 100_000});
+    expect_everywhere(&server, &job, &[("slow_steps", "/method")]).await;
+    let mut spline = curve(21, &json!({"kind": "bspline", "degree": 3}));
+    spline["method"] = json!("chebyshev");
+    expect_everywhere(&server, &spline, &[]).await;
+}
+
+/// Coordinates near 1e12 are exact to 1e-4: what is left there is rounding, and no step that is too long.
+#[tokio::test]
+async fn far_from_the_origin_rounding_is_left() {
+    let server = Server::start().await;
+    for variant in ["direct", "cg"] {
+        let points: Vec<_> = (0..60)
+            .map(|i| 0.1 * f64::from(i))
+            .map(|t| [1e12 + t, 1e12 + t * t, 1e12 - t])
+            .collect();
+        let job = json!({
+            "curve": {"points": points, "parameters": "uniform"},
+            "method": {"kind": "least_squares", "control_points": 8, "variant": variant},
+            "stop": {"tolerance": 1e-7},
+        });
+        let job = server.fit(&job).await;
+        assert_eq!(
+            (&job["state"], &job["reason"]),
+            (&json!("stalled"), &json!("rounding")),
+            "{variant}: {job}"
+        );
+    }
+}

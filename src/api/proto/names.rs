@@ -48,6 +48,8 @@ pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::IllConditioned { .. } => pb::WarningCode::IllConditioned,
         Warning::WithoutData { .. } => pb::WarningCode::WithoutData,
         Warning::Outliers { .. } => pb::WarningCode::Outliers,
+        Warning::SlowSteps { .. } => pb::WarningCode::SlowSteps,
+        Warning::ReversedTangent { .. } => pb::WarningCode::ReversedTangent,
     }
 }
 

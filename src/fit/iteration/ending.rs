@@ -5,6 +5,9 @@ use crate::fit::method::Progress;
 use crate::fit::method::update::Update;
 use crate::fit::termination::{Outcome, Reason};
 
+/// How many rounding errors of the data sums of many terms leave.
+const SUMS: f64 = 64.0;
+
 impl Iteration {
     /// The outcome of a fit that has succeeded by its distances, unless one of its numbers has left
     /// the range of numbers.
@@ -35,11 +38,14 @@ impl Iteration {
     }
 
     /// Whether the curve is as near to the data as was asked for. A method may have a larger
-    /// tolerance, and find points that are still to be moved.
+    /// tolerance, and find points that are still to be moved, or make more than distances small.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
         let first = problem.method().scheme().first_end();
         if self.level.iteration < first.min(problem.max_iterations()) {
+            return false;
+        }
+        if self.update().is_some_and(Update::seeks_minimum) {
             return false;
         }
         let unfinished = || self.update().is_some_and(Update::is_unfinished);
@@ -51,14 +57,26 @@ impl Iteration {
     pub fn outcome(&self) -> Option<Outcome> {
         match self.ending() {
             Some(Outcome::Minimum) if self.system.problem().has_goal() => {
-                let rounding = self.system.problem().rounding();
-                Some(Outcome::Stalled(match self.level.error.rms <= rounding {
+                Some(Outcome::Stalled(match self.is_rounding() {
                     true => Reason::Rounding,
                     false => Reason::Minimum,
                 }))
             }
+            Some(Outcome::Stalled(Reason::Diverging)) if self.is_near_rounding() => {
+                Some(Outcome::Stalled(Reason::Rounding))
+            }
             ending => ending,
         }
+    }
+
+    /// Whether the distances are rounding errors of the data.
+    fn is_rounding(&self) -> bool {
+        self.level.error.rms <= self.system.problem().rounding()
+    }
+
+    /// Whether they are no more than what sums of many terms make of them.
+    fn is_near_rounding(&self) -> bool {
+        self.level.error.rms <= SUMS * self.system.problem().rounding()
     }
 
     /// The same, whether or not a tolerance was asked for.

@@ -41,6 +41,9 @@ pub(super) const ABOUT: About = About {
 /// Chebyshev steps that have made the residual grow by this factor will not make it fall any more.
 const HOPELESS: f64 = 1e4;
 
+/// More iterations than this to a hundredth of the error are many.
+const SLOW: usize = 200;
+
 /// The method, which has no settings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chebyshev;
@@ -102,7 +105,7 @@ impl Scheme for Chebyshev {
         hopeless.then_some(Outcome::Stalled(Reason::Diverging))
     }
 
-    /// A shorter interval, which takes more iterations, and ill-conditioned bases.
+    /// A shorter interval, which takes more iterations, ill-conditioned bases, and slow steps.
     fn warnings(
         &self,
         forecast: &Forecast,
@@ -113,7 +116,12 @@ impl Scheme for Chebyshev {
         let begin = forecast.interval;
         let interval = begin.map(|begin| Warning::ShorterInterval { least, begin });
         let slow = Warning::of_rate(forecast, predicted, iterations);
-        interval.into_iter().chain(slow).collect()
+        let steps = forecast
+            .rate
+            .map(|rate| (0.01_f64.ln() / rate.ln()).ceil() as usize);
+        let steps = steps.filter(|&steps| slow.is_none() && steps > SLOW);
+        let steps = steps.map(|iterations| Warning::SlowSteps { iterations });
+        interval.into_iter().chain(slow).chain(steps).collect()
     }
 }
 

@@ -23,7 +23,9 @@ pub(crate) struct WarningView {
     /// others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
     /// after the last iteration. `without_data`: control points of a least-squares fit have no data
     /// and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
-    /// part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
+    /// part: its diagonal is more than 100 times that of the inner 90 % of the points. `reversed_tangent`: the
+    /// data run against the vector of a tangent, so that the derivative there is zero. `slow_steps`: Chebyshev steps take hundreds of iterations to a
+    /// hundredth of the error, and `global` is nearer in the first ones. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.
