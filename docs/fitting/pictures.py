@@ -53,7 +53,7 @@ def jobs() -> dict:
     return {
         "interpolated": {"curve": curve},
         "approximated": {"curve": curve, "method": least_squares},
-        "fair": {"curve": curve, "method": least_squares | {"control_points": 40, "fairness": 1e-4}},
+        "fair": {"curve": curve, "method": least_squares | {"control_points": 40, "fairness": 1e-8}},
         "constrained": {
             "curve": curve,
             "method": least_squares

@@ -283,6 +283,8 @@ pub enum Setting {
     Fairness,
     /// The order of the derivative for it.
     FairnessOrder,
+    /// How stiff least-squares surfaces are where they have no data.
+    GapStiffness,
     /// The update of least-squares PIA.
     Variant,
     /// Whether parameters move while least-squares PIA chooses its knots.
@@ -304,6 +306,7 @@ impl Setting {
             Self::Constraints => "constraints",
             Self::Fairness => "fairness",
             Self::FairnessOrder => "fairness_order",
+            Self::GapStiffness => "gap_stiffness",
             Self::Variant => "variant",
             Self::CorrectParameters => "correct_parameters",
         }

@@ -82,6 +82,7 @@ pub(super) fn input(
         )?,
         data_weights: target.numbers(weights),
         fairness: settings.fairness,
+        gap_stiffness: settings.gap_stiffness,
         fairness_order: (order != 0).then_some(order as usize),
         constraints: constraints(settings.constraints, target)?,
     })
@@ -193,6 +194,7 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         },
         end_points: value(&END_POINTS, Some(settings.ends)).into(),
         fairness: settings.fairness.map(|fairness| fairness.value),
+        gap_stiffness: settings.gap_stiffness,
         fairness_order: settings
             .fairness
             .map_or(0, |fairness| count(fairness.order)),

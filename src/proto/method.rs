@@ -219,6 +219,7 @@ pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
                 | Setting::Constraints
                 | Setting::Fairness
                 | Setting::FairnessOrder
+                | Setting::GapStiffness
                 | Setting::Variant => "least_squares",
                 Setting::CorrectParameters => "least_squares.automatic",
                 Setting::Indices | Setting::Sweeps => "local",

@@ -191,9 +191,12 @@ async fn wrong_settings_are_named() {
         ),
         (
             false,
-            with(vec![at_point.clone(), at_point.clone()]),
+            with(vec![
+                at_point.clone(),
+                constraint(At::Index(3), derivative(1, 0, &[-1.0, 0.0])),
+            ]),
             "constraints[1]",
-            "follows from constraint 0",
+            "together with constraint 0",
         ),
         (
             false,

@@ -6,6 +6,53 @@ use crate::constraints::wave;
 use crate::data;
 use crate::support::{Server, problem};
 
+/// Interpolated ends are conditions like the others.
+#[tokio::test]
+async fn ends_count() {
+    let server = Server::start().await;
+    let points = json!([[0, 0], [2, 3], [5, 4], [8, 3], [10, 0]]);
+    let job = |more: Value| {
+        let mut method = json!({"kind": "least_squares", "control_points": 4, "variant": "direct"});
+        let more = more.as_object().unwrap().clone();
+        method.as_object_mut().unwrap().extend(more);
+        json!({"curve": {"points": points}, "method": method})
+    };
+    let three = json!([{"index": 1}, {"index": 2}, {"index": 3}]);
+    let asked = server
+        .post("/v1/jobs")
+        .json(&job(json!({"constraints": three})));
+    let (_, found) = problem(asked.send().await.unwrap()).await;
+    let error = &found["errors"][0];
+    assert_eq!(error["pointer"], "/method/constraints/2", "{found}");
+    let detail = error["detail"].as_str().unwrap();
+    for part in [
+        "the interpolated start, the interpolated end, constraint 0 and constraint 1",
+        "\"end_points\": \"free\"",
+    ] {
+        assert!(detail.contains(part), "{detail}");
+    }
+    let free = job(json!({"constraints": three, "end_points": "free"}));
+    assert_eq!(server.fit(&free).await["state"], "converged");
+    // What follows from others may be said.
+    let twice =
+        json!([{"index": 0}, {"index": 2}, {"index": 2}, {"at": {"index": 4}, "point": [10, 0]}]);
+    let twice = server.stream(&job(json!({"constraints": twice}))).await;
+    let once = server
+        .stream(&job(json!({"constraints": [{"index": 2}]})))
+        .await;
+    assert_eq!(twice.iterations, once.iterations);
+    // Ends that are asked for by name are not replaced.
+    let other =
+        json!({"constraints": [{"at": "end", "point": [9, 0]}], "end_points": "interpolated"});
+    let asked = server.post("/v1/jobs").json(&job(other));
+    let (_, found) = problem(asked.send().await.unwrap()).await;
+    let detail = found["errors"][0]["detail"].as_str().unwrap();
+    assert!(
+        detail.contains("the interpolated end, with which it differs by 1.000e0"),
+        "{detail}"
+    );
+}
+
 /// Mistakes name the constraint and say what would do.
 #[tokio::test]
 async fn constraints_that_cannot_be_are_refused() {
@@ -22,9 +69,18 @@ async fn constraints_that_cannot_be_are_refused() {
             "data point 30, but there are 30",
         ),
         (
-            curve(with(json!([{"index": 3}, {"index": 3}]))),
+            curve(with(
+                json!([{"index": 3}, {"at": {"index": 3}, "point": [0, 0, 0]}]),
+            )),
             "/method/constraints/1",
-            "follows from constraint 0",
+            "together with constraint 0, with which it differs by",
+        ),
+        (
+            curve(with(
+                json!([{"at": "end", "derivative": [1, 0, 0]}, {"at": "end", "tangent": [-1, 0, 0]}]),
+            )),
+            "/method/constraints/1",
+            "together with constraint 0",
         ),
         (
             curve(with(
@@ -145,6 +201,16 @@ async fn constraints_that_cannot_be_are_refused() {
         (
             curve(setting("fairness", json!(-1))),
             "/method/fairness",
+            "zero or greater",
+        ),
+        (
+            curve(setting("gap_stiffness", json!(0.1))),
+            "/method/gap_stiffness",
+            "this is a curve",
+        ),
+        (
+            surface(setting("gap_stiffness", json!(-1))),
+            "/method/gap_stiffness",
             "zero or greater",
         ),
         (

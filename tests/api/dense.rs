@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Bases, energies and constraints are evaluated here by their definitions, and the system is solved
-//! densely. A job is refused if and only if a constraint depends on those before it.
+//! densely. A job is refused if and only if a constraint contradicts corners or constraints before it.
 
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
@@ -82,7 +82,7 @@ fn generate(random: &mut Random) -> Case {
     let weights: Vec<f64> = weights.collect();
     let fair = degrees.iter().all(|&degree| degree > 1) && random.chance(0.3);
     let fairness = if fair {
-        10f64.powf(-4.0 * random.part())
+        10f64.powf(-4.0 - 4.0 * random.part())
     } else {
         0.0
     };
@@ -205,11 +205,11 @@ fn written(asked: &Asked) -> Value {
 }
 
 /// A direction: its knots, and the parameters of the data.
-struct Line {
-    degree: usize,
-    knots: Vec<f64>,
-    free: usize,
-    parameters: Vec<f64>,
+pub struct Line {
+    pub degree: usize,
+    pub knots: Vec<f64>,
+    pub free: usize,
+    pub parameters: Vec<f64>,
 }
 
 impl Line {
@@ -219,7 +219,7 @@ impl Line {
     }
 
     /// A derivative of all functions at a parameter, added up for those that share a control point.
-    fn values(&self, t: f64, order: usize) -> DVector<f64> {
+    pub fn values(&self, t: f64, order: usize) -> DVector<f64> {
         let functions = self.knots.len() - self.degree - 1;
         let spans = (self.degree..functions).rev();
         let mut spans = spans.filter(|&k| self.knots[k] < self.knots[k + 1]);
@@ -282,9 +282,8 @@ struct Dense {
     a: DMatrix<f64>,
     n: DMatrix<f64>,
     data: DMatrix<f64>,
-    /// The rows of C and of R, those of constraints first.
+    /// The rows of C and of R, those of corners first.
     rows: Vec<(DVector<f64>, Vec<f64>)>,
-    named: usize,
 }
 
 fn kron(u: &DVector<f64>, v: &DVector<f64>) -> DVector<f64> {
@@ -312,12 +311,28 @@ fn dense(case: &Case, [u, v]: &[Line; 2]) -> Dense {
     let mut n = a.transpose() * omega * &a;
     if case.fairness > 0.0 {
         let length = |line: &Line| line.domain().1 - line.domain().0;
-        let weight = case.fairness * length(u) * length(v) / count as f64;
+        let weight =
+            case.fairness * case.weights.iter().sum::<f64>() * length(u).max(length(v)).powi(2);
         for (k, times) in [(0, 1.0), (1, 2.0), (2, 1.0)] {
             n += weight * times * u.energy(2 - k).kronecker(&v.energy(k));
         }
     }
+    let corners = || {
+        [0, case.rows - 1]
+            .into_iter()
+            .flat_map(|i| [(i, 0), (i, case.columns - 1)])
+    };
     let mut rows = Vec::new();
+    for (i, j) in corners().filter(|_| !case.free_ends && !case.closed) {
+        let k = i * case.columns + j;
+        if !case
+            .constraints
+            .iter()
+            .any(|asked| replaces(asked, case, (i, j), place(k)))
+        {
+            rows.push((row(place(k), [0, 0]), case.points[k].clone()));
+        }
+    }
     for asked in &case.constraints {
         match asked {
             Asked::At(at, orders, vector) => {
@@ -350,29 +365,66 @@ fn dense(case: &Case, [u, v]: &[Line; 2]) -> Dense {
             }
         }
     }
-    let named = rows.len();
-    if !case.free_ends && !case.closed {
-        for i in [0, case.rows - 1] {
-            for j in [0, case.columns - 1] {
-                let k = i * case.columns + j;
-                rows.push((row(place(k), [0, 0]), case.points[k].clone()));
-            }
+    Dense { a, n, data, rows }
+}
+
+/// Whether a constraint says what point there is at a corner, which has these parameters.
+fn replaces(asked: &Asked, case: &Case, (i, j): (usize, usize), [s, t]: [f64; 2]) -> bool {
+    match asked {
+        Asked::At(At::Index(row, column), [0, 0], _) => (*row, *column) == (i, j),
+        Asked::At(At::Parameters(u, v), [0, 0], _) => (*u, *v) == (s, t),
+        Asked::At(..) => false,
+        Asked::Along { order: 1.., .. } => false,
+        Asked::Along { of_v, at_end, .. } => {
+            let (place, last) = match of_v {
+                true => (j, case.columns - 1),
+                false => (i, case.rows - 1),
+            };
+            place == if *at_end { last } else { 0 }
         }
-    }
-    Dense {
-        a,
-        n,
-        data,
-        rows,
-        named,
     }
 }
 
-/// Which rows do not depend on those before them; `None` if that is not clear.
-fn independent(rows: &[(DVector<f64>, Vec<f64>)]) -> Option<Vec<bool>> {
+/// What a row is beside those before it.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Independent,
+    Follows,
+    Contradicts,
+}
+
+/// Whether the value of a row is the same sum of those before it; `None` if that is not clear.
+fn kind(row: &DVector<f64>, value: &[f64], kept: &[&(DVector<f64>, Vec<f64>)]) -> Option<Kind> {
+    if kept.is_empty() {
+        return Some(Kind::Contradicts);
+    }
+    let columns: Vec<DVector<f64>> = kept.iter().map(|(row, _)| row.clone()).collect();
+    let factors = DMatrix::from_columns(&columns)
+        .svd(true, true)
+        .solve(row, 0.0)
+        .unwrap();
+    let off = value.iter().enumerate().map(|(c, value)| {
+        let sum: f64 = kept
+            .iter()
+            .zip(factors.iter())
+            .map(|((_, x), f)| f * x[c])
+            .sum();
+        (value - sum).abs()
+    });
+    match off.fold(0.0, f64::max) {
+        off if off < 1e-12 => Some(Kind::Follows),
+        off if off > 1e-6 => Some(Kind::Contradicts),
+        _ => None,
+    }
+}
+
+/// What each row is beside those before it; `None` if that is not clear.
+fn kinds(rows: &[(DVector<f64>, Vec<f64>)]) -> Option<Vec<Kind>> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut kept = Vec::new();
     let mut all = Vec::new();
-    for (row, _) in rows {
+    for whole in rows {
+        let (row, value) = whole;
         let length = row.norm();
         let mut left = if length > 0.0 {
             row / length
@@ -387,10 +439,11 @@ fn independent(rows: &[(DVector<f64>, Vec<f64>)]) -> Option<Vec<bool>> {
         }
         let distance = left.norm();
         match distance {
-            distance if distance < DEPENDENT[0] => all.push(false),
+            distance if distance < DEPENDENT[0] => all.push(kind(row, value, &kept)?),
             distance if distance > DEPENDENT[1] => {
                 basis.push(left / distance);
-                all.push(true);
+                kept.push(whole);
+                all.push(Kind::Independent);
             }
             _ => return None,
         }
@@ -486,13 +539,13 @@ async fn constrained_surfaces_are_solutions_of_dense_systems() {
         let case = generate(&mut random);
         let lines = directions(&server, &case).await;
         let dense = dense(&case, &lines);
-        let Some(kept) = independent(&dense.rows) else {
+        let Some(kinds) = kinds(&dense.rows) else {
             counts.unclear += 1;
             continue;
         };
         let request = server.post("/v1/jobs").header("prefer", "wait=60");
         let answer = request.json(&case.job).send().await.unwrap();
-        let refused = kept[..dense.named].contains(&false);
+        let refused = kinds.contains(&Kind::Contradicts);
         assert_eq!(
             answer.status().as_u16(),
             if refused { 422 } else { 201 },
@@ -509,7 +562,8 @@ async fn constrained_surfaces_are_solutions_of_dense_systems() {
             counts.refused += 1;
             continue;
         }
-        let rows = dense.rows.iter().zip(&kept).filter(|(_, kept)| **kept);
+        let rows = dense.rows.iter().zip(&kinds);
+        let rows = rows.filter(|(_, kind)| **kind == Kind::Independent);
         let rows: Vec<_> = rows.map(|(row, _)| row).collect();
         let Some(expected) = solution(&case, &dense, &rows) else {
             counts.unclear += 1;

@@ -34,7 +34,7 @@ fn mix() -> Vec<Value> {
         json!({"curve": {"points": spiral(12), "basis": {"kind": "bernstein"}},
             "stop": {"tolerance": 0.001, "max_iterations": 100_000}}),
         json!({"curve": {"points": spiral(2000)}, "method": {"kind": "least_squares", "control_points": 300, "variant": "diagonal",
-            "fairness": 1e-9, "constraints": [{"index": 700}, {"at": "end", "tangent": [0, 0, 1]}]}}),
+            "fairness": 1e-15, "constraints": [{"index": 700}, {"at": "end", "tangent": [0, 0, 1]}]}}),
         json!({"curve": {"points": spiral(6000)}, "method": {"kind": "least_squares", "control_points": "auto"}, "stop": {"tolerance": 1e-5}}),
         json!({"curve": {"points": spiral(500)}, "method": {"kind": "transpose"},
             "stop": {"relative_tolerance": 1e-6, "max_iterations": 100_000}}),

@@ -39,6 +39,7 @@ mod data;
 mod database;
 mod deleting;
 mod dense;
+mod dense_curves;
 mod description;
 mod deviation;
 mod digits;

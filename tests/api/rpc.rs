@@ -248,7 +248,7 @@ async fn every_kind_of_job_is_the_same_in_both_languages() {
             "method": {"kind": "least_squares", "control_points": "auto", "max_control_points": 20, "correct_parameters": true}}),
         json!({"surface": {"points": data::peaks(12)}, "stop": {"tolerance": 0.5}, "method": {"kind": "least_squares", "control_points": "auto"}}),
         json!({"surface": {"points": data::peaks(12)}, "stop": {"tolerance": 0.5},
-            "method": {"kind": "least_squares", "control_points": "auto", "fairness": 1e-6, "constraints": [{"index": [3, 4]}]}}),
+            "method": {"kind": "least_squares", "control_points": "auto", "fairness": 1e-10, "constraints": [{"index": [3, 4]}]}}),
         json!({"surface": {"points": data::peaks(5), "weights": {"u": [1, 2, 3, 2, 1], "v": [1, 1, 2, 1, 1]}}, "rational": "fixed",
             "method": {"kind": "adaptive", "threshold": 0.01}}),
     ];

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import BSpline, make_lsq_spline, make_smoothing_spline
+from scipy.optimize import nnls
 
 CASES = []
 
@@ -44,12 +45,27 @@ def energy(knots, p, r, free=None):
     return total
 
 
-def kkt(N, b, C, R):
+def kkt(N, b, C, R, tangents=()):
+    """`tangents` are the conditions of which R is a multiple, which is not negative: the best one."""
     n, m = len(N), len(C)
     if not m:
         return np.linalg.solve(N, b)
-    C = np.array(C)
-    return np.linalg.solve(np.block([[N, C.T], [C, np.zeros((m, m))]]), np.vstack([b, np.array(R)]))[:n]
+    C, R = np.array(C), np.array(R, float)
+
+    def solve(b, R):
+        return np.linalg.solve(np.block([[N, C.T], [C, np.zeros((m, m))]]), np.vstack([b, R]))[:n]
+
+    if not tangents:
+        return solve(b, R)
+    fixed = R.copy()
+    fixed[tangents] = 0
+    steps = [solve(0 * b, np.eye(m)[:, [k]] * R[k]) for k in tangents]
+    start = solve(b, fixed)
+    H = np.array([[np.sum(a * (N @ c)) for c in steps] for a in steps])
+    h = np.array([np.sum(a * (b - N @ start)) for a in steps])
+    root = np.linalg.cholesky(H)
+    factors, _ = nnls(root.T, np.linalg.solve(root, h))
+    return start + sum(s * a for s, a in zip(factors, steps))
 
 
 def case(name, job, control_points):
@@ -77,7 +93,7 @@ def curve(name, points, p, n, constraints=(), ends=None, weights=None, fairness=
     method = {"kind": "least_squares", "control_points": n, "variant": "direct"}
     if fairness is not None:
         r = order or 2
-        N = N + fairness * (t[-1] - t[0]) ** (2 * r - 1) / len(t) * energy(knots, p, r)
+        N = N + fairness * W.sum() * (t[-1] - t[0]) ** (2 * r - 1) * energy(knots, p, r)
         method["fairness"] = fairness
         if order:
             method["fairness_order"] = order
@@ -86,6 +102,7 @@ def curve(name, points, p, n, constraints=(), ends=None, weights=None, fairness=
     if constraints:
         method["constraints"] = [c for c, _ in constraints]
     conditions = [f(t, points) for _, f in constraints]
+    tangents = [k for k, (c, _) in enumerate(constraints) if "tangent" in c]
     if ends:
         method["end_points"] = ends
     if ends != "free":
@@ -93,7 +110,7 @@ def curve(name, points, p, n, constraints=(), ends=None, weights=None, fairness=
         conditions += [(t[k], 0, points[k]) for k in (0, -1) if t[k] not in fixed]
     C, R = [row(knots, p, x, r) for x, r, _ in conditions], [value for *_, value in conditions]
     job = {"curve": {"points": points.tolist(), "parameters": t.tolist(), "basis": {"kind": "bspline", "degree": p, "knots": knots.tolist()}}, "method": method}
-    case(name, job, kkt(N, b, C, R))
+    case(name, job, kkt(N, b, C, R, tangents))
 
 
 def at(where, what, value):
@@ -102,8 +119,7 @@ def at(where, what, value):
 
     def condition(t, points):
         x = t[0] if where == "start" else t[-1] if where == "end" else t[where["index"]] if "index" in where else where["parameter"]
-        v = np.asarray(value, float)
-        return x, order, v / np.linalg.norm(v) if what == "tangent" else v
+        return x, order, np.asarray(value, float)
     return {"at": where, what: value}, condition
 
 
@@ -124,19 +140,20 @@ def curves():
     weights = [1 + 3 * (i % 5) for i in range(120)]
     weights[40:50] = [0] * 10
     curve("weights", data, 3, 22, weights=weights)
+    curve("reversed tangents", data, 3, 16, [at("start", "tangent", [0, -2, -1]), at("end", "tangent", [1, 1, 1]), at({"index": 70}, "tangent", [1, 0, 0])])
     curve("weights and a tangent", data, 3, 22, [at("start", "tangent", [1, 0, 0])], weights=weights)
     for order in (None, 3):
-        for fairness in (1e-6, 1e-2):
+        for fairness in (1e-10, 1e-6):
             curve(f"fairness {fairness}, order {order}", data, 4, 30, fairness=fairness, order=order)
-    curve("fairness, a point and weights", data, 3, 40, [through(7), at("end", "second_derivative", [0, 0, 0])], weights=weights, fairness=1e-5)
-    curve("more control points than data", wave(12), 3, 20, fairness=1e-4)
+    curve("fairness, a point and weights", data, 3, 40, [through(7), at("end", "second_derivative", [0, 0, 0])], weights=weights, fairness=1e-9)
+    curve("more control points than data", wave(12), 3, 20, fairness=1e-6)
     few = wave(4)
     curve("four points", few, 3, 4, ends="free")
     curve("two control points", wave(9), 1, 2)
 
 
 def smoothing():
-    """Fairness is without units: lam = fairness (t[-1] - t[0])^3 / n."""
+    """Fairness is without units: lam = fairness n (t[-1] - t[0])^3."""
     x = np.sort(np.random.default_rng(3).uniform(0, 10, 25))
     y = np.sin(x) + .1 * np.cos(17 * x)
     knots = np.r_[[x[0]] * 4, x[1:-1], [x[-1]] * 4]
@@ -145,7 +162,7 @@ def smoothing():
         # The same spline over knots at all data, by interpolation at as many places as it has control points.
         places = np.array([knots[i + 1:i + 4].mean() for i in range(len(knots) - 4)])
         control = np.linalg.solve(np.array([row(knots, 3, s) for s in places]), spline(places))
-        fairness = lam * len(x) / (x[-1] - x[0]) ** 3
+        fairness = lam / len(x) / (x[-1] - x[0]) ** 3
         job = {"curve": {"points": [[v] for v in y], "parameters": x.tolist(), "basis": {"kind": "bspline", "degree": 3, "knots": knots.tolist()}},
                "method": {"kind": "least_squares", "control_points": len(x) + 2, "variant": "direct", "end_points": "free", "fairness": fairness}}
         case(f"make_smoothing_spline, lam {lam}", job, control[:, None])
@@ -171,11 +188,11 @@ def closed():
     t = np.arange(n + 1) / n
     knots = np.arange(-p, free + p + 1) / free
     A = np.array([row(knots, p, x, 0, free) for x in t[:-1]])
-    N, b = A.T @ A + 1e-6 / n * energy(knots, p, 2, free), A.T @ points
+    N, b = A.T @ A + 1e-9 * n * energy(knots, p, 2, free), A.T @ points
     C, R = [row(knots, p, .25, 0, free), row(knots, p, t[30], 1, free)], [np.array([0, 1.]), np.array([0, -6.])]
     constraints = [{"at": {"parameter": .25}, "point": [0, 1]}, {"at": {"index": 30}, "derivative": [0, -6]}]
     job = {"curve": {"points": points.tolist(), "parameters": t.tolist(), "closed": True, "basis": {"kind": "bspline", "degree": p}},
-           "method": {"kind": "least_squares", "control_points": free, "variant": "direct", "fairness": 1e-6, "constraints": constraints}}
+           "method": {"kind": "least_squares", "control_points": free, "variant": "direct", "fairness": 1e-9, "constraints": constraints}}
     case("closed", job, kkt(N, b, C, R))
 
 
@@ -193,7 +210,7 @@ def surface(name, shape, degrees, counts, constraints=(), ends=None, weights=Non
         W[i * shape[1] + j] = 0
     N, b = A.T @ (W[:, None] * A), A.T @ (W[:, None] * P)
     if fairness is not None:
-        w = fairness * (u[-1] * v[-1]) ** (order - 1) / len(P)
+        w = fairness * W.sum() * max(u[-1], v[-1]) ** (2 * order - 2)
         N = N + w * sum(comb(order, k) * np.kron(energy(ku, degrees[0], order - k), energy(kv, degrees[1], k)) for k in range(order + 1))
     C, R = [], []
     for _, (s, t, (a, c), value) in constraints:
@@ -235,8 +252,8 @@ def surface(name, shape, degrees, counts, constraints=(), ends=None, weights=Non
 def surfaces():
     surface("surface with corners", (14, 11), (3, 3), (7, 6))
     surface("surface with weights", (13, 9), (2, 3), (6, 5), weights=1 + np.arange(13)[:, None] % 3 + np.arange(9) % 4)
-    surface("surface with fairness", (12, 10), (3, 3), (9, 8), fairness=1e-4)
-    surface("surface with fairness of order 3", (12, 10), (3, 4), (8, 7), fairness=1e-5, order=3, ends="free")
+    surface("surface with fairness", (12, 10), (3, 3), (9, 8), fairness=1e-8)
+    surface("surface with fairness of order 3", (12, 10), (3, 4), (8, 7), fairness=1e-9, order=3, ends="free")
     points = [({"at": {"parameter": [.7, .3]}, "point": [.7, .3, .5]}, (.7, .3, (0, 0), [.7, .3, .5])),
               ({"at": {"parameter": [1, .5]}, "derivative_u": [1, 0, 2]}, (1, .5, (1, 0), [1, 0, 2])),
               ({"at": {"parameter": [1, .5]}, "derivative_uv": [0, 0, 1]}, (1, .5, (1, 1), [0, 0, 1]))]
@@ -246,7 +263,7 @@ def surfaces():
     surface("surface along a boundary", (14, 11), (3, 2), (7, 6), boundaries=[("u_start", 0, control), ("u_start", 1, across)])
     control = np.c_[np.linspace(0, 2, 7), np.ones(7), np.zeros(7)]
     surface("surface along another boundary", (14, 11), (3, 3), (7, 6), boundaries=[("v_end", 0, control)])
-    surface("surface with holes", (14, 11), (3, 3), (7, 6), missing=[(0, 0), (3, 4), (3, 5), (8, 1)], fairness=1e-6)
+    surface("surface with holes", (14, 11), (3, 3), (7, 6), missing=[(0, 0), (3, 4), (3, 5), (8, 1)], fairness=1e-10)
 
 
 if __name__ == "__main__":

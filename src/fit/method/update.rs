@@ -81,6 +81,12 @@ pub(in crate::fit) trait Update: Debug + Send {
         false
     }
 
+    /// Whether distances within the tolerance do not end the fit yet: it is on its way to a minimum of more than
+    /// distances.
+    fn seeks_minimum(&self) -> bool {
+        false
+    }
+
     /// Whether the fit is at its end by what the update has measured, and why.
     fn outcome(&self) -> Option<Outcome> {
         None

@@ -53,10 +53,9 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<DataWeights>")]
     pub data_weights: Option<PointNumbers>,
-    /// How smooth it is to be: a multiple of the integral of the squared derivative is added to the sum
-    /// of squares. It is free of units: with n data points whose parameters have the range l, the
-    /// multiple is `fairness · l^(2r − 1) / n` on curves and `fairness · (l_u l_v)^(r − 1) / n` on
-    /// surfaces.
+    /// How smooth it is to be: this multiple of the integral of the squared derivative is added to the
+    /// mean of the squared distances, over parameters scaled to [0, 1]; on surfaces by one factor, so
+    /// that the longer range is 1. Such a fit ends at the minimum of that sum.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub fairness: Option<f64>,
@@ -68,6 +67,12 @@ pub(crate) struct LeastSquaresInput {
     )]
     #[schemars(range(min = 2, max = 3), extend("default" = 2))]
     pub fairness_order: Option<usize>,
+    /// Of surfaces: how stiff they are over the spans of knots in which no datum lies, such as holes and
+    /// ragged borders of scans. This multiple of the integral of the squared first derivatives there is
+    /// added, too. Without it 1e-6 if there is `fairness`, otherwise 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub gap_stiffness: Option<f64>,
     /// What every iteration obeys: points to pass through and derivatives.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<ConstraintInput>>", length(min = 1, max = MOST_CONDITIONS))]
@@ -123,6 +128,7 @@ impl LeastSquaresInput {
                 value,
                 order: self.fairness_order.unwrap_or(FAIRNESS_ORDER),
             }),
+            gap_stiffness: self.gap_stiffness,
             data_weights: weights.transpose()?.map(Into::into),
             automatic,
             ..LeastSquares::new(u, v)
@@ -190,6 +196,7 @@ impl LeastSquaresInput {
             data_weights: weights.map(|it| PointNumbers::new(it.to_vec(), grid, surface)),
             fairness: settings.fairness.map(|fairness| fairness.value),
             fairness_order: settings.fairness.map(|fairness| fairness.order),
+            gap_stiffness: settings.gap_stiffness,
             constraints: Some(AtMost(constraints.collect())).filter(|it| !it.0.is_empty()),
         }
     }

@@ -145,7 +145,7 @@ def _error(iteration: Any) -> float:
 def rough_request(points: Points, settings: Settings, parameters: Any) -> dict[str, Any]:
     """A surface with few control points over a plane, which bends little."""
     counts = {way: min(_ROUGH, rows) for way, rows in _rows(points, parameters).items()}
-    method = {"kind": "least_squares", "control_points": counts, "variant": "direct", "fairness": 1e-5, "end_points": "free"}
+    method = {"kind": "least_squares", "control_points": counts, "variant": "direct", "fairness": 1e-9, "end_points": "free"}
     return {
         "points": points.nested(),
         "scattered": True,

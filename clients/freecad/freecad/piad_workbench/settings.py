@@ -12,9 +12,9 @@ from .points import CLOUD, CURVE, Points
 
 SMOOTHNESS = {
     QT_TRANSLATE_NOOP("piad", "Off"): 0.0,
-    QT_TRANSLATE_NOOP("piad", "Light"): 1e-6,
-    QT_TRANSLATE_NOOP("piad", "Medium"): 1e-5,
-    QT_TRANSLATE_NOOP("piad", "Strong"): 1e-4,
+    QT_TRANSLATE_NOOP("piad", "Light"): 1e-10,
+    QT_TRANSLATE_NOOP("piad", "Medium"): 1e-8,
+    QT_TRANSLATE_NOOP("piad", "Strong"): 1e-6,
 }
 """The fairness of each: how much bending counts beside the distances."""
 

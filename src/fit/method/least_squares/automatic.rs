@@ -30,7 +30,7 @@ impl LeastSquares {
     /// Whether the schedule of knots can take steps of plain least squares: nothing is to be obeyed but
     /// the end points, and nothing weighed but the data.
     pub(in crate::fit) fn is_plain(&self) -> bool {
-        self.constraints.is_empty() && self.fairness().is_none() && self.ends != EndPoints::Free
+        self.constraints.is_empty() && !self.has_energy() && self.ends != EndPoints::Free
     }
 
     /// The same of a surface, whose data all count alike.

@@ -8,20 +8,26 @@
 //! occurs: for r = 2 the energy of a thin plate, `H = H₂ ⊗ H₀ + 2 H₁ ⊗ H₁ + H₀ ⊗ H₂` with the
 //! matrices `H_k` of the directions. Gauss quadrature with p + 1 − k nodes on a span is exact.
 //!
-//! The settings have w without units: of a curve with n data points whose parameters have the range
-//! ℓ, `w = f ℓ^(2r − 1) / n`; of a surface `w = f (ℓ_u ℓ_v)^(r − 1) / n`. Then neither other units
-//! of the data nor other ones of the parameters change the curve.
+//! The settings have f without units: beside the mean of the squared distances, it is that of parameters scaled to
+//! [0, 1], on surfaces by one factor for both, which makes the longer range 1. So with the sum Ω of the weights of the
+//! data and the range ℓ of the parameters `w = f Ω ℓ^(2r − 1)`, of a surface `w = f Ω max(ℓ_u, ℓ_v)^(2r − 2)`. Then neither
+//! other units of the data or of the parameters, nor more points on the same curve, change the fit.
 
-use super::settings::Fairness;
+use super::gaps::Gaps;
+use super::settings::{Fairness, LeastSquares};
 use crate::fit::direction::Direction;
 use crate::fit::interrupt;
 use crate::fit::linear::columns::Columns;
 use crate::fit::setup::Setup;
 
+/// Numbers of control points and their factors.
+pub(super) type Row = Vec<(usize, f64)>;
+
 /// A weighted sum of squares of derivatives, `w Xᵀ H X`.
 #[derive(Debug)]
 pub(super) struct Energy {
     terms: Vec<Term>,
+    gaps: Option<Gaps>,
     /// The number of control points in the v direction; 1 of a curve.
     columns: usize,
 }
@@ -38,7 +44,7 @@ struct Term {
 #[derive(Debug)]
 struct Gram {
     /// A row for each node, whose squares add up to the integral.
-    rows: Vec<Vec<(usize, f64)>>,
+    rows: Vec<Row>,
     /// The matrix H, which is symmetric.
     matrix: Columns,
     /// `Σ_j |H_ij|`.
@@ -46,27 +52,38 @@ struct Gram {
 }
 
 impl Energy {
-    /// The energy of a setup, or `None` where the basis has no derivatives.
-    pub(super) fn new(setup: &Setup, fairness: Fairness) -> Option<Self> {
+    /// The energy of a fit whose weights of data have this sum, or `None` where it has none, or the basis has no
+    /// derivatives.
+    pub(super) fn new(setup: &Setup, settings: &LeastSquares, sum: f64) -> Option<Self> {
+        let gaps = settings.gap_stiffness();
+        let gaps = gaps.and_then(|stiffness| Gaps::new(setup, stiffness * sum));
+        let terms = match settings.fairness() {
+            Some(fairness) => Self::terms(setup, fairness, sum)?,
+            None => Vec::new(),
+        };
+        (gaps.is_some() || !terms.is_empty()).then(|| Self {
+            terms,
+            gaps,
+            columns: setup.v().map_or(1, Direction::free),
+        })
+    }
+
+    fn terms(setup: &Setup, fairness: Fairness, sum: f64) -> Option<Vec<Term>> {
         let Fairness { value, order } = fairness;
         let range = |direction: &Direction| {
             let (low, high) = direction.basis.domain();
             high - low
         };
-        let count = setup.grid().count() as f64;
         let length = range(setup.u());
+        let twice = 2 * order as i32;
         let Some(v) = setup.v() else {
-            let factor = value * length.powi(2 * order as i32 - 1) / count;
-            return Some(Self {
-                terms: vec![Term {
-                    factor,
-                    u: Gram::new(setup.u(), order)?,
-                    v: None,
-                }],
-                columns: 1,
-            });
+            return Some(vec![Term {
+                factor: value * sum * length.powi(twice - 1),
+                u: Gram::new(setup.u(), order)?,
+                v: None,
+            }]);
         };
-        let weight = value * (length * range(v)).powi(order as i32 - 1) / count;
+        let weight = value * sum * length.max(range(v)).powi(twice - 2);
         let mut terms = Vec::new();
         let mut binomial = 1.0;
         for k in 0..=order {
@@ -77,10 +94,7 @@ impl Energy {
             });
             binomial *= (order - k) as f64 / (k + 1) as f64;
         }
-        Some(Self {
-            terms,
-            columns: v.free(),
-        })
+        Some(terms)
     }
 
     /// `y ← y − w H x` for one coordinate.
@@ -105,23 +119,23 @@ impl Energy {
                 }
             }
         }
+        if let Some(gaps) = &self.gaps {
+            gaps.subtract(x, y);
+        }
     }
 
-    /// At least `w Σ_j |H_ij|` for each control point i: that itself on curves.
-    pub(super) fn sums(&self) -> Vec<f64> {
-        let mut sums = Vec::new();
+    /// Adds at least `w Σ_j |H_ij|` for each control point i: that itself on curves.
+    pub(super) fn add_sums(&self, sums: &mut [f64]) {
         for Term { factor, u, v } in &self.terms {
             let one = [1.0];
             let across = v.as_ref().map_or(&one[..], |v| &v.sums);
             let products = u.sums.iter();
             let products = products.flat_map(|a| across.iter().map(move |b| factor * a * b));
-            if sums.is_empty() {
-                sums = products.collect();
-            } else {
-                sums.iter_mut().zip(products).for_each(|(sum, x)| *sum += x);
-            }
+            sums.iter_mut().zip(products).for_each(|(sum, x)| *sum += x);
         }
-        sums
+        if let Some(gaps) = &self.gaps {
+            gaps.add_sums(sums);
+        }
     }
 
     /// About how many multiplications take as long as all integrals of products: each product is looked
@@ -136,7 +150,15 @@ impl Energy {
     }
 
     /// How many rows there are.
-    pub(super) fn count(setup: &Setup, order: usize) -> usize {
+    pub(super) fn count(setup: &Setup, settings: &LeastSquares) -> usize {
+        let gaps = settings.gap_stiffness().map_or(0, |_| Gaps::count(setup));
+        let bending = settings
+            .fairness()
+            .map_or(0, |it| Self::count_of_bending(setup, it.order));
+        gaps.saturating_add(bending)
+    }
+
+    fn count_of_bending(setup: &Setup, order: usize) -> usize {
         let nodes = |direction: &Direction| {
             direction
                 .free()
@@ -164,30 +186,15 @@ impl Energy {
                 }
             }
         }
+        if let Some(gaps) = &self.gaps {
+            gaps.each_row(visit);
+        }
     }
 }
 
 impl Gram {
     fn new(direction: &Direction, order: usize) -> Option<Self> {
-        let knots = direction.basis.knots()?;
-        let (low, high) = direction.basis.domain();
-        let nodes = gauss((direction.basis.degree() + 1).saturating_sub(order).max(1));
-        let mut rows = Vec::new();
-        for pair in knots
-            .windows(2)
-            .filter(|pair| low <= pair[0] && pair[1] <= high)
-        {
-            let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
-            if half <= 0.0 {
-                continue;
-            }
-            for &(node, weight) in &nodes {
-                let mut row = direction.functional(middle + half * node, order)?;
-                let root = (weight * half).sqrt();
-                row.iter_mut().for_each(|(_, value)| *value *= root);
-                rows.push(row);
-            }
-        }
+        let rows: Vec<Row> = node_rows(direction, order)?.into_iter().flatten().collect();
         let mut lines = vec![Vec::<(usize, f64)>::new(); direction.free()];
         for row in &rows {
             interrupt::check();
@@ -218,6 +225,29 @@ impl Gram {
         };
         (0..x.len()).map(product).collect()
     }
+}
+
+/// For each span the derivatives of this order of all functions at its nodes, whose squares add up to their integrals;
+/// `None` if the basis has no derivatives.
+pub(super) fn node_rows(direction: &Direction, order: usize) -> Option<Vec<Vec<Row>>> {
+    let knots = direction.basis.knots()?;
+    let (low, high) = direction.basis.domain();
+    let nodes = gauss((direction.basis.degree() + 1).saturating_sub(order).max(1));
+    let spans = knots
+        .windows(2)
+        .filter(|pair| low <= pair[0] && pair[1] <= high);
+    let spans = spans.filter(|pair| pair[0] < pair[1]);
+    let rows_of = |pair: &[f64]| {
+        let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
+        let row = |&(node, weight): &(f64, f64)| {
+            let mut row = direction.functional(middle + half * node, order)?;
+            let root = (weight * half).sqrt();
+            row.iter_mut().for_each(|(_, value)| *value *= root);
+            Some(row)
+        };
+        nodes.iter().map(row).collect()
+    };
+    spans.map(rows_of).collect()
 }
 
 /// The nodes and weights of Gauss quadrature on [−1, 1], exact for polynomials of degree 2 n − 1:

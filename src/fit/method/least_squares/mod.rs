@@ -23,7 +23,7 @@
 //!
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
-//! - [`objective`]: what is made small, with [`fairness`]; [`end`]: how far it is above its minimum;
+//! - [`objective`]: what is made small, with [`fairness`] and the stiffness of [`gaps`]; [`end`]: how far it is above its minimum;
 //! - [`constraints`]: what every level obeys.
 
 pub(in crate::fit) mod automatic;
@@ -31,6 +31,7 @@ mod conjugate;
 pub(in crate::fit) mod constraints;
 mod end;
 mod fairness;
+mod gaps;
 pub(in crate::fit) mod obeying;
 pub(in crate::fit) mod obeying_surface;
 mod objective;
@@ -108,6 +109,21 @@ impl LeastSquares {
         }
     }
 
+    /// Gaps are those of surfaces.
+    fn check_gaps(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        let wrong =
+            |detail: String| Err(Invalid::at(Place::Setting(Setting::GapStiffness), detail));
+        match self.gap_stiffness {
+            Some(value) if !(value.is_finite() && value >= 0.0) => wrong(format!(
+                "gap_stiffness is {value}; it is a finite number, zero or greater"
+            )),
+            Some(_) if !scope.is_surface => {
+                wrong("gap_stiffness is that of surfaces, and this is a curve".to_owned())
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Room for the matrix of conditions and its factors, with both metrics.
     fn bytes(&self) -> usize {
         let along = |constraint: &Constraint| match &constraint.wanted {
@@ -146,6 +162,7 @@ impl Scheme for LeastSquares {
         if let Some(fairness) = self.fairness {
             fairness.check()?;
         }
+        self.check_gaps(scope)?;
         self.check_weights(scope.grid.count())
     }
 
@@ -154,7 +171,7 @@ impl Scheme for LeastSquares {
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         independent(setup, self)?;
         let weighted = setup.is_homogeneous() || setup.directions().any(Direction::is_rational);
-        if self.fairness().is_some() {
+        if self.has_energy() {
             if weighted {
                 return Err(Invalid::at(
                     Place::Setting(Setting::Fairness),
@@ -180,13 +197,13 @@ impl Scheme for LeastSquares {
         Ok(())
     }
 
-    /// The factorization of the normal equations, and the matrix of fairness.
+    /// The factorization of the normal equations, also for the lengths of tangents, and the matrix of fairness.
     fn start_cost(&self, setup: &Setup) -> usize {
         let fairness = self.fairness();
         let fairness = fairness.map_or(0, |it| Energy::cost(setup, it.order));
-        match self.variant {
-            Variant::Direct => fairness.saturating_add(solver::cost(setup, self)),
-            _ => fairness,
+        match self.variant == Variant::Direct || self.has_tangents() {
+            true => fairness.saturating_add(solver::cost(setup, self)),
+            false => fairness,
         }
     }
 
@@ -219,12 +236,15 @@ impl Scheme for LeastSquares {
         }
     }
 
-    /// Control points with a zero column of A.
+    /// Control points with a zero column of A, and a tangent that the data run against.
     fn complete(&self, equations: &mut Equations) {
         if self.automatic.is_some() {
             return;
         }
         equations.forecast.without_data = Steps::without_data(equations, self);
+        if self.has_tangents() {
+            equations.forecast.reversed = Steps::new(equations, self).reversed();
+        }
     }
 
     /// Samples of the data, or means of scattered points.
@@ -249,7 +269,7 @@ impl Scheme for LeastSquares {
         true
     }
 
-    /// Control points without data.
+    /// Control points without data, and tangents that the data run against.
     fn warnings(
         &self,
         forecast: &Forecast,
@@ -258,6 +278,8 @@ impl Scheme for LeastSquares {
     ) -> Vec<Warning> {
         let count = forecast.without_data;
         let lost = (count > 0).then_some(Warning::WithoutData { count });
-        lost.into_iter().collect()
+        let reversed = forecast.reversed;
+        let reversed = reversed.map(|index| Warning::ReversedTangent { index });
+        lost.into_iter().chain(reversed).collect()
     }
 }

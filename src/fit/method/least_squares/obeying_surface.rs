@@ -26,7 +26,7 @@ impl ObeyingSurface {
         Self {
             scattered: ScatteredData::new(setup.data(), &point_by_point(setup), setup.tolerance()),
             obeying: Obeying::new(setup, settings),
-            fair: settings.fairness().is_some(),
+            fair: settings.has_energy(),
         }
     }
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::constraints::Condition;
 use super::fairness::Energy;
-use super::settings::{Fairness, LeastSquares, Variant};
+use super::settings::{LeastSquares, Variant};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
 use crate::fit::points::{Points, normalizing_scale};
@@ -31,23 +31,17 @@ pub(super) struct Objective {
 impl Objective {
     /// That of a fit with such settings.
     pub(super) fn new(setup: &Setup, settings: &LeastSquares) -> Self {
-        let (weights, unit) = match &settings.data_weights {
-            None => (None, 1.0),
-            Some(weights) => {
-                let (weights, unit) = normalized(weights);
-                (Some(weights), unit)
-            }
-        };
-        let fairness = settings.fairness().map(|fairness| Fairness {
-            value: fairness.value * unit,
-            ..fairness
-        });
+        let weights = settings.data_weights.as_ref().map(normalized);
+        let is_there = |i: &usize| setup.missing().is_none_or(|missing| !missing.contains(*i));
+        let points = (0..setup.grid().count()).filter(is_there);
+        let sum = points
+            .map(|i| weights.as_ref().map_or(1.0, |weights| weights[i]))
+            .sum();
+        let energy = Energy::new(setup, settings, sum);
         Self {
             weighted: vec![0.0; weights.as_ref().map_or(0, |weights| weights.len())],
             weights,
-            energy: fairness
-                .and_then(|fairness| Energy::new(setup, fairness))
-                .map(Arc::new),
+            energy: energy.map(Arc::new),
         }
     }
 
@@ -75,20 +69,41 @@ impl Objective {
     ) {
         let lanes = gradient.lanes_mut().iter_mut();
         for (c, gradient) in lanes.enumerate() {
-            let mut pull = state.residual.lane(c);
-            if let Some(weights) = &self.weights {
-                let products = pull.iter().zip(&**weights).map(|(x, weight)| x * weight);
-                self.weighted.clear();
-                self.weighted.extend(products);
-                pull = &self.weighted;
-            }
-            equations
-                .collocation
-                .apply_transposed(pull, gradient, &mut state.scratch);
+            self.pull(
+                equations,
+                state.residual.lane(c),
+                gradient,
+                &mut state.scratch,
+            );
             if let Some(energy) = &self.energy {
                 energy.subtract(state.control_points.lane(c), gradient);
             }
         }
+    }
+
+    /// `Aᵀ Ω x` of one coordinate.
+    fn pull(&mut self, equations: &Equations, x: &[f64], pull: &mut [f64], scratch: &mut [f64]) {
+        let mut weighted = x;
+        if let Some(weights) = &self.weights {
+            let products = x.iter().zip(&**weights).map(|(x, weight)| x * weight);
+            self.weighted.clear();
+            self.weighted.extend(products);
+            weighted = &self.weighted;
+        }
+        equations
+            .collocation
+            .apply_transposed(weighted, pull, scratch);
+    }
+
+    /// `Aᵀ Ω P`: the gradient where all control points are zero.
+    pub(super) fn pull_of_data(&mut self, equations: &Equations) -> Points {
+        let data = equations.setup.data();
+        let mut pull = Points::zeros(data.dimension(), equations.setup.control_grid().count());
+        let mut scratch = vec![0.0; equations.scratch()];
+        for (c, pull) in pull.lanes_mut().iter_mut().enumerate() {
+            self.pull(equations, data.lane(c), pull, &mut scratch);
+        }
+        pull
     }
 
     /// `‖A d‖² + w dᵀ H d` of a direction d with this image `A d`, weighted and in squared units.
@@ -130,9 +145,11 @@ impl Objective {
     ) -> Vec<f64> {
         let (mut sums, mut moves) = self.column_sums(equations);
         if let Some(energy) = &self.energy {
-            let bending = energy.sums();
-            sums.iter_mut().zip(bending).for_each(|(sum, x)| *sum += x);
-            moves.fill(true);
+            energy.add_sums(&mut sums);
+            moves
+                .iter_mut()
+                .zip(&sums)
+                .for_each(|(moves, sum)| *moves |= *sum > 0.0);
         }
         let largest = sums.iter().copied().fold(0.0, f64::max);
         for &(index, _) in conditions.iter().flat_map(|condition| &condition.row) {
@@ -181,16 +198,16 @@ impl Objective {
 }
 
 /// Weights in a unit, a power of two, in which the largest is near one, so that neither sums nor
-/// squares leave the range of numbers. The minimum is the same if fairness is in this unit, too.
-fn normalized(weights: &Arc<[f64]>) -> (Arc<[f64]>, f64) {
+/// squares leave the range of numbers.
+fn normalized(weights: &Arc<[f64]>) -> Arc<[f64]> {
     let unit = normalizing_scale(weights.iter().copied().fold(0.0, f64::max));
     if unit == 1.0 {
-        return (Arc::clone(weights), unit);
+        return Arc::clone(weights);
     }
     // A weight that is small beside others stays one.
     let least = |weight: f64| if weight > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
     let weights = weights.iter().map(|x| (x * unit).max(least(*x)));
-    (weights.collect(), unit)
+    weights.collect()
 }
 
 /// Which column sums are those of control points with data.

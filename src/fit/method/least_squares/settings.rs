@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use super::automatic::Automatic;
-use super::constraints::Constraint;
+use super::constraints::{Constraint, Wanted};
 use crate::fit::choice::BasisChoice;
 use crate::fit::invalid::{Invalid, Place, Setting, one_for_each};
 
 /// The number of control points of a direction that its explicit knots imply.
 pub const BY_KNOTS: usize = usize::MAX - 1;
+
+/// The stiffness of gaps of fits with fairness, where none is given.
+const GAP_STIFFNESS: f64 = 1e-6;
 
 /// A least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +30,9 @@ pub struct LeastSquares {
     pub constraints: Arc<[Constraint]>,
     /// How smooth it is to be, at the cost of its distances.
     pub fairness: Option<Fairness>,
+    /// The multiple g of the membrane energy over the spans of a surface that have no data, free of units like that of
+    /// fairness: see [`super::gaps`]. Without it there is some with fairness.
+    pub gap_stiffness: Option<f64>,
     /// How much each data point counts; all of them 1 without it.
     pub data_weights: Option<Arc<[f64]>>,
 }
@@ -42,6 +48,7 @@ impl LeastSquares {
             ends: EndPoints::Usual,
             constraints: Arc::new([]),
             fairness: None,
+            gap_stiffness: None,
             data_weights: None,
         }
     }
@@ -111,7 +118,9 @@ impl LeastSquares {
     /// What brings a minimum nearer to the data.
     pub(in crate::fit) fn advice_at_minimum(&self) -> String {
         let mut advice = match self.automatic {
-            Some(_) => vec!["more control points do not help: use a larger tolerance"],
+            Some(_) => vec![
+                "those with more control points that were tried are no nearer: use a larger tolerance",
+            ],
             None => vec!["use more control points, or \"auto\" for as many as the tolerance needs"],
         };
         if self.fairness().is_some() {
@@ -120,12 +129,34 @@ impl LeastSquares {
         if !self.constraints.is_empty() {
             advice.push("fewer constraints");
         }
+        if self.automatic.is_some() && self.fairness().is_none() {
+            advice.push("a number of control points");
+        }
         advice.join(", or ")
     }
 
     /// Whether all data points count alike, and nothing but their distances does.
     pub(super) fn is_separable(&self) -> bool {
-        self.data_weights.is_none() && self.fairness().is_none()
+        self.data_weights.is_none() && !self.has_energy()
+    }
+
+    /// Whether derivatives are given by their directions.
+    pub(super) fn has_tangents(&self) -> bool {
+        let is_tangent = |constraint: &Constraint| matches!(constraint.wanted, Wanted::Tangent(_));
+        self.constraints.iter().any(is_tangent)
+    }
+
+    /// Whether more is made small than distances.
+    pub(super) fn has_energy(&self) -> bool {
+        self.fairness().is_some() || self.gap_stiffness().is_some()
+    }
+
+    /// The stiffness of gaps, if it matters.
+    pub(super) fn gap_stiffness(&self) -> Option<f64> {
+        let usual = self.fairness().map(|_| GAP_STIFFNESS);
+        self.gap_stiffness
+            .or(usual)
+            .filter(|stiffness| *stiffness > 0.0)
     }
 
     /// Fairness, if it matters.
@@ -149,9 +180,8 @@ pub enum EndPoints {
 /// A multiple of the integral of a squared derivative is added to the sum of squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fairness {
-    /// The multiple f, free of units: that of the integral over the parameters is
-    /// `f · (range of the parameters)^(2r − 1) · (number of data points)⁻¹`, see
-    /// [`super::fairness`].
+    /// The multiple f, free of units, of the integral over parameters scaled to [0, 1], beside the mean of the squared
+    /// distances: see [`super::fairness`].
     pub value: f64,
     /// The order r of the derivative, 2 or 3.
     pub order: usize,

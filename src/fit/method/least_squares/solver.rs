@@ -8,7 +8,7 @@
 //! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
 //! it is as exact as by orthogonal transformations.
 
-use super::constraints::{Condition, Projection};
+use super::constraints::{Condition, Projection, Tangents};
 use super::fairness::Energy;
 use super::objective::Objective;
 use super::settings::LeastSquares;
@@ -127,6 +127,23 @@ impl Solver {
         }
     }
 
+    /// What the lengths of tangents do to the objective; `None` without conditions.
+    pub(super) fn tangents(
+        &self,
+        equations: &Equations,
+        objective: &mut Objective,
+        (conditions, scale): (&[Condition], &[f64]),
+    ) -> Option<Tangents> {
+        let projection = self.projection.as_ref()?;
+        let mut minimum = objective.pull_of_data(equations);
+        let lanes = minimum.lanes_mut().iter_mut();
+        let mut lanes: Vec<&mut [f64]> = lanes.map(AsMut::as_mut).collect();
+        self.apply(&mut lanes, &mut vec![0.0; equations.scratch()]);
+        let weights = conditions.iter();
+        let weights: Vec<f64> = weights.map(|it| 1.0 / it.largest(scale)).collect();
+        Some(Tangents::new(conditions, &weights, projection, &minimum))
+    }
+
     /// A step to the minimum.
     pub(super) fn update(
         &self,
@@ -159,11 +176,9 @@ impl Additional<'_> {
             energy.each_row(|row| rows.push(row.into_iter(), 1.0));
         }
         for condition in self.conditions {
-            let row = condition.row.iter();
-            let factors = row.clone().map(|&(index, _)| self.scale[index]);
-            let factor = factors.fold(0.0, f64::max);
+            let factor = condition.largest(self.scale);
             if factor > 0.0 {
-                rows.push(row.copied(), 1.0 / factor.sqrt());
+                rows.push(condition.row.iter().copied(), 1.0 / factor.sqrt());
             }
         }
     }
@@ -194,9 +209,7 @@ pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
     match setup.v() {
         Some(v) if is_whole(setup, settings.is_separable()) => {
             let width = span(setup.u()).saturating_mul(v.free());
-            let bending = settings
-                .fairness()
-                .map_or(0, |fairness| Energy::count(setup, fairness.order));
+            let bending = Energy::count(setup, settings);
             let count = setup.grid().count();
             if setup.is_scattered() {
                 // Those of each cell are reduced to as many rows as it has functions.

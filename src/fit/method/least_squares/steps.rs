@@ -38,6 +38,8 @@ pub(super) struct Steps {
     kind: Kind,
     /// How far the minimum is, if the fit ends there.
     end: End,
+    /// The first constraint whose tangent the data run against.
+    reversed: Option<usize>,
 }
 
 /// How the step follows from the gradient.
@@ -58,18 +60,22 @@ impl Steps {
         let setup = &equations.setup;
         let count = setup.control_grid().count();
         let dimension = setup.data().dimension();
-        let objective = Objective::new(setup, settings);
-        let conditions = conditions(setup, settings);
+        let mut objective = Objective::new(setup, settings);
+        let mut conditions = conditions(setup, settings);
         let scale = objective.scale(equations, variant, &conditions);
-        let kind = match variant {
-            Variant::Diagonal | Variant::Lspia { .. } => Kind::Multiple,
-            Variant::ConjugateGradients => {
+        let has_tangents = conditions.iter().any(|condition| condition.is_tangent);
+        let solver = (has_tangents || variant == Variant::Direct)
+            .then(|| Arc::new(Solver::new(equations, &scale, &objective, &conditions)));
+        let tangents = solver.as_ref().filter(|_| has_tangents);
+        let tangents =
+            tangents.and_then(|it| it.tangents(equations, &mut objective, (&conditions, &scale)));
+        let reversed = tangents.and_then(|it| it.settle(&mut conditions, setup));
+        let kind = match solver.filter(|_| variant == Variant::Direct) {
+            Some(solver) => Kind::Direct(solver),
+            None if variant == Variant::ConjugateGradients => {
                 Kind::Conjugate(Conjugate::new(dimension, count, setup.grid().count()))
             }
-            Variant::Direct => {
-                let solver = Solver::new(equations, &scale, &objective, &conditions);
-                Kind::Direct(Arc::new(solver))
-            }
+            None => Kind::Multiple,
         };
         let units: Vec<f64> = setup
             .data()
@@ -87,7 +93,13 @@ impl Steps {
             square: 0.0,
             first_square: None,
             kind,
+            reversed,
         }
+    }
+
+    /// The first constraint whose tangent the data run against.
+    pub(super) fn reversed(&self) -> Option<usize> {
+        self.reversed
     }
 
     /// Takes back what rounding has moved control points away from what they obey.
@@ -197,6 +209,10 @@ impl Update for Steps {
         } else {
             0.0
         })
+    }
+
+    fn seeks_minimum(&self) -> bool {
+        self.objective.energy().is_some() && self.end.outcome() != Some(Outcome::Minimum)
     }
 
     fn outcome(&self) -> Option<Outcome> {

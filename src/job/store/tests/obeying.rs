@@ -22,6 +22,7 @@ pub(super) fn methods(surface: bool) -> Vec<Method> {
         fair(1e-300, 2),
         fair(0.1, 3),
         fair(0.0, 2),
+        with(&|it| it.gap_stiffness = surface.then_some(1e-300)),
     ];
     let constraints = if surface { of_surface() } else { of_curve() };
     let constraints = constraints.into_iter();

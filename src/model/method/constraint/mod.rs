@@ -40,8 +40,7 @@ pub(crate) struct ConstraintInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<f64>>")]
     pub(crate) second_derivative: Option<Vectors>,
-    /// Curves: the direction of the first derivative. Its length is that of the polygon through the
-    /// points over the range of the parameters.
+    /// Curves: the first derivative is a multiple of this vector that is not negative.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<f64>>")]
     pub(crate) tangent: Option<Vectors>,

@@ -11,12 +11,40 @@ use crate::fit::setup::Setup;
 /// A row of C and of R.
 #[derive(Clone, Debug)]
 pub(in super::super) struct Condition {
-    /// The constraint that it belongs to; `None` of end points.
-    pub constraint: Option<usize>,
+    pub origin: Origin,
     /// Free control points and their factors.
     pub row: Vec<(usize, f64)>,
     /// The sum, for each coordinate.
     pub value: Vec<f64>,
+    /// The sum is a multiple of `value` that is not negative.
+    pub is_tangent: bool,
+}
+
+impl Condition {
+    /// The largest of these factors among its control points.
+    pub(in super::super) fn largest(&self, scale: &[f64]) -> f64 {
+        let factors = self.row.iter().map(|&(index, _)| scale[index]);
+        factors.fold(0.0, f64::max)
+    }
+
+    /// The unit vector of a tangent.
+    pub(super) fn direction(&self) -> Vec<f64> {
+        let norm = self.value.iter().map(|x| x * x).sum::<f64>().sqrt();
+        self.value.iter().map(|x| x / norm).collect()
+    }
+}
+
+/// Where a condition comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in super::super) enum Origin {
+    /// The data point at the start of a curve is interpolated.
+    Start,
+    /// That at its end.
+    End,
+    /// That at a corner of a surface.
+    Corner,
+    /// A constraint, by its index.
+    Constraint(usize),
 }
 
 /// Something is asked for where it is not possible.
@@ -25,7 +53,8 @@ pub(super) fn unfit(index: usize, detail: &str) -> Invalid {
     Invalid::at(Place::Constraint(index), detail)
 }
 
-/// The conditions of a fit: those of its constraints first, then end points to interpolate.
+/// The conditions of a fit: end points to interpolate first, then its constraints, and tangents last. An end point
+/// for which a constraint gives another one is left out, unless the ends are asked for by name.
 ///
 /// # Errors
 ///
@@ -34,11 +63,12 @@ pub(super) fn conditions(
     setup: &Setup,
     settings: &LeastSquares,
 ) -> Result<Vec<Condition>, Invalid> {
-    let mut conditions = Vec::new();
+    let mut given = Vec::new();
     for (index, constraint) in settings.constraints.iter().enumerate() {
         let maker = Maker { setup, index };
-        conditions.extend(maker.conditions(constraint)?);
+        given.extend(maker.conditions(constraint)?);
     }
+    given.sort_by_key(|condition| condition.is_tangent);
     let corners = corners(setup);
     if settings.ends == EndPoints::Interpolated && corners.is_empty() {
         return Err(Invalid::at(
@@ -46,9 +76,19 @@ pub(super) fn conditions(
             "there are no ends to interpolate: closed directions have none, and neither have scattered points",
         ));
     }
-    if settings.ends != EndPoints::Free {
-        conditions.extend(corners.into_iter().filter_map(|point| end(setup, point)));
-    }
+    let is_replaced = |point: usize| {
+        settings.ends == EndPoints::Usual
+            && settings
+                .constraints
+                .iter()
+                .any(|it| replaces(setup, it, point))
+    };
+    let ends = corners
+        .into_iter()
+        .filter(|_| settings.ends != EndPoints::Free);
+    let ends = ends.filter(|&point| !is_replaced(point));
+    let mut conditions: Vec<Condition> = ends.filter_map(|point| end(setup, point)).collect();
+    conditions.append(&mut given);
     match conditions.len() {
         count if count > MOST_CONDITIONS => Err(Invalid::at(
             Place::Setting(Setting::Constraints),
@@ -75,6 +115,30 @@ fn corners(setup: &Setup) -> Vec<usize> {
     .collect()
 }
 
+/// Whether a constraint says what point there is at an end of a curve, or at a corner of a surface.
+fn replaces(setup: &Setup, constraint: &Constraint, end: usize) -> bool {
+    let (grid, at_end) = (setup.grid(), parameters(setup, end));
+    let is_point = match &constraint.wanted {
+        Wanted::DataPoint => true,
+        Wanted::Derivative { orders, .. } => *orders == [0, 0],
+        Wanted::Across { order, .. } => *order == 0,
+        Wanted::Tangent(_) => false,
+    };
+    let last = |count: usize, side: Side| match side {
+        Side::Start => 0,
+        Side::End => count - 1,
+    };
+    is_point
+        && match constraint.at {
+            At::Side(side) => end == last(grid.count(), side),
+            At::Index(point) => end == point,
+            At::Parameter(u) => at_end[0] == u,
+            At::Parameters(u, v) => at_end == [u, v],
+            At::Boundary(Axis::U, side) => end / grid.columns == last(grid.rows, side),
+            At::Boundary(Axis::V, side) => end % grid.columns == last(grid.columns, side),
+        }
+}
+
 /// The condition to pass through a data point, unless it is missing.
 fn end(setup: &Setup, point: usize) -> Option<Condition> {
     if setup
@@ -84,9 +148,14 @@ fn end(setup: &Setup, point: usize) -> Option<Condition> {
         return None;
     }
     Some(Condition {
-        constraint: None,
+        origin: match (setup.v(), point) {
+            (Some(_), _) => Origin::Corner,
+            (None, 0) => Origin::Start,
+            (None, _) => Origin::End,
+        },
         row: row(setup, parameters(setup, point), [0, 0])?,
         value: setup.data().point(point).collect(),
+        is_tangent: false,
     })
 }
 
@@ -173,9 +242,10 @@ impl Maker<'_> {
             )
         })?;
         Ok(Condition {
-            constraint: Some(index),
+            origin: Origin::Constraint(index),
             row,
             value,
+            is_tangent: matches!(wanted, Wanted::Tangent(_)),
         })
     }
 
@@ -287,8 +357,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The derivative in a direction, as long as the polygon through the data over the range of the
-    /// parameters.
+    /// The unit vector of a direction.
     fn tangent(&self, vector: &[f64]) -> Result<Vec<f64>, Invalid> {
         let vector = self.checked(vector)?;
         if self.setup.v().is_some() {
@@ -302,11 +371,9 @@ impl Maker<'_> {
         if largest == 0.0 {
             return Err(unfit(self.index, "has a tangent of length zero"));
         }
-        let unit: Vec<f64> = vector.iter().map(|x| x / largest).collect();
-        let norm = unit.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let (low, high) = self.setup.u().basis.domain();
-        let length = polygon(self.setup.data(), self.setup.u().is_closed()) / (high - low);
-        Ok(unit.iter().map(|x| x / norm * length).collect())
+        let scaled: Vec<f64> = vector.iter().map(|x| x / largest).collect();
+        let norm = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+        Ok(scaled.iter().map(|x| x / norm).collect())
     }
 
     /// A boundary, or the derivative across it: one condition for each control point along it, in the order
@@ -364,7 +431,8 @@ impl Maker<'_> {
             // Free control points of a closed direction are counted from another one on.
             let free = other.equal_to(along).unwrap_or(along);
             Ok(Condition {
-                constraint: Some(index),
+                origin: Origin::Constraint(index),
+                is_tangent: false,
                 row: row
                     .map(|&(across, factor)| (at(across, free), factor))
                     .collect(),
@@ -373,13 +441,4 @@ impl Maker<'_> {
         };
         (0..expected).map(condition).collect()
     }
-}
-
-/// The length of the polygon through points.
-fn polygon(points: &Points, closed: bool) -> f64 {
-    let count = points.len();
-    let edges = count - usize::from(!closed);
-    (0..edges)
-        .map(|i| points.distance(i, (i + 1) % count))
-        .sum()
 }

@@ -5,28 +5,29 @@
 //! before it. A row without distance is a sum of others, and its value either is the same sum of
 //! theirs or not.
 
-use super::conditions::{Condition, conditions, unfit};
+use super::conditions::{Condition, Origin, conditions, unfit};
 use crate::fit::interrupt;
 use crate::fit::invalid::{Invalid, Place, Setting};
-use crate::fit::method::least_squares::settings::{EndPoints, LeastSquares};
+use crate::fit::method::least_squares::settings::LeastSquares;
 use crate::fit::setup::Setup;
 
-/// A row of length one whose squared distance from the span of others is below this depends on them.
+/// A row of length one whose squared distance from the span of others is below this has too little freedom.
 const DEPENDENT: f64 = 1e-12;
 
-/// Values that differ by less than this part of the data are equal: the square root of
-/// [`DEPENDENT`], as that is how exactly a dependent row is the sum of others.
-const EQUAL: f64 = 1e-6;
+/// One whose squared distance is below this part of the squares of the factors is a sum of others to rounding.
+const FOLLOWS: f64 = 1e-24;
+
+/// Values that differ by less than this part of the data, and of what they are a sum of, are equal.
+const EQUAL: f64 = 1e-11;
 
 /// A row takes part in a sum with a factor above this.
 const TAKES_PART: f64 = 1e-6;
 
-/// The conditions of a fit without those that follow from others: end points that are fixed already,
-/// and those for which something else is asked, unless they are asked for by name.
+/// The conditions of a fit without those that follow from others.
 ///
 /// # Errors
 ///
-/// The first constraint that is wrong, follows from others or contradicts them.
+/// The first constraint that is wrong, or that cannot be obeyed together with others.
 pub(in super::super) fn independent(
     setup: &Setup,
     settings: &LeastSquares,
@@ -36,34 +37,41 @@ pub(in super::super) fn independent(
     for mut condition in conditions(setup, settings)? {
         interrupt::check();
         condition.normalize();
-        let Some(factors) = basis.insert(&condition, &kept) else {
+        let Some(sum) = basis.insert(&condition, &kept) else {
             kept.push(condition);
             continue;
         };
-        let agrees = agrees(&condition, &kept, &factors, setup);
-        let others = || names(condition.constraint, &kept, &factors);
-        match condition.constraint {
-            Some(index) => {
-                let others = others();
-                let detail = match agrees {
-                    true => format!("follows from {others} already: leave one of them out"),
-                    false => format!(
-                        "cannot be obeyed together with {others}: the control points there have too little freedom"
-                    ),
-                };
-                return Err(unfit(index, &detail));
-            }
-            None if !agrees && settings.ends == EndPoints::Interpolated => {
-                let others = others();
-                let detail = format!(
-                    "the data points at the ends cannot be interpolated together with {others}: name the end_points \"free\""
-                );
-                return Err(Invalid::at(Place::Setting(Setting::EndPoints), detail));
-            }
-            None => {}
+        let off = sum.disagreement(&condition, &kept, setup);
+        if sum.is_exact && off <= EQUAL {
+            continue;
         }
+        return Err(contradiction(
+            &condition,
+            &kept,
+            &sum,
+            off * setup.diagonal(),
+        ));
     }
     Ok(kept)
+}
+
+/// A condition cannot be obeyed together with others, which lead to a value that is `off` by so much.
+fn contradiction(condition: &Condition, kept: &[Condition], sum: &Sum, off: f64) -> Invalid {
+    let (others, ends) = names(condition.origin, kept, &sum.factors);
+    let advice = match ends {
+        true => ", or let go of the ends by \"end_points\": \"free\"",
+        false => "",
+    };
+    let detail = format!(
+        "cannot be obeyed together with {others}, with which it differs by {off:.3e}: the control points there have too little freedom; use more control points or fewer constraints{advice}"
+    );
+    match condition.origin {
+        Origin::Constraint(index) => unfit(index, &detail),
+        end => Invalid::at(
+            Place::Setting(Setting::EndPoints),
+            format!("{} {detail}", end.name()),
+        ),
+    }
 }
 
 impl Condition {
@@ -80,6 +88,53 @@ impl Condition {
     }
 }
 
+/// A row as a sum of others.
+struct Sum {
+    factors: Vec<f64>,
+    /// To rounding.
+    is_exact: bool,
+}
+
+impl Sum {
+    /// How far the value of a condition is from the same sum of others, as a part of the data and of the terms of
+    /// the sum. A tangent that takes part has any length: it agrees with one of the same direction only.
+    fn disagreement(&self, condition: &Condition, kept: &[Condition], setup: &Setup) -> f64 {
+        let terms = || kept.iter().zip(&self.factors);
+        let mut part =
+            terms().filter(|(other, factor)| other.is_tangent && factor.abs() > TAKES_PART);
+        let tangents = (part.next(), part.next());
+        let mut value = condition.value.clone();
+        let mut sum = vec![0.0; condition.value.len()];
+        let mut size = setup.diagonal();
+        for (other, factor) in terms().filter(|(other, _)| !other.is_tangent) {
+            sum.iter_mut()
+                .zip(&other.value)
+                .for_each(|(sum, value)| *sum += factor * value);
+            size += other
+                .value
+                .iter()
+                .fold(0.0, |m: f64, x| m.max((factor * x).abs()));
+        }
+        match (condition.is_tangent, tangents) {
+            (false, (None, _)) => {}
+            (true, (None, _)) => {
+                value = condition.direction();
+                let along: f64 = value.iter().zip(&sum).map(|(v, x)| v * x).sum();
+                value.iter_mut().for_each(|x| *x *= along.max(0.0));
+            }
+            (true, (Some((other, factor)), None)) if *factor > 0.0 => {
+                (value, sum, size) = (condition.direction(), other.direction(), 1.0);
+            }
+            _ => return f64::INFINITY,
+        }
+        let off = value
+            .iter()
+            .zip(&sum)
+            .map(|(value, sum)| (value - sum).abs());
+        off.fold(0.0, f64::max) / size
+    }
+}
+
 /// The Cholesky factor of `C Cᵀ` of the rows so far.
 #[derive(Default)]
 struct Orthogonal {
@@ -87,11 +142,11 @@ struct Orthogonal {
 }
 
 impl Orthogonal {
-    /// Adds a row of length one, or returns its factors as a sum of the `kept` ones.
+    /// Adds a row of length one, or returns it as a sum of the `kept` ones.
     ///
     /// The factor of `C Cᵀ` has its condition squared: what is left of the row is computed itself, and
     /// reduced once more (corrected semi-normal equations; Björck 1987).
-    fn insert(&mut self, condition: &Condition, kept: &[Condition]) -> Option<Vec<f64>> {
+    fn insert(&mut self, condition: &Condition, kept: &[Condition]) -> Option<Sum> {
         let mut left = Remainder::of(condition, kept);
         let first = self.forward(kept.iter().map(|other| left.dot(other)).collect());
         let mut factors = self.backward(first.clone());
@@ -102,7 +157,9 @@ impl Orthogonal {
         factors.iter_mut().zip(&again).for_each(|(x, y)| *x += y);
         let pivot = left.square();
         if pivot <= DEPENDENT {
-            return Some(factors);
+            let squares: f64 = factors.iter().map(|x| x * x).sum();
+            let is_exact = pivot <= FOLLOWS * (1.0 + squares);
+            return Some(Sum { factors, is_exact });
         }
         let mut row = first;
         row.push(pivot.sqrt());
@@ -165,35 +222,36 @@ impl Remainder {
     }
 }
 
-/// Whether the value of a condition is the same sum of others as its row.
-fn agrees(condition: &Condition, kept: &[Condition], factors: &[f64], setup: &Setup) -> bool {
-    (0..condition.value.len()).all(|c| {
-        let terms = kept.iter().zip(factors);
-        let terms = terms.map(|(other, factor)| factor * other.value[c]);
-        let (sum, size) = terms.fold((0.0, setup.diagonal()), |(sum, size), term: f64| {
-            (sum + term, size + term.abs())
-        });
-        (condition.value[c] - sum).abs() <= EQUAL * size
-    })
-}
-
-/// The constraints that take part in a sum besides the constraint that is this sum, as a message names
-/// them.
-fn names(own: Option<usize>, kept: &[Condition], factors: &[f64]) -> String {
-    let part = kept.iter().zip(factors);
-    let part = part.filter(|(_, factor)| factor.abs() > TAKES_PART);
-    let mut indices: Vec<usize> = part.filter_map(|(other, _)| other.constraint).collect();
-    indices.sort_unstable();
-    indices.dedup();
-    let all = indices.len();
-    indices.retain(|index| Some(*index) != own);
-    match &indices[..] {
-        [] if all > 0 => "what else it asks for itself".to_owned(),
-        [] => "nothing: no control point takes part in it".to_owned(),
-        [index] => format!("constraint {index}"),
-        [first @ .., last] => {
-            let first: Vec<String> = first.iter().map(ToString::to_string).collect();
-            format!("constraints {} and {last}", first.join(", "))
+impl Origin {
+    fn name(self) -> String {
+        match self {
+            Self::Start => "the interpolated start".to_owned(),
+            Self::End => "the interpolated end".to_owned(),
+            Self::Corner => "an interpolated corner".to_owned(),
+            Self::Constraint(index) => format!("constraint {index}"),
         }
     }
+}
+
+/// What takes part in a sum besides the condition that is this sum, as a message names it, and whether
+/// interpolated ends do.
+fn names(own: Origin, kept: &[Condition], factors: &[f64]) -> (String, bool) {
+    let part = kept.iter().zip(factors);
+    let part = part.filter(|(_, factor)| factor.abs() > TAKES_PART);
+    let mut origins: Vec<Origin> = part.map(|(other, _)| other.origin).collect();
+    origins.sort_unstable();
+    origins.dedup();
+    let all = origins.len();
+    origins.retain(|origin| *origin != own);
+    let ends = origins
+        .iter()
+        .any(|it| !matches!(it, Origin::Constraint(_)));
+    let names: Vec<String> = origins.iter().map(|it| it.name()).collect();
+    let name = match &names[..] {
+        [] if all > 0 => "what else it asks for itself".to_owned(),
+        [] => "nothing: no control point takes part in it".to_owned(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    };
+    (name, ends)
 }

@@ -12,11 +12,13 @@
 //!
 //! - [`conditions`]: from constraints to rows of C and R;
 //! - [`dependence`]: conditions that follow from others, or contradict them;
+//! - [`tangents`]: how long the derivatives are of which only the direction is given;
 //! - [`projection`]: the projection.
 
 mod conditions;
 mod dependence;
 mod projection;
+mod tangents;
 
 use crate::fit::invalid::{Axis, Side};
 use crate::fit::points::Points;
@@ -24,6 +26,7 @@ use crate::fit::points::Points;
 pub(super) use conditions::Condition;
 pub(super) use dependence::independent;
 pub(super) use projection::Projection;
+pub(super) use tangents::Tangents;
 
 /// The most conditions of a fit: a constraint along a boundary has one for each control point of it.
 pub const MOST_CONDITIONS: usize = 1000;
@@ -64,8 +67,8 @@ pub enum Wanted {
         /// One number for each coordinate.
         vector: Vec<f64>,
     },
-    /// The first derivative of a curve has this direction. Its length is that of the polygon through
-    /// the data over the range of the parameters.
+    /// The first derivative of a curve is a multiple of this vector that is not negative: the one with which the
+    /// curve is nearest to the data.
     Tangent(Vec<f64>),
     /// The derivative across a boundary of this order, or the boundary itself, is the curve with these
     /// control points in the basis of the other direction.

@@ -88,6 +88,25 @@ impl Projection {
         })
     }
 
+    /// A column of `(C M Cᵀ)⁻¹`.
+    pub(super) fn inverse_column(&self, k: usize) -> Vec<f64> {
+        let mut unit = vec![0.0; self.conditions.len()];
+        unit[k] = 1.0;
+        self.multipliers(unit)
+    }
+
+    /// `C x − R` of one coordinate, without the values of tangents.
+    pub(super) fn apart(&self, coordinate: usize, x: &[f64]) -> Vec<f64> {
+        let value = |condition: &Condition| match condition.is_tangent {
+            true => 0.0,
+            false => condition.value[coordinate],
+        };
+        let conditions = self.conditions.iter();
+        conditions
+            .map(|condition| product(condition, x) - value(condition))
+            .collect()
+    }
+
     /// `λ = (C M Cᵀ)⁻¹ v`.
     fn multipliers(&self, mut values: Vec<f64>) -> Vec<f64> {
         let count = values.len();
