@@ -23,6 +23,8 @@ export interface App {
   fit(request: api.JobRequest, how?: How): Promise<string>;
   /** Says a sentence, on the screen and to screen readers. */
   say(sentence: string, kind?: "info" | "error"): void;
+  /** Takes the error off the screen that was said last: its cause is gone. */
+  forget(): void;
 }
 
 /** The jobs on the screen. */

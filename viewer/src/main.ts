@@ -6,6 +6,7 @@ import type { App } from "./app.js";
 import { card } from "./edit/card.js";
 import { Drag } from "./edit/drag.js";
 import { History } from "./edit/history.js";
+import { mode } from "./edit/mode.js";
 import { byId, el } from "./html.js";
 import { Hall } from "./scene/hall.js";
 import { Stage } from "./scene/stage.js";
@@ -25,26 +26,31 @@ const app: App = {
   view,
   fits,
   open,
-  say: createVoice(byId("voice")),
+  ...createVoice(byId("voice")),
   close(id) {
     view.set({ jobs: view.value.jobs.filter((job) => job !== id), selection: null });
   },
   async fit(request, how) {
+    app.forget();
     const job = await client.create(request);
     open(job, how);
     return job.id;
   },
 };
 
+// What was wrong with the jobs before.
+view.subscribe((now, before) => now.jobs !== before.jobs && app.forget());
 examples(app);
 trouble(app);
 scrub(app);
 tabs(byId("panels"));
 const root = byId("stage");
 const hall = new Hall(app, new Stage(root));
+mode(app, hall);
+const history = new History(app);
 tools(app, hall);
 labels(app, hall, root);
-const drag = new Drag(app, hall, new History(app));
+const drag = new Drag(app, hall, history);
 card(app, hall, drag, root);
 pointer(app, hall, root, () => drag.isBusy);
 player(app, hall);

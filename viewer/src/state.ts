@@ -29,6 +29,8 @@ export interface View {
   /** "latest" goes along with a fit that runs, and is its last iteration after that. */
   readonly iteration: number | "latest";
   readonly playing: boolean;
+  /** In it drags move data points; without it they turn the scene. */
+  readonly editing: boolean;
   readonly layers: Layers;
   /** The data point that is looked at, of the first job. */
   readonly selection: Place | null;
@@ -39,7 +41,7 @@ export const MOST_JOBS = 4;
 
 const LAYERS: Layers = { data: true, polygon: false, spikes: false, comb: false, heat: false, zebra: false };
 
-const BEGINNING: View = { jobs: [], iteration: "latest", playing: false, layers: LAYERS, selection: null };
+const BEGINNING: View = { jobs: [], iteration: "latest", playing: false, editing: false, layers: LAYERS, selection: null };
 
 /** The view that a link names; what it does not say is as at the beginning. */
 export function viewOf(hash: string): View {

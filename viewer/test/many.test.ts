@@ -45,6 +45,7 @@ describe("many data points", () => {
 
   test("are all there to be looked at and dragged", PATIENT, async () => {
     const visit = await open("data");
+    await visit.page.keyboard.press("e");
     // No point is drawn there, where the curve ends.
     const [x, y] = await visit.leftmost(170);
     const { mouse } = visit.page;

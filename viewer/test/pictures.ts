@@ -57,6 +57,7 @@ const SCENES: Readonly<Record<string, Scene>> = {
     const { id } = await server.job({ name: "Under the pointer", curve: { points: POINTS, closed: true } });
     await visit.page.goto(`${server.url}#job=${id}&show=data,comb`);
     await settled(visit);
+    await visit.page.keyboard.press("e");
     const before = await visit.drawn();
     const [x, y] = await visit.leftmost();
     await visit.page.mouse.move(x, y);

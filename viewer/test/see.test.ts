@@ -237,7 +237,6 @@ test("without WebGL the page says so, and the rest of it works", PATIENT, async 
     await visit.standing(/^converged/);
     await until(async () => (await visit.numbers()).at(-1) === String((await visit.iteration())[1]), "the last is shown");
     const before = await visit.drawn();
-    // Beside the surface, whose points would be dragged.
     const { x, y, height } = (await visit.page.locator("#stage").boundingBox())!;
     await visit.page.mouse.move(x + 20, y + height / 2);
     await visit.page.mouse.down();

@@ -1,14 +1,14 @@
-/** A data point that is dragged, and the fit that follows. */
+/** A data point that is dragged in the Edit mode, and the fit that follows; a click chooses one in either mode. */
 
 import { Plane, Raycaster, Vector2, Vector3 } from "three";
 
 import type { App } from "../app.js";
 import { placeOf } from "../fit/data.js";
-import { glancing } from "../fit/geometry.js";
-import type { Exhibit } from "../scene/exhibit.js";
+import { type Samples, glancing } from "../fit/geometry.js";
+import type { Exhibit, Held } from "../scene/exhibit.js";
 import type { Hall } from "../scene/hall.js";
 import type { Place } from "../state.js";
-import { NEAR, find } from "../ui/pointer.js";
+import { type Found, NEAR, find } from "../ui/pointer.js";
 import { sentence } from "../ui/sentence.js";
 import type { History } from "./history.js";
 import { type Move, Preview, editOf } from "./preview.js";
@@ -16,15 +16,19 @@ import { type Move, Preview, editOf } from "./preview.js";
 // The pointer has to go so many pixels before a point is moved; less is a click, which chooses it.
 const STILL = 3;
 
-interface Grip {
+/** A press on a data point. */
+interface Press {
   readonly exhibit: Exhibit;
   readonly place: Place;
+  readonly start: readonly [number, number];
+}
+
+interface Grip extends Press {
   readonly index: number;
   readonly preview: Preview;
   /** Where the point was, and what is between it and the pointer. */
   readonly plane: Plane;
   readonly offset: Vector3;
-  readonly start: readonly [number, number];
   moved: Move | null;
 }
 
@@ -33,6 +37,7 @@ export class Drag {
   readonly #hall: Hall;
   readonly #history: History;
   #grip: Grip | null = null;
+  #press: Press | null = null;
 
   constructor(app: App, hall: Hall, history: History) {
     this.#app = app;
@@ -57,7 +62,7 @@ export class Drag {
     const { view, say } = this.#app;
     if (data === null) throw new Error("the data are not here");
     const samples = glancing(data.isSurface);
-    const shown = (now: Parameters<Exhibit["hold"]>[0]) => exhibit.hold(now, view.value.layers);
+    const shown = (samples: Samples, held: Held) => exhibit.hold(samples, held, view.value.layers);
     return new Preview(fit, data, samples, shown, (error) => say(sentence(error), "error"));
   }
 
@@ -81,25 +86,29 @@ export class Drag {
     this.#app.view.set({ selection: null });
     if (found === null || found.exhibit.data === null || found.exhibit.fit.latest < 0) return;
     const { exhibit, index } = found;
+    this.#press = { exhibit, place: placeOf(found.exhibit.data, index), start: [event.offsetX, event.offsetY] };
+    if (this.#app.view.value.editing || event.altKey) this.#grab(event, this.#press, found);
+  }
+
+  #grab(event: PointerEvent, press: Press, { index, position }: Found): void {
+    const { exhibit } = press;
     const { camera } = this.#hall.stage.rig;
-    const at = new Vector3(...found.position).applyMatrix4(exhibit.figure.group.matrixWorld);
+    const at = new Vector3(...position).applyMatrix4(exhibit.figure.group.matrixWorld);
     const plane = new Plane().setFromNormalAndCoplanarPoint(camera.getWorldDirection(new Vector3()), at);
     const under = this.#under(event, exhibit, plane);
     if (under === null) return;
     this.#hall.stage.rig.enabled = false;
     this.#hall.stage.canvas.setPointerCapture(event.pointerId);
-    const place = placeOf(found.exhibit.data, index);
-    this.#grip = { exhibit, place, index, plane, offset: at.sub(under), preview: this.preview(exhibit), start: [event.offsetX, event.offsetY], moved: null };
+    this.#grip = { ...press, index, plane, offset: at.sub(under), preview: this.preview(exhibit), moved: null };
     this.#app.view.set({ playing: false });
-    exhibit.figure.mark(found.position);
+    exhibit.figure.mark(position);
     this.#hall.stage.invalidate();
   }
 
   #drag(event: PointerEvent): void {
     const grip = this.#grip;
     if (grip === null || grip.exhibit.data === null) return;
-    const [x, y] = grip.start;
-    if (grip.moved === null && Math.hypot(event.offsetX - x, event.offsetY - y) < STILL) return;
+    if (grip.moved === null && isStill(grip, event)) return;
     const under = this.#under(event, grip.exhibit, grip.plane);
     if (under === null) return;
     const { axes, positions } = grip.exhibit.data;
@@ -116,15 +125,18 @@ export class Drag {
   }
 
   #drop(event: PointerEvent): void {
-    const grip = this.#grip;
-    if (grip === null) return;
-    this.#drag(event);
-    this.#letGo(grip);
-    if (grip.moved === null) this.#app.view.set({ selection: this.#app.fits.shown[0] === grip.exhibit.fit ? grip.place : null });
-    else void this.keep(grip.exhibit, grip.moved);
+    const [grip, press] = [this.#grip, this.#press];
+    this.#press = null;
+    if (grip !== null) {
+      this.#drag(event);
+      this.#letGo(grip);
+    }
+    if (grip !== null && grip.moved !== null) void this.keep(grip.exhibit, grip.moved);
+    else if (press !== null && isStill(press, event)) this.#app.view.set({ selection: this.#app.fits.shown[0] === press.exhibit.fit ? press.place : null });
   }
 
   #giveUp(): void {
+    this.#press = null;
     const grip = this.#grip;
     if (grip === null) return;
     this.#letGo(grip);
@@ -154,4 +166,9 @@ export class Drag {
     caster.setFromCamera(place, this.#hall.stage.rig.camera);
     return caster.ray.intersectPlane(plane, new Vector3());
   }
+}
+
+/** Returns true if the pointer is where it was pressed, but for a tremble. */
+function isStill({ start: [x, y] }: Press, { offsetX, offsetY }: PointerEvent): boolean {
+  return Math.hypot(offsetX - x, offsetY - y) < STILL;
 }

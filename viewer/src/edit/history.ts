@@ -63,6 +63,5 @@ export class History {
     const [canUndo, canRedo] = [done !== undefined && this.#shows(done[1]), undone !== undefined && this.#shows(undone[0])];
     this.#undo.disabled = !canUndo;
     this.#redo.disabled = !canRedo;
-    this.#undo.hidden = this.#redo.hidden = !canUndo && !canRedo;
   }
 }

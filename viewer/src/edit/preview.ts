@@ -2,10 +2,12 @@
 
 import type { SampledIteration, api } from "piad";
 
+import { countsOfShape } from "../fit/controls.js";
 import type { Data } from "../fit/data.js";
 import { indexOf } from "../fit/data.js";
 import type { Fit } from "../fit/fit.js";
 import { type Samples, pointsOf } from "../fit/geometry.js";
+import type { Held } from "../scene/exhibit.js";
 import type { Place } from "../state.js";
 
 /** A data point that goes elsewhere, gets another weight, or both. */
@@ -47,13 +49,13 @@ export class Preview {
   readonly #fit: Fit;
   readonly #data: Data;
   readonly #samples: api.Samples;
-  readonly #shown: (samples: Samples) => void;
+  readonly #shown: (samples: Samples, held: Held) => void;
   readonly #failed: (error: unknown) => void;
   #next: Move | null = null;
   #running: { readonly controller: AbortController; readonly since: number } | null = null;
   #ended = false;
 
-  constructor(fit: Fit, data: Data, samples: api.Samples, shown: (samples: Samples) => void, failed: (error: unknown) => void) {
+  constructor(fit: Fit, data: Data, samples: api.Samples, shown: (samples: Samples, held: Held) => void, failed: (error: unknown) => void) {
     this.#fit = fit;
     this.#data = data;
     this.#samples = samples;
@@ -83,7 +85,9 @@ export class Preview {
       try {
         const level = await this.#glance(move, controller.signal);
         if (!this.#ended && level !== null) {
-          this.#shown({ ...pointsOf(level.samples, this.#data.axes, level.parameters), parameters: level.parameters });
+          const controls = countsOfShape(level.shape) ?? this.#fit.levels.at(-1)?.controls ?? 0;
+          const samples = { ...pointsOf(level.samples, this.#data.axes, level.parameters), parameters: level.parameters };
+          this.#shown(samples, { number: level.number, error: level.error, controls });
         }
       } catch (error) {
         if (!controller.signal.aborted && !this.#ended) this.#failed(error);

@@ -13,6 +13,11 @@ interface Grid {
 // Data further away from zero than so many of their extents lose too much in 32 bits.
 const FAR = 64;
 
+// What is further away than so many radii is drawn that far away: 32 bits would not hold what diverges.
+const EDGE = 1e6;
+// Further than this 32 bits do not reach, whatever the radius.
+const REACH = 1e37;
+
 // How many digits of the size of the data a hand can place a point to.
 const HAND = 4;
 
@@ -64,10 +69,13 @@ export class Axes {
   /** Three coordinates for each point; the same array where it has them already. */
   positions(data: Numbers, grid: Grid, parameters?: SampledIteration["parameters"]): Float32Array {
     const { dimension } = grid;
-    if (dimension === 3 && !this.isMoved) return data instanceof Float32Array ? data : Float32Array.from(data);
+    if (dimension === 3 && !this.isMoved) {
+      const near = this.#within(data);
+      return near instanceof Float32Array ? near : Float32Array.from(near);
+    }
     const count = grid.rows * grid.columns;
     const [x, y, z] = this.origin;
-    const positions = new Float32Array(count * 3);
+    const positions = new Float64Array(count * 3);
     for (let i = 0; i < count; i++) {
       const from = i * dimension;
       const to = i * 3;
@@ -79,11 +87,28 @@ export class Axes {
       positions[to + 1] = (data[from + 1] ?? NaN) - y;
       positions[to + 2] = dimension === 3 ? (data[from + 2] ?? NaN) - z : 0;
     }
+    return Float32Array.from(this.#within(positions));
+  }
+
+  /** The same array, or a copy in which what is beyond the edge is on it, in the direction in which it was. */
+  #within(all: Numbers): Numbers {
+    const edge = Math.min(EDGE * this.radius, REACH);
+    const [x, y, z] = this.centre.map((c, i) => c - (this.origin[i] ?? 0)) as [number, number, number];
+    let positions = all;
+    for (let i = 0; i < all.length; i += 3) {
+      const [ax, ay, az] = [all[i]! - x, all[i + 1]! - y, all[i + 2]! - z];
+      const size = Math.max(Math.abs(ax), Math.abs(ay), Math.abs(az));
+      if (!(size > edge)) continue;
+      if (positions === all) positions = all.slice();
+      positions[i] = x + partOf(ax, size) * edge;
+      positions[i + 1] = y + partOf(ay, size) * edge;
+      positions[i + 2] = z + partOf(az, size) * edge;
+    }
     return positions;
   }
 
   /** A number has its parameters as its place. */
-  #value(positions: Float32Array, to: number, value: number, i: number, grid: Grid, parameters?: SampledIteration["parameters"]): void {
+  #value(positions: Numbers, to: number, value: number, i: number, grid: Grid, parameters?: SampledIteration["parameters"]): void {
     const [x, y, z] = this.origin;
     const column = i % grid.columns;
     const row = (i - column) / grid.columns;
@@ -105,6 +130,11 @@ export class Axes {
     const digits = Math.min(20, Math.max(0, HAND - Math.floor(Math.log10(this.radius))));
     return used.map((value) => Number(value.toFixed(digits)));
   }
+}
+
+/** A part of a size, from -1 to 1; of an infinite size only its infinite parts are left. */
+function partOf(part: number, size: number): number {
+  return Number.isFinite(size) ? part / size : Number.isFinite(part) ? 0 : Math.sign(part);
 }
 
 /** How far a parameter is in its range; without parameters how far an index is. */

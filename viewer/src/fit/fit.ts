@@ -4,13 +4,16 @@ import type { Client, Job, api } from "piad";
 import { ApiError, ConnectionLost } from "piad";
 
 import type { Axes } from "./axes.js";
+import { type Counts, countsOf } from "./controls.js";
 import { type Data, MOST_POINTS, dataOf, unseen } from "./data.js";
 import { Gallery } from "./gallery.js";
 
-/** The errors of an iteration. */
+/** What is known of an iteration without its geometry. */
 export interface Level {
   readonly error: api.FitError;
   readonly moved: number;
+  /** How many control points it has. */
+  readonly controls: Counts;
 }
 
 // After a lost connection, in milliseconds.
@@ -144,13 +147,18 @@ export class Fit {
     // Iterations are read by it; asked for now, it is here when they are.
     job.shape({ signal }).catch(() => {});
     const stream = job.iterations({ view: "errors", every: 1, milestones: [], pace: "all", changed: false, encoding: "json", digits: "full", after: this.latest < 0 ? undefined : this.latest, signal });
+    let controls: Counts = this.levels.at(-1)?.controls ?? 0;
     for await (const { event, data } of stream.events()) {
       this.problem = null;
       if (event === "job") {
         this.head = data;
+        controls = this.levels.at(-1)?.controls ?? data.control_points;
         this.#hasBegun(data);
       }
-      if (event === "iteration") this.levels[data.iteration] = { error: data.error, moved: data.moved };
+      if (event === "iteration") {
+        controls = countsOf(data.knots, this.head?.degree ?? 0) ?? controls;
+        this.levels[data.iteration] = { error: data.error, moved: data.moved, controls };
+      }
       if (event === "end") this.end = data;
       this.#changed();
     }

@@ -11,6 +11,8 @@ import { Recent } from "./lru.js";
 const MOST = 64_000_000;
 // Finer nets are a veil over the surface.
 const MOST_NET = 15_000;
+// Coordinates beyond this are read with 64 bits.
+const LARGE = 1e35;
 
 /** Samples and control points of the iterations of a job. Each is asked for once while it is kept. */
 export class Gallery {
@@ -27,7 +29,7 @@ export class Gallery {
     const encoding = precise || axes.isMoved ? "base64" : "base64_f32";
     return this.#get(`${k} ${samples} ${encoding}`, async (signal) => {
       const job = await this.#fit.known();
-      const level = await job.iteration(k, { view: "samples", samples, encoding: await this.#fits(encoding), signal });
+      const level = await job.iteration(k, { view: "samples", samples, encoding: await this.#fits(encoding, k), signal });
       return { ...pointsOf(level.samples, axes, level.parameters), parameters: level.parameters };
     }) as Promise<Samples>;
   }
@@ -47,11 +49,12 @@ export class Gallery {
     });
   }
 
-  /** 32 bits are refused for coordinates beyond their range. */
-  async #fits(encoding: api.NumberEncoding): Promise<api.NumberEncoding> {
+  /** 32 bits do not hold coordinates beyond their range: of the data, or of an iteration that is far from them. */
+  async #fits(encoding: api.NumberEncoding, k: number): Promise<api.NumberEncoding> {
     const { axes } = await this.#fit.data();
     const largest = Math.hypot(...axes.centre) + axes.radius;
-    return largest > 1e35 || largest < 1e-37 ? "base64" : encoding;
+    const error = this.#fit.levels[k]?.error.max ?? Infinity;
+    return largest > LARGE || largest < 1e-37 || error > LARGE ? "base64" : encoding;
   }
 
   #get(key: string, ask: (signal: AbortSignal) => Promise<Points>): Promise<Points> {

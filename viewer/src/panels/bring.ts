@@ -5,16 +5,21 @@ import { ApiError, type api } from "piad";
 import type { App, How, Panel } from "../app.js";
 import { byId, el } from "../html.js";
 import { Store } from "../store.js";
-import { sentence as told } from "../ui/sentence.js";
-import { Description, sentence } from "./description.js";
+import { whenReleased } from "../ui/press.js";
+import { sentence } from "../ui/sentence.js";
+import { Complaints } from "./complaints.js";
+import { Description } from "./description.js";
 import { dataOf, editable, words } from "./draft.js";
 import { type Brought, listen, open } from "./drop.js";
 import { excerpt } from "./excerpt.js";
 import { type Draft, Form } from "./form.js";
-import type { Fields } from "./pointer.js";
+import { type Fields, at } from "./pointer.js";
 import { Unreadable, read } from "./reading.js";
 import { RequestText } from "./request.js";
 import { STARTERS } from "./starters.js";
+
+// Stands where the help of a field is shown.
+const HINT = "Choose a field to read what it means.";
 
 export const bring: Panel = (root, app) => {
   const draft = new Store<Draft>({ request: {}, touched: false });
@@ -22,6 +27,8 @@ export const bring: Panel = (root, app) => {
   const wrong = el("div", {});
   const source = sources(app, draft, data, wrong);
   const settings = el("div", {}, el("p", { class: "hint" }, "Asking the server what it can do …"));
+  const forget = () => wrong.replaceChildren();
+  app.view.subscribe((now, before) => now.jobs !== before.jobs && forget());
   root.replaceChildren(source, settings);
   draft.subscribe(({ request }, before) => {
     if (dataOf(request)?.count !== dataOf(before.request)?.count || words(request) !== words(before.request)) source.dispatchEvent(new Event("points"));
@@ -29,7 +36,7 @@ export const bring: Panel = (root, app) => {
 
   const begin = (): void => {
     Description.of(app.client).then(
-      (description) => settings.replaceWith(editor(app, draft, description)),
+      (description) => settings.replaceWith(editor(app, draft, description, forget)),
       (error: Error) => {
         const again = el("button", { type: "button", class: "plain", onclick: begin }, "Try again");
         settings.replaceChildren(el("p", { class: "hint" }, `The server does not say what it can do. ${error.message}`), again);
@@ -128,15 +135,15 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
   return element;
 }
 
-/** The fields, the request, and the buttons that send it. */
-function editor(app: App, draft: Store<Draft>, description: Description): HTMLElement {
+/** The fields, the request, and the buttons that send it. `onSend` is called when a request is sent. */
+function editor(app: App, draft: Store<Draft>, description: Description, onSend: () => void): HTMLElement {
   const form = new Form(description, draft);
   const text = new RequestText(app, draft);
-  const said = el("ul", { class: "wrong", hidden: true });
-  const help = el("p", { class: "help", "aria-hidden": "true" });
+  const complaints = new Complaints();
+  const help = el("p", { class: "help", "aria-hidden": "true" }, HINT);
   const fit = el("button", { type: "submit", class: "primary" }, "Fit");
   const beside = el("button", { type: "button", class: "plain", title: "Fit, and compare with what is on the screen", onclick: () => void send("compare") }, "Fit beside");
-  const element = el("form", { novalidate: true, autocomplete: "off" }, form.element, text.element, el("div", { role: "alert" }, said), el("footer", {}, help, el("div", { class: "row" }, fit, beside)));
+  const element = el("form", { novalidate: true, autocomplete: "off" }, form.element, text.element, el("div", { role: "alert" }, complaints.element), el("footer", {}, help, el("div", { class: "row" }, fit, beside)));
 
   element.addEventListener("submit", (event) => {
     event.preventDefault();
@@ -144,29 +151,38 @@ function editor(app: App, draft: Store<Draft>, description: Description): HTMLEl
   });
   element.addEventListener("focusin", ({ target }) => {
     const field = target instanceof Element ? target.closest(".field") : null;
-    help.textContent = field?.querySelector("[id$=-help]")?.textContent ?? "";
+    help.textContent = field?.querySelector("[id$=-help]")?.textContent || HINT;
   });
-  draft.subscribe(update);
+  let points = pointsOf(draft.value.request);
+  draft.subscribe(() => whenReleased(update));
   update();
 
   function update(): void {
+    // Other data may mend anything.
+    if (points !== pointsOf(draft.value.request)) clear();
+    points = pointsOf(draft.value.request);
     form.refresh();
     text.refresh();
+    complaints.refresh(draft.value.request);
     const none = dataOf(draft.value.request) === null && Object.keys(draft.value.request).length === 0;
     fit.disabled = beside.disabled = none;
   }
 
+  function clear(): void {
+    form.clear();
+    complaints.clear();
+  }
+
   async function send(how: How): Promise<void> {
     const { request } = draft.value;
-    form.clear();
-    said.replaceChildren();
-    said.hidden = true;
+    clear();
+    onSend();
     element.setAttribute("aria-busy", "true");
     try {
       await app.fit(request as unknown as api.JobRequest, how);
       if (draft.value.request === request) draft.set({ touched: false });
     } catch (error) {
-      refused(error, request);
+      whenReleased(() => refused(error, request));
     } finally {
       element.removeAttribute("aria-busy");
     }
@@ -174,24 +190,19 @@ function editor(app: App, draft: Store<Draft>, description: Description): HTMLEl
 
   /** Each thing that is wrong at its field; what has none above the buttons. */
   function refused(error: unknown, request: Fields): void {
-    const errors = error instanceof ApiError && error.errors.length > 0 ? error.errors : [{ detail: told(error) }];
+    const errors = error instanceof ApiError && error.errors.length > 0 ? error.errors : [{ detail: sentence(error) }];
     const homeless = errors.filter(({ pointer, detail }) => pointer === undefined || !form.tell(pointer, detail));
-    said.replaceChildren(...homeless.map(({ pointer, detail }) => el("li", {}, placed(pointer, request), sentence(detail))));
-    said.hidden = homeless.length === 0;
+    complaints.tell(homeless, request);
     const first = element.querySelector<HTMLElement>("[aria-invalid=true]");
     first?.closest("details")?.setAttribute("open", "");
     if (first !== null) first.focus();
-    else said.scrollIntoView({ block: "nearest" });
+    else complaints.element.scrollIntoView({ block: "nearest" });
   }
 
   return element;
 }
 
-/** The place of a mistake in words: data points by their numbers, all else as its pointer. */
-function placed(pointer: string | undefined, request: Fields): Node | null {
-  if (pointer === undefined || pointer === "") return null;
-  const points = dataOf(request)?.pointer;
-  const rest = points !== undefined && pointer.startsWith(`${points}/`) ? pointer.slice(points.length + 1).split("/") : null;
-  const place = rest === null ? pointer : points === "/surface/points" ? `Row ${rest[0]}, column ${rest[1] ?? "–"}` : `Point ${rest[0]}`;
-  return el("b", {}, `${place}: `);
+/** The data points of a request. */
+function pointsOf(request: Fields): unknown {
+  return at(request, dataOf(request)?.pointer ?? "/-");
 }

@@ -1,6 +1,8 @@
 /** A field of the form: a label, one input or one for each direction, and what the server says about it. */
 
 import { el } from "../html.js";
+import { whenReleased } from "../ui/press.js";
+import { isSame } from "./complaints.js";
 import { type Description, type Kind, type Schema, sentence, spoken } from "./description.js";
 import type { Json } from "./pointer.js";
 
@@ -29,12 +31,20 @@ export interface FieldOptions {
 
 type Control = HTMLInputElement | HTMLSelectElement;
 
+interface Part {
+  readonly slot: Slot;
+  readonly control: Control;
+  readonly said: HTMLElement;
+  /** The value that is wrong; null if none is. */
+  wrong: { readonly value: Json | undefined } | null;
+}
+
 let numbers = 0;
 
 export class Field {
   readonly element: HTMLElement;
   readonly help: string;
-  readonly #slots: { slot: Slot; control: Control; said: HTMLElement }[];
+  readonly #slots: Part[];
   readonly #options: FieldOptions;
 
   constructor(options: FieldOptions) {
@@ -47,8 +57,12 @@ export class Field {
       const control = controlOf(options, `${id}-${i}`, slot);
       control.setAttribute("aria-describedby", `${id}-help ${said.id}`);
       if (slots.length > 1) control.setAttribute("aria-label", `${label}, ${slot.side}`);
-      control.addEventListener("change", () => slot.set(this.#read(control)));
-      return { slot, control, said };
+      const part: Part = { slot, control, said, wrong: null };
+      control.addEventListener("change", () => {
+        slot.set(this.#read(control));
+        whenReleased(() => forgive(part));
+      });
+      return part;
     });
     const name = slots.length > 1 ? el("span", { class: "name" }, label) : el("label", { class: "name", for: `${id}-0` }, label);
     const inputs = this.#slots.map(({ control }, i) => el("span", { class: "slot" }, slots.length > 1 && el("span", { class: "side", "aria-hidden": "true" }, slots[i]!.side), control, ...listOf(options, control)));
@@ -64,8 +78,10 @@ export class Field {
 
   /** Shows what the request says. */
   refresh(): void {
-    for (const { slot, control } of this.#slots) {
+    for (const part of this.#slots) {
+      const { slot, control } = part;
       const value = slot.get();
+      forgive(part);
       if (control instanceof HTMLInputElement && control.type === "checkbox") control.checked = value === true;
       else if (control instanceof HTMLSelectElement) select(control, value, this.#options);
       else if (document.activeElement !== control) control.value = shown(value);
@@ -78,23 +94,32 @@ export class Field {
     if (found === undefined) return false;
     found.said.textContent = sentence(words);
     found.said.hidden = false;
+    found.wrong = { value: found.slot.get() };
     found.control.setAttribute("aria-invalid", "true");
     return true;
   }
 
   /** Forgets what was wrong. */
   clear(): void {
-    for (const { said, control } of this.#slots) {
-      said.hidden = true;
-      said.textContent = "";
-      control.removeAttribute("aria-invalid");
-    }
+    for (const part of this.#slots) clear(part);
   }
 
   #read(control: Control): Json | undefined {
     if (control instanceof HTMLInputElement && control.type === "checkbox") return control.checked ? true : undefined;
     return valueOf(control.value, this.#options.kind);
   }
+}
+
+/** Forgets what was wrong with a value that is another now. */
+function forgive(part: Part): void {
+  if (part.wrong !== null && !isSame(part.wrong.value, part.slot.get())) clear(part);
+}
+
+function clear(part: Part): void {
+  part.wrong = null;
+  part.said.hidden = true;
+  part.said.textContent = "";
+  part.control.removeAttribute("aria-invalid");
 }
 
 function controlOf({ kind, usual, names, needed, label }: FieldOptions, id: string, slot: Slot): Control {

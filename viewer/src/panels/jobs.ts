@@ -4,6 +4,7 @@ import type { Job, api } from "piad";
 
 import type { App, Panel } from "../app.js";
 import { el } from "../html.js";
+import { whenReleased } from "../ui/press.js";
 import { sentence } from "../ui/sentence.js";
 import { Description, spoken } from "./description.js";
 import { Row } from "./jobrow.js";
@@ -78,7 +79,7 @@ class List {
       // One more than is shown tells whether there are more.
       const options = { page: Math.min(this.#most + 1, 1000), signal: asking.signal, ...(state === "" ? {} : { state }) };
       for await (const job of this.#app.client.jobs(options)) if (found.push(job) > this.#most) break;
-      this.#show(found);
+      whenReleased(() => this.#show(found));
       this.#timer = window.setTimeout(() => void this.#ask(), found.some((job) => !job.ended) ? BUSY : QUIET);
     } catch (error) {
       if (asking.signal.aborted) return;

@@ -33,6 +33,7 @@ export class Hall implements Listener {
   #frame = 0;
   #isSeen = false;
   #isLost = false;
+  #hasFailed = false;
   #leaving: readonly Exhibit[] = [];
 
   constructor(app: App, stage: Stage) {
@@ -85,7 +86,8 @@ export class Hall implements Listener {
     }
     this.#isSeen = true;
     if (this.#isLost) this.#app.say("The server is there again.");
-    this.#isLost = false;
+    else if (this.#hasFailed) this.#app.forget();
+    this.#isLost = this.#hasFailed = false;
     this.#glide();
     this.onPicture();
   }
@@ -96,7 +98,9 @@ export class Hall implements Listener {
       setTimeout(this.#update, AGAIN);
     }
     // What befalls the job as a whole is said once, by who follows it.
-    if (exhibit.fit.problem === null) this.#app.say(sentence(error), "error");
+    if (exhibit.fit.problem !== null) return;
+    this.#hasFailed = true;
+    this.#app.say(sentence(error), "error");
   }
 
   readonly #update = (): void => {

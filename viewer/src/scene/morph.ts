@@ -36,7 +36,12 @@ export class Morph {
     const t = Math.min(1, Math.max(0, (now - this.#begun) / this.#lasts));
     const eased = t * t * (3 - 2 * t);
     const { shown } = this;
-    for (let i = 0; i < shown.length; i++) shown[i] = from[i]! + (to[i]! - from[i]!) * eased;
-    if (t >= 1) this.#from = null;
+    if (t < 1) {
+      for (let i = 0; i < shown.length; i++) shown[i] = from[i]! + (to[i]! - from[i]!) * eased;
+      return;
+    }
+    // To the bit: what comes from far away would not arrive by sums.
+    shown.set(to);
+    this.#from = null;
   }
 }

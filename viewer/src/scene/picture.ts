@@ -30,6 +30,8 @@ export interface Judged extends Picture {
 // How long the longest spikes and teeth may be, in radii of the data.
 const SPIKE = 0.22;
 const TOOTH = 0.26;
+// Errors so many times larger than the first one have the colour of the largest.
+const OVERSHOOT = 100;
 // More spikes are a fur.
 const MOST_SPIKES = 20_000;
 // A longer edge would be more than anybody sees.
@@ -80,7 +82,9 @@ export function precise(data: Data, layers: Layers): boolean {
 
 /** The distances at the two ends of the scale of colours. */
 export function range({ levels, head }: Fit): [number, number] {
-  const most = levels.reduce((most, level) => Math.max(most, level?.error.max ?? 0), 0) || 1;
+  const largest = levels.reduce((most, level) => Math.max(most, level?.error.max ?? 0), 0) || 1;
+  // Of fits that diverge on their way the scale would be of nothing else.
+  const most = Math.min(largest, OVERSHOOT * (levels[0]?.error.max ?? largest)) || largest;
   const least = levels.at(-1)?.error.max ?? most;
   const tolerance = head?.stop.tolerance ?? 0;
   return [Math.min(Math.max(tolerance, most * 1e-12), most / 10) || least, most];
@@ -101,7 +105,8 @@ function spikesOf(data: Data, { at }: Distances, largest: number): { segments: F
       const value = dimension === 1 ? (axis === (data.isSurface ? 2 : 1) ? 0 : -1) : axis < dimension ? axis : -1;
       const way = value < 0 ? 0 : data.exact[i * dimension + value]! - at[i * dimension + value]!;
       segments[to * 6 + axis] = foot;
-      segments[to * 6 + 3 + axis] = foot + way * scale;
+      // From far away a sum would not arrive at the data point.
+      segments[to * 6 + 3 + axis] = scale > 1 ? foot + way * scale : data.positions[i * 3 + axis]!;
     }
   }
   return { segments, scale };
@@ -112,7 +117,9 @@ function combOf(data: Data, samples: Samples): { teeth: Float32Array; edge: Floa
   const { vectors, most } = curvature(dimension === 1 ? positions : threeOf(exact, dimension));
   const scale = most > 0 ? round125((TOOTH * data.axes.radius) / most) : 0;
   const edge = positions.slice();
-  for (let i = 0; i < edge.length; i++) edge[i] = edge[i]! - vectors[i]! * scale;
+  // Where most of the curve is far away and all but straight, a few teeth would leave the scene.
+  const longest = 10 * TOOTH * data.axes.radius;
+  for (let i = 0; i < edge.length; i++) edge[i] = edge[i]! - (Math.max(-longest, Math.min(longest, vectors[i]! * scale)) || 0);
   const count = positions.length / 3;
   const every = Math.max(1, Math.floor(count / Math.min(TEETH, 240)));
   const teeth = new Float32Array(Math.ceil(count / every) * 6);

@@ -35,6 +35,9 @@ export class Rig {
     this.#controls.minDistance = 1e-3;
     this.#controls.maxDistance = 60;
     this.#controls.addEventListener("change", changed);
+    // A swipe that scrolls the page leaves the camera as it was before.
+    canvas.addEventListener("pointerdown", ({ isPrimary }) => isPrimary && this.#controls.saveState());
+    canvas.addEventListener("pointercancel", () => this.#controls.reset());
   }
 
   /** How much nearer than at the beginning; 1 is the whole. */

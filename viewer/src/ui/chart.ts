@@ -127,8 +127,8 @@ function heights(min: number, max: number, fits: readonly Fit[]): [number, numbe
   const tolerances = fits.flatMap(({ head }) => (head !== null && head.stop.tolerance > nearest ? [head.stop.tolerance] : []));
   const least = Math.min(min > 0 ? min : Infinity, ...tolerances);
   const low = Number.isFinite(least) ? least : 1e-6;
-  const high = Math.max(max || 1, low * 10);
-  return [10 ** Math.floor(Math.log10(low) - 0.15), 10 ** Math.ceil(Math.log10(high) + 0.02)];
+  const high = Math.max(max || 1, Math.min(low * 10, Number.MAX_VALUE));
+  return [10 ** Math.max(-307, Math.floor(Math.log10(low) - 0.15)), 10 ** Math.min(308, Math.ceil(Math.log10(high) + 0.02))];
 }
 
 /** Powers of ten, as many as can be told apart. */

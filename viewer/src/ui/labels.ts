@@ -3,6 +3,7 @@
 import type { api } from "piad";
 
 import type { App } from "../app.js";
+import type { Counts } from "../fit/controls.js";
 import { type Fit, isGone } from "../fit/fit.js";
 import { el } from "../html.js";
 import type { Exhibit } from "../scene/exhibit.js";
@@ -23,6 +24,8 @@ const STATES: Readonly<Record<api.JobState, string>> = {
 
 // In a figure that is not so wide the error is that of the iteration that is shown alone; in pixels.
 const NARROW = 300;
+// An error of so many radii of the data leaves the view.
+const AWAY = 10;
 
 export function labels(app: App, hall: Hall, root: HTMLElement): void {
   const layer = el("div", { class: "labels" });
@@ -43,7 +46,7 @@ export function labels(app: App, hall: Hall, root: HTMLElement): void {
         return label;
       }),
     );
-    const seen = hall.exhibits.map((exhibit) => `${exhibit.fit.title} at iteration ${exhibit.wantedOf(app.view.value)}`);
+    const seen = hall.exhibits.map((exhibit) => `${exhibit.fit.title} at iteration ${exhibit.shownOf(app.view.value)}`);
     hall.stage.canvas.setAttribute("aria-label", seen.join(", ") || "Nothing yet");
     document.title = `${app.fits.shown[0]?.title ?? "Fits"} – piad`;
   };
@@ -65,44 +68,58 @@ function about(app: App, exhibit: Exhibit, many: boolean, isNarrow: boolean): No
   const { fit } = exhibit;
   const close = el("button", { type: "button", class: "icon", "aria-label": `Take ${fit.title} off the screen`, onclick: () => app.close(fit.id) }, icon("close"));
   const head = el("div", { class: "head" }, el("h2", {}, fit.title), many && close);
-  const k = exhibit.wantedOf(app.view.value);
-  const stands = isNarrow ? (standing(fit, null).split(", error ")[0] ?? "") : standing(fit, many ? k : null);
-  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(fit) }, stands);
+  const k = exhibit.shownOf(app.view.value);
+  const level = exhibit.held ?? fit.levels[k];
+  const error = short(level?.error.max);
+  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(exhibit) }, isNarrow ? standing(exhibit) : `${standing(exhibit)}${seen(exhibit, k, error)}${reason(fit)}`);
   const advice = fit.latest < 0 && isGone(fit.problem) && el("p", {}, "It may have been deleted. Open an example, another job, or points of your own.");
   const warnings = many ? [] : (fit.job?.status.warnings ?? []).map(({ detail }) => el("p", { class: "warning" }, detail));
-  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${short(fit.levels[k]?.error.max)}`)] : []), ...scales(app, exhibit)];
+  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit, level?.controls ?? fit.head?.control_points ?? 0))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${error}`)] : []), ...scales(app, exhibit)];
 }
 
-/** "Bicubic B-spline surface, 24 × 18 control points, global". */
-function how({ head }: Fit): string {
+/** "B-spline surface of degree 3 × 3, 24 × 18 control points, global"; the count is that of an iteration. */
+function how({ head }: Fit, controls: Counts): string {
   if (head === null) return "";
   const names: Readonly<Record<api.BasisKind, string>> = { bspline: "B-spline", bernstein: "Bézier", said_ball: "Said–Ball", wang_ball: "Wang–Ball" };
   const of = <T,>(value: T | { u: T; v: T }): T => (typeof value === "object" && value !== null && "u" in value ? value.u : value);
   const degree = typeof head.degree === "number" ? String(head.degree) : `${head.degree.u} × ${head.degree.v}`;
-  const control = typeof head.control_points === "number" ? count(head.control_points) : `${count(head.control_points.u)} × ${count(head.control_points.v)}`;
+  const control = typeof controls === "number" ? count(controls) : `${count(controls.u)} × ${count(controls.v)}`;
   const method = head.method.kind.replace("_", " ");
   return `${names[of(head.basis)]} ${head.kind} of degree ${degree}, ${control} control points, ${method}`;
 }
 
-function stateOf({ end, job }: Fit): api.JobState {
-  return end?.state ?? job?.status.state ?? "queued";
+function stateOf({ held, fit: { end, job } }: Exhibit): api.JobState {
+  return held === null ? (end?.state ?? job?.status.state ?? "queued") : "running";
 }
 
-/** How it stands; beside others also how it was at the iteration that is shown. */
-function standing(fit: Fit, k: number | null): string {
-  const { end, latest, levels } = fit;
-  if (latest < 0) return fit.problem === null ? "…" : isGone(fit.problem) ? "not there" : "not reached";
-  const error = short(levels[latest]?.error.max);
-  if (end === null) return `running, iteration ${count(latest)}, error ${error}`;
-  const now = k !== null && k < latest ? `, ${short(levels[k]?.error.max)} here` : "";
-  const reason = end.state === "stalled" || end.state === "failed" ? (end.problem?.detail ?? end.detail) : null;
-  return `${STATES[end.state]} in ${count(end.iterations)} ${end.iterations === 1 ? "iteration" : "iterations"}, error ${error}${now}${reason ? `: ${reason}` : ""}`;
+/** How the job stands, or that it is not the job that is seen. */
+function standing({ held, fit }: Exhibit): string {
+  const { end, latest, problem } = fit;
+  if (held !== null) return "preview of the edit";
+  if (latest < 0) return problem === null ? "…" : isGone(problem) ? "not there" : "not reached";
+  if (end === null) return `running, iteration ${count(latest)}`;
+  return `${STATES[end.state]} in ${count(end.iterations)} ${end.iterations === 1 ? "iteration" : "iterations"}`;
+}
+
+/** The error of what is seen, and which iteration that is if it is not the last. */
+function seen({ held, fit }: Exhibit, k: number, error: string): string {
+  if (held !== null) return `, iteration ${count(held.number)}, error ${error}`;
+  if (fit.latest < 0) return "";
+  return k < fit.latest ? `; shown: iteration ${count(k)}, error ${error}` : `, error ${error}`;
+}
+
+/** Why a job has ended that has not converged. */
+function reason({ end }: Fit): string {
+  const why = end?.state === "stalled" || end?.state === "failed" ? (end.problem?.detail ?? end.detail) : null;
+  return why ? `: ${why}` : "";
 }
 
 /** How much things are enlarged, and what colours mean. */
 function scales(app: App, { fit, shown, data }: Exhibit): Node[] {
   const { layers } = app.view.value;
   const notes: Node[] = [];
+  const error = fit.levels[shown?.k ?? -1]?.error.max;
+  if (data !== null && shown !== null && !((error ?? Infinity) < AWAY * data.axes.radius)) notes.push(el("p", {}, "It is too far from the data to be seen as a whole."));
   if (layers.spikes && shown !== null && shown.spikeScale > 0) notes.push(el("p", { class: "scale" }, `spikes × ${big(shown.spikeScale)}`));
   if (layers.comb && shown !== null && shown.combScale > 0) notes.push(el("p", { class: "scale" }, `curvature 1 is drawn ${short(shown.combScale)} long`));
   if (layers.heat && data?.isSurface && app.fits.shown[0] === fit) {

@@ -20,7 +20,7 @@ export function player(app: App, hall: Hall): void {
     if (!value.playing) return;
     const k = value.iteration === "latest" ? 0 : value.iteration;
     const latest = Math.max(-1, ...fits.shown.map((fit) => fit.latest));
-    const arrived = hall.exhibits.every((exhibit) => exhibit.shown?.k === exhibit.wantedOf(value));
+    const arrived = hall.exhibits.every((exhibit) => exhibit.isSettled(value));
     if (latest > k && arrived) {
       hall.pace = paceOf(k + 1);
       view.set({ iteration: k + Math.max(1, Math.floor((latest - k) / LONG)) });

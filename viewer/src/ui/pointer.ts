@@ -93,7 +93,7 @@ export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => b
     if (last === null || isBusy()) return;
     const { offsetX: x, offsetY: y } = last;
     const found = last.buttons === 0 ? find(hall, x, y) : null;
-    canvas.classList.toggle("grabs", found?.what === "data");
+    canvas.classList.toggle("grabs", found?.what === "data" && (app.view.value.editing || last.altKey));
     if (marked !== null || found !== null) hall.stage.invalidate();
     if (marked !== found?.exhibit) marked?.figure.mark(null);
     marked = found?.exhibit ?? null;

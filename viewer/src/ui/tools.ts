@@ -18,7 +18,7 @@ interface Tool {
 const TOOLS: readonly Tool[] = [
   { layer: "data", name: "Data", key: "d", help: "The data points" },
   { layer: "polygon", name: "Control net", key: "n", help: "The control polygon, or the net of a surface" },
-  { layer: "heat", name: "Error", key: "e", help: "The distance from the data as colours", of: "surface" },
+  { layer: "heat", name: "Error", key: "r", help: "The distance from the data as colours", of: "surface" },
   { layer: "spikes", name: "Spikes", key: "s", help: "From the fit to its data points, enlarged" },
   { layer: "comb", name: "Curvature", key: "c", help: "The curvature along the curve", of: "curve" },
   { layer: "zebra", name: "Zebra", key: "z", help: "Reflected stripes, which show how smooth a surface is", of: "surface" },
@@ -41,7 +41,7 @@ export function tools(app: App, hall: Hall): void {
   // There is no room for all of it on a phone.
   const what = el("span", {}, "net");
   buttons[1]!.replaceChildren(el("span", { class: "long" }, "Control "), what);
-  const whole = el("button", { type: "button", class: "icon", title: "See all of it (0)", "aria-label": "See all of it", onclick: () => hall.stage.rig.reset() }, icon("whole"));
+  const whole = el("button", { type: "button", class: "icon", id: "whole", title: "See all of it (0)", "aria-label": "See all of it", onclick: () => hall.stage.rig.reset() }, icon("whole"));
   root.append(...buttons, whole);
 
   const update = () => {

@@ -8,6 +8,9 @@ import { sentence } from "./sentence.js";
 
 export function trouble(app: App): void {
   let said = "";
+  let isLost = false;
+  // An error that other jobs have, too, is said of them again.
+  app.view.subscribe((now, before) => now.jobs !== before.jobs && (said = ""));
   app.fits.subscribe(() => {
     const now = app.fits.shown.flatMap(({ id, problem }) => {
       if (problem === null) return [];
@@ -17,8 +20,11 @@ export function trouble(app: App): void {
     });
     const sentences = [...new Set(now)].join(" ");
     if (sentences === said) return;
-    if (sentences !== "") app.say(sentences, "error");
-    else app.say("The server is there again.");
     said = sentences;
+    const wasLost = isLost;
+    isLost = app.fits.shown.some(({ problem }) => problem instanceof ConnectionLost);
+    if (sentences !== "") app.say(sentences, "error");
+    else if (wasLost) app.say("The server is there again.");
+    else app.forget();
   });
 }

@@ -1,0 +1,31 @@
+/** The Edit mode, in which drags move data points. Without it they turn the scene, and swipes scroll the page. */
+
+import type { App } from "../app.js";
+import { byId, el } from "../html.js";
+import type { Hall } from "../scene/hall.js";
+
+export function mode(app: App, hall: Hall): void {
+  const { view } = app;
+  const toggle = () => {
+    const editing = !view.value.editing;
+    // Points that are moved have to be seen.
+    view.set({ editing, ...(editing && { layers: { ...view.value.layers, data: true } }) });
+  };
+  const title = "Move data points by dragging them (e); with Alt pressed, for one drag";
+  const button = el("button", { type: "button", class: "chip", id: "edit", title, onclick: toggle }, "Edit");
+  byId("tools").append(button);
+  const update = () => {
+    const { editing } = view.value;
+    button.setAttribute("aria-pressed", String(editing));
+    hall.stage.canvas.classList.toggle("edits", editing);
+  };
+  view.subscribe(update);
+  update();
+  addEventListener("keydown", (event) => {
+    const { target, key, altKey, ctrlKey, metaKey } = event;
+    if (key !== "e" || altKey || ctrlKey || metaKey || event.defaultPrevented) return;
+    if (target instanceof Element && target.closest("input:not([type=range]), textarea, select, [contenteditable]")) return;
+    event.preventDefault();
+    toggle();
+  });
+}
